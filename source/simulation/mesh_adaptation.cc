@@ -48,29 +48,23 @@ namespace tombolo
     }
 
     template <int dim>
-    void write_state(Model<dim> &model, MechanicalStep<dim> &step, const Clock &clock,
-                     const std::string &file)
+    void write_state(Model<dim> &model, const Clock &clock, const std::string &file)
     {
       StateArchive archive(file, StateArchive::Mode::write, model.communicator);
       serialize_model(model, archive);
       follow_division(model, archive, clock);
-      if (model.has_mechanics)
-        step.serialize(archive);
       MeshTransfer<dim>::write(model, archive);
       archive.close();
     }
 
     template <int dim>
-    void read_state(Model<dim> &model, MechanicalStep<dim> &step, const Clock &clock,
-                    const std::string &file)
+    void read_state(Model<dim> &model, const Clock &clock, const std::string &file)
     {
       StateArchive archive(file, StateArchive::Mode::read, model.communicator);
       const MeshTransfer<dim> transfer(model, archive);
       serialize_model(model, archive, &transfer);
       transfer.settle_volumes(model);
       follow_division(model, archive, clock);
-      if (model.has_mechanics)
-        step.serialize(archive);
       transfer.restore_momentum(model);
       if (model.heat)
         find_enthalpies(*model.heat);
@@ -101,10 +95,10 @@ namespace tombolo
       const auto before = ModelContent::of(*model);
       const double eroded = model->heat ? model->heat->eroded_heat : 0.,
                    eroding = model->heat ? model->heat->eroding_heat : 0.;
-      write_state(*model, step, clock, file);
+      write_state(*model, clock, file);
       rebuild(*wanted);
       log.change_nodes(model->state.partition()->n_global(), clock.step);
-      read_state(*model, step, clock, file);
+      read_state(*model, clock, file);
       if (model->heat)
       {
         model->heat->eroded_heat = eroded;

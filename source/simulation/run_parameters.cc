@@ -49,7 +49,6 @@ namespace tombolo
                           "directory of its name within `Output directory`.");
     handler.enter_subsection("Time step");
     StepSize<dim>::declare_parameters(handler);
-    MechanicalStep<dim>::declare_parameters(handler);
     handler.leave_subsection();
     handler.enter_subsection("Output");
     OutputSchedule::declare_parameters(handler);
@@ -95,13 +94,7 @@ namespace tombolo
             StaticSteps<dim>::validate(parameters);
           });
     else if (physics.has_mechanics)
-    {
       parameters.attempt([&] { StepSize<dim> step_size(parameters); });
-      parameters.attempt(
-          [&] {
-            create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");
-          });
-    }
     parameters.attempt([&] { InitialState<dim>::validate(parameters); });
     if (has_end)
       parameters.attempt([&]

@@ -22,7 +22,6 @@ namespace tombolo
     {
       ledger.serialize(archive, last_balance);
       step_size.serialize(archive, *model);
-      step.serialize(archive);
     }
     if (thermal_step)
       thermal_step->serialize(archive, *model, last_heat_balance);

@@ -13,6 +13,7 @@ namespace tombolo
     };
 
     constexpr RemovedEntry removed_entries[] = {
+        {"Time step/Integrator", "", "Leave it out: steps are central differences."},
         {"Heat/explicit/Estimator", "",
          "Leave it out: the limit is that of the spectrum, which is a bound."},
         {"Time step/Estimator", "",

@@ -17,10 +17,6 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void CentralDifferences<dim>::declare_parameters(dealii::ParameterHandler &)
-  {}
-
-  template <int dim>
   void CentralDifferences<dim>::advance(Model<dim> &model, const Clock &clock)
   {
     Bridge &bridge = *model.bridge;
@@ -72,7 +68,4 @@ namespace tombolo
 
   template class CentralDifferences<2>;
   template class CentralDifferences<3>;
-
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(MotionIntegrator, CentralDifferences, "central differences",
-                                  "explicit central differences (eqs 22-25)")
 } // namespace tombolo

@@ -4,8 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/physics/mechanics/central_differences.h>
-#include <tombolo/state/state_archive.h>
 
 #include <cmath>
 #include <sstream>
@@ -54,7 +52,7 @@ namespace tombolo
   void MechanicalStep<dim>::advance(const Clock &clock)
   {
     stopwatch.start();
-    integrator->advance(model, clock); // (22)-(25), (52)-(56)
+    differences.advance(model, clock); // (22)-(25), (52)-(56)
     stopwatch.lap("motion");
     for (const auto &process : model.processes)
       process->after_motion(model, clock);
@@ -62,32 +60,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void MechanicalStep<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    handler.declare_entry(
-        "Integrator", "central differences",
-        Patterns::Selection(Registry<MotionIntegrator<dim>>::instance().selection()),
-        "How positions and velocities follow the acceleration.");
-    Registry<MotionIntegrator<dim>>::instance().declare_all(handler);
-  }
-
-  template <int dim>
-  MechanicalStep<dim>::MechanicalStep(Model<dim> &model, const Section &time_step)
-      : model(model), assembly(model.parts), failures(model.communicator)
-  {
-    const std::string name = time_step.get("Integrator");
-    integrator =
-        Registry<MotionIntegrator<dim>>::instance().create(name, time_step.subsection(name));
-  }
-
-  template <int dim>
   MechanicalStep<dim>::MechanicalStep(Model<dim> &model)
-      : model(model), assembly(model.parts),
-        integrator(std::make_unique<CentralDifferences<dim>>()), failures(model.communicator)
+      : model(model), assembly(model.parts), failures(model.communicator)
   {}
-
-  template <int dim>
-  MechanicalStep<dim>::~MechanicalStep() = default;
 
   template <int dim>
   void MechanicalStep<dim>::add_internal_force(const Clock &clock)
@@ -162,13 +137,6 @@ namespace tombolo
   void MechanicalStep<dim>::check_now()
   {
     failures.end();
-  }
-
-  template <int dim>
-  void MechanicalStep<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("motion");
-    integrator->serialize(model, archive);
   }
 
   template <int dim>

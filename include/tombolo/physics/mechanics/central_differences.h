@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/physics/mechanics/motion_integrator.h>
+#include <tombolo/base/clock.h>
+#include <tombolo/model/model.h>
 
 namespace tombolo
 {
@@ -19,14 +20,13 @@ namespace tombolo
    * costs twice the smoothing) changes x without changing it and carries a rigid rotation exactly.
    */
   template <int dim>
-  class CentralDifferences : public MotionIntegrator<dim>
+  class CentralDifferences
   {
   public:
-    CentralDifferences() = default;
-    explicit CentralDifferences(const Section &) {}
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    void advance(Model<dim> &model, const Clock &clock) override;
+    /** From positions at t_n, unsmoothed velocities at t_{n-1/2} and the acceleration at t_n
+     * (ghosts of all three and of the velocity are current) to positions at t_{n+1} and unsmoothed
+     * velocities at t_{n+1/2}, with current ghosts. Collective. */
+    void advance(Model<dim> &model, const Clock &clock);
 
   private:
     NodalVector rate, field; // scratch, where velocities are sharpened

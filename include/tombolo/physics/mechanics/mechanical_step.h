@@ -6,9 +6,7 @@
 #include <tombolo/base/stopwatch.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/mechanics/motion_integrator.h>
-
-#include <memory>
+#include <tombolo/physics/mechanics/central_differences.h>
 
 namespace tombolo
 {
@@ -22,15 +20,7 @@ namespace tombolo
   class MechanicalStep
   {
   public:
-    /** Declares entries of section "Time step". */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    /** With the integrator of section "Time step". Throws InputError. */
-    MechanicalStep(Model<dim> &model, const Section &time_step);
-
-    /** With central differences. */
     explicit MechanicalStep(Model<dim> &model);
-    ~MechanicalStep();
 
     /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns what
      * has changed in the model. Throws RunError on all ranks when a value stopped being finite, one
@@ -48,10 +38,6 @@ namespace tombolo
      * next. Collective. */
     void check_now();
 
-    /** Writes to a checkpoint, or reads from it, what the steps so far leave to the next beside the
-     * model. Collective. */
-    void serialize(StateArchive &archive);
-
     /** Wall time of the phases of all steps on this rank. */
     const Stopwatch &times() const;
 
@@ -61,7 +47,7 @@ namespace tombolo
 
     Model<dim> &model;
     Assembly<dim> assembly;
-    std::unique_ptr<MotionIntegrator<dim>> integrator;
+    CentralDifferences<dim> differences;
     FailureAgreement failures;
     Stopwatch stopwatch;
   };

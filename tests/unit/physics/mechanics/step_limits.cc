@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(
         with(particles("1.5", "fe matched", 0.3), "", "set Disorder = 0.2", {4, 4, 3}),
         with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
 
-TEST(CourantEstimator, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
+TEST(CourantLimit, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
 {
   FrozenBody<3> body(particles("1.8", "paper", 0.49));
   EXPECT_NEAR(courant_limit(*body.model).time_step, 1.8, 1e-12);
