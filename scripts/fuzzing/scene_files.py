@@ -278,9 +278,7 @@ class Writer:
         if name_in_file == scenes.SMOOTHED_PARTICLES:
             self.smoothed_particles(material)
         elif name_in_file == scenes.SMOOTHED_CELLS:
-            self.set("Basis", scene["convex basis"])
             self.set("Dilation", scene["convex dilation"])
-            self.set("Integration", scene["convex rule"])
             if scene["refill"] is not None:
                 self.set("Refill stretch", scene["refill"]["stretch"])
                 self.set("Refill surface", scene["refill"]["surface"])

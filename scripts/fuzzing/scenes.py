@@ -80,12 +80,15 @@ def drawn(seed):
 def drawn_smoothed(generator):
     """Smoothed particles and smoothed cells; drawn last, so that all else of a scene is as without them."""
     choice = generator.choice
-    return {"smoothed particles": maybe(generator, 0.25), "smoothed cells": maybe(generator, 0.25),
+    smoothed = {
+            "smoothed particles": maybe(generator, 0.25), "smoothed cells": maybe(generator, 0.25),
             "smoothing length": choice([1.5, 1.5, 1.2, 1.8]), "radial kernel": choice(["hyperbolic spline", "cubic spline"]),
             "radial gradient": choice(["corrected", "corrected", "corrected", "paper"]),
-            "pair terms": [name for name in PAIR_TERMS if maybe(generator, 0.3)],
-            "convex basis": choice(["exponential", "inverse tangent", "hyperbolic tangent"]),
-            "convex dilation": choice([1.1, 1.1, 1.5]), "convex rule": choice(["smoothed", "smoothed", "smoothed", "Gauss"])}
+            "pair terms": [name for name in PAIR_TERMS if maybe(generator, 0.3)]}
+    unused(generator, 3)
+    smoothed["convex dilation"] = choice([1.1, 1.1, 1.5])
+    unused(generator, 4)
+    return smoothed
 
 
 def drawn_adaptive(generator):
@@ -265,7 +268,7 @@ def legal(scene):
         scene["formulations"] = ["lagrange hexahedron"] * 2
     if scene["smoothed cells"] and ELEMENTS[1] in formulations_of(scene):
         scene["erosion"] = None
-        if scene["convex rule"] == "Gauss" or (scene["scaling"] and scene["scaling"]["target"]):
+        if scene["scaling"] and scene["scaling"]["target"]:
             scene["refill"] = None
     else:
         scene["refill"] = None
@@ -321,7 +324,7 @@ SIMPLER = {
     "degree": [1], "bridge": ["paper"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],
-    "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"], "refill": [None],
+    "radial gradient": ["corrected"], "smoothing length": [1.5], "refill": [None],
     "refined": [None], "adaptive": [None]}
 
 

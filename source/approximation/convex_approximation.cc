@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/convex_minimum.h>
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/node_partition.h>
 
@@ -36,9 +37,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  ConvexApproximation<dim>::ConvexApproximation(std::shared_ptr<const Kernel> kernel,
-                                                const ConvexBasis basis)
-      : chosen_kernel(std::move(kernel)), basis(basis)
+  ConvexApproximation<dim>::ConvexApproximation(std::shared_ptr<const Kernel> kernel)
+      : chosen_kernel(std::move(kernel))
   {}
 
   template <int dim>
@@ -100,9 +100,8 @@ namespace tombolo
   void ConvexApproximation<dim>::find_basis(const Tensor<1, dim> &multiplier)
   {
     const std::size_t n = padded_to_eight(active.size());
-    for (std::vector<double> *const buffer : {&basis_value, &basis_slope, &basis_integral})
-      if (buffer->size() < n)
-        buffer->resize(n);
+    if (basis_value.size() < n)
+      basis_value.resize(n);
     double *const value = basis_value.data();
     for (std::size_t k = 0; k < n; ++k)
     {
@@ -111,7 +110,8 @@ namespace tombolo
         argument += multiplier[d] * offset[d][k];
       value[k] = argument;
     }
-    evaluate_convex_basis(basis, n, value, basis_slope.data(), basis_integral.data());
+    for (std::size_t k = 0; k < n; ++k)
+      value[k] = std::exp(value[k]);
   }
 
   template <int dim>
@@ -119,7 +119,7 @@ namespace tombolo
   ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier)
   {
     find_basis(multiplier);
-    // Σ w G, Σ w Γ, the gradient, and then the lower half of the Hessian.
+    // Σ w exp, the gradient, and then the lower half of the Hessian.
     constexpr unsigned int n_hessian = dim * (dim + 1) / 2;
     EightDoubles first[8], hessian[8];
     for (unsigned int i = 0; i < 8; ++i)
@@ -128,32 +128,29 @@ namespace tombolo
     {
       const EightDoubles of_weight = load_eight(weight.data() + k);
       const EightDoubles value = of_weight * load_eight(basis_value.data() + k);
-      const EightDoubles of_slope = of_weight * load_eight(basis_slope.data() + k);
-      first[0] += of_weight * load_eight(basis_integral.data() + k);
-      first[1] += value;
+      first[0] += value;
       EightDoubles at[dim];
       TOMBOLO_UNROLL
       for (unsigned int i = 0; i < dim; ++i)
       {
         at[i] = load_eight(offset[i].data() + k);
-        first[2 + i] += value * at[i];
+        first[1 + i] += value * at[i];
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j <= i; ++j)
-          hessian[i * (i + 1) / 2 + j] += of_slope * at[i] * at[j];
+          hessian[i * (i + 1) / 2 + j] += value * at[i] * at[j];
       }
     }
     double of_first[8], of_hessian[8];
     store_eight(sums_of(first), of_first);
     store_eight(sums_of(hessian), of_hessian);
-    static_assert(2 + dim <= 8 && n_hessian <= 8, "Sums fit into eight doubles.");
+    static_assert(1 + dim <= 8 && n_hessian <= 8, "Sums fit into eight doubles.");
     Sums sums;
-    sums.potential = of_first[0];
-    sums.total = of_first[1];
+    sums.potential = sums.total = of_first[0];
     if (!(sums.total > 0.))
       sums.potential = std::numeric_limits<double>::infinity();
     for (unsigned int i = 0; i < dim; ++i)
     {
-      sums.gradient[i] = of_first[2 + i];
+      sums.gradient[i] = of_first[1 + i];
       for (unsigned int j = 0; j <= i; ++j)
         sums.hessian[i][j] = sums.hessian[j][i] = of_hessian[i * (i + 1) / 2 + j];
     }
@@ -190,7 +187,7 @@ namespace tombolo
       for (std::size_t k = 0; k < active.size(); ++k)
       {
         right_hand_side += (weight_gradient[k][axis] * basis_value[k] -
-                            weight[k] * basis_slope[k] * multiplier[axis] / mean_support) *
+                            weight[k] * basis_value[k] * multiplier[axis] / mean_support) *
                            offset_of(k);
         right_hand_side[axis] -= weight[k] * basis_value[k] / mean_support;
       }
@@ -201,7 +198,7 @@ namespace tombolo
       {
         const double numerator =
             weight_gradient[k][axis] * basis_value[k] +
-            weight[k] * basis_slope[k] * (change * offset_of(k) - multiplier[axis] / mean_support);
+            weight[k] * basis_value[k] * (change * offset_of(k) - multiplier[axis] / mean_support);
         gradient[active[k]][axis] = numerator;
         sum += numerator;
       }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/moved_convex_values.h>
 
+#include <tombolo/base/simd/vector_math.h>
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tombolo
@@ -11,9 +13,8 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  MovedConvexValues<dim>::MovedConvexValues(std::shared_ptr<const Kernel> kernel,
-                                            const ConvexBasis basis)
-      : kernel(std::move(kernel)), basis(basis)
+  MovedConvexValues<dim>::MovedConvexValues(std::shared_ptr<const Kernel> kernel)
+      : kernel(std::move(kernel))
   {}
 
   template <int dim>
@@ -41,7 +42,7 @@ namespace tombolo
     numbers.resize(size);
     for (std::vector<double> *const buffer : {&coordinate, &offset, &factor, &slope})
       buffer->resize(size * dim);
-    for (std::vector<double> *const buffer : {&weight, &basis_value, &basis_slope, &basis_integral})
+    for (std::vector<double> *const buffer : {&weight, &basis_value})
       buffer->resize(size);
   }
 
@@ -128,8 +129,10 @@ namespace tombolo
         argument += multiplier[d] * load_eight(of_row + d * most_places);
       store_eight(argument, basis_value.data() + row * most_places);
     }
-    evaluate_convex_basis(basis, n_rows * most_places, basis_value.data(), basis_slope.data(),
-                          basis_integral.data());
+    double *const value = basis_value.data();
+    const std::size_t n = n_rows * most_places;
+    for (std::size_t k = 0; k < n; ++k)
+      value[k] = std::exp(value[k]);
   }
 
   template <int dim>
@@ -138,7 +141,7 @@ namespace tombolo
   {
     find_basis(multiplier);
     Sums sums;
-    sums.potential = sums.total = 0.;
+    sums.total = 0.;
     for (EightDoubles &entry : sums.residual)
       entry = 0.;
     for (EightDoubles &entry : sums.hessian)
@@ -148,8 +151,6 @@ namespace tombolo
       const std::size_t first = row * most_places;
       const EightDoubles of_weight = load_eight(weight.data() + first);
       const EightDoubles value = of_weight * load_eight(basis_value.data() + first);
-      const EightDoubles of_slope = of_weight * load_eight(basis_slope.data() + first);
-      sums.potential += of_weight * load_eight(basis_integral.data() + first);
       sums.total += value;
       EightDoubles at[dim];
       TOMBOLO_UNROLL
@@ -159,7 +160,7 @@ namespace tombolo
         sums.residual[i] += value * at[i];
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j <= i; ++j)
-          sums.hessian[i * (i + 1) / 2 + j] += of_slope * at[i] * at[j];
+          sums.hessian[i * (i + 1) / 2 + j] += value * at[i] * at[j];
       }
     }
     return sums;
@@ -241,8 +242,8 @@ namespace tombolo
         std::experimental::where(is_large, multiplier[d]) += step[d];
       const Sums next = sums_at(multiplier);
       const EightDoubles next_norm = norm_of(next);
-      is_open &= bits_of(abs(next.potential) < largest) & bits_of(next.total > 0.) &
-                 (bits_of(next.potential <= sums.potential + least_decrease * predicted) |
+      is_open &= bits_of(next.total < largest) & bits_of(next.total > 0.) &
+                 (bits_of(next.total <= sums.total + least_decrease * predicted) |
                   bits_of(next_norm <= 0.5 * norm));
       sums = next;
       norm = next_norm;

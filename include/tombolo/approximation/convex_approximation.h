@@ -4,7 +4,6 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/approximation/convex_basis.h>
 #include <tombolo/approximation/kernel.h>
 
 #include <array>
@@ -14,17 +13,17 @@
 namespace tombolo
 {
   /**
-   * Generalized meshfree approximation with positive functions (Wu, Park and Chen, Int. J. Numer.
-   * Meth. Engng 85, 693-722, 2011; for the exponential Arroyo and Ortiz, ibid. 65, 2167-2202,
-   * 2006): at a point x with neighbours J and weights w_J = Π_k w((x_J,k - x_k)/a_J,k),
+   * The positive functions of largest entropy (Arroyo and Ortiz, Int. J. Numer. Meth. Engng 65,
+   * 2167-2202, 2006), one of the bases of Wu, Park and Chen (ibid. 85, 693-722, 2011): at a point x
+   * with neighbours J and weights w_J = Π_k w((x_J,k - x_k)/a_J,k),
    *
    * @verbatim
-   *   Ψ_J = w_J Γ(λ·ξ_J) / Σ w Γ,   ξ_J = (x_J - x)/a,   a: the mean half width
-   *   λ:  r(λ) = Σ w_J Γ(λ·ξ_J) ξ_J = 0
+   *   Ψ_J = w_J exp(λ·ξ_J) / Σ w exp,   ξ_J = (x_J - x)/a,   a: the mean half width
+   *   λ:  r(λ) = Σ w_J exp(λ·ξ_J) ξ_J = 0
    * @endverbatim
    *
-   * so that Σ Ψ_J = 1, Σ Ψ_J x_J = x and Ψ_J >= 0. r is the gradient of F(λ) = Σ w G(λ·ξ) with
-   * G' = Γ, which is strictly convex, and has a minimum where x is inside of the convex hull of its
+   * so that Σ Ψ_J = 1, Σ Ψ_J x_J = x and Ψ_J >= 0. r is the gradient of F(λ) = Σ w exp(λ·ξ), which
+   * is strictly convex, and has a minimum where x is inside of the convex hull of its
    * neighbours; Newton's method with a rule of acceptance finds it. Neighbours in one plane (on one
    * line) with x give the functions of that plane.
    */
@@ -32,7 +31,7 @@ namespace tombolo
   class ConvexApproximation
   {
   public:
-    ConvexApproximation(std::shared_ptr<const Kernel> kernel, ConvexBasis basis);
+    explicit ConvexApproximation(std::shared_ptr<const Kernel> kernel);
 
     /** What evaluate() found. */
     struct Result
@@ -64,10 +63,10 @@ namespace tombolo
     double find_weights(const dealii::Point<dim> &x, unsigned int n, const double *position,
                         const double *support, bool with_gradients);
 
-    /** F, r, Σ w Γ and the Hessian at one λ. */
+    /** F = Σ w exp, r and the Hessian at one λ. */
     struct Sums
     {
-      double potential = 0, total = 0; ///< the former not finite where the latter is not positive
+      double potential = 0, total = 0; ///< F; the former not finite where it is not positive
       dealii::Tensor<1, dim> gradient;
       dealii::Tensor<2, dim> hessian;
 
@@ -78,7 +77,7 @@ namespace tombolo
     };
     Sums sums_at(const dealii::Tensor<1, dim> &multiplier);
 
-    /** Γ, its derivative and its integral at the offsets of all active neighbours. */
+    /** exp(λ·ξ) of all active neighbours. */
     void find_basis(const dealii::Tensor<1, dim> &multiplier);
 
     /** minimize(), and Ψ_J to @p value. */
@@ -101,11 +100,10 @@ namespace tombolo
     }
 
     std::shared_ptr<const Kernel> chosen_kernel;
-    ConvexBasis basis;
     std::vector<double> coordinate, factor, slope; // of the kernel, axis by axis
     std::vector<unsigned int> active;              // neighbours with a weight
     // Of active ones, padded to multiples of eight by neighbours at the point without a weight.
-    std::vector<double> weight, basis_value, basis_slope, basis_integral;
+    std::vector<double> weight, basis_value;
     std::array<std::vector<double>, dim> offset;
     std::vector<dealii::Tensor<1, dim>> weight_gradient; // of active ones
   };

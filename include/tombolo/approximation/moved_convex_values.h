@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/convex_basis.h>
 #include <tombolo/approximation/kernel.h>
 #include <tombolo/base/simd/eight_doubles.h>
 
@@ -24,7 +23,7 @@ namespace tombolo
   public:
     static constexpr unsigned int most_places = 8;
 
-    MovedConvexValues(std::shared_ptr<const Kernel> kernel, ConvexBasis basis);
+    explicit MovedConvexValues(std::shared_ptr<const Kernel> kernel);
 
     /** @p n neighbours of all places, with arrays as of ConvexApproximation::evaluate_moved(). */
     void set_neighbours(unsigned int n, const double *position, const double *support,
@@ -54,10 +53,10 @@ namespace tombolo
     }
 
   private:
-    /** F, r, Σ w Γ and the lower half of the Hessian at one λ a lane. */
+    /** F = Σ w exp, r and the lower half of the Hessian at one λ a lane. */
     struct Sums
     {
-      EightDoubles potential, total, residual[dim], hessian[dim * (dim + 1) / 2];
+      EightDoubles total, residual[dim], hessian[dim * (dim + 1) / 2];
     };
 
     void find_neighbours(unsigned int place, const dealii::Point<dim> &x,
@@ -66,13 +65,12 @@ namespace tombolo
     void find_basis(const EightDoubles (&multiplier)[dim]);
     Sums sums_at(const EightDoubles (&multiplier)[dim]);
 
-    /** |r| / Σ w Γ */
+    /** |r| / Σ w exp */
     static EightDoubles norm_of(const Sums &sums);
     /** Newton's step; returns its product with r. */
     static EightDoubles find_step(const Sums &sums, EightDoubles (&step)[dim]);
 
     std::shared_ptr<const Kernel> kernel;
-    ConvexBasis basis;
     // Of neighbours, padded to multiples of eight by ones that reach nothing.
     std::array<std::vector<double>, dim> initial, inverse_support, moved;
     std::size_t n_neighbours = 0;
@@ -83,6 +81,6 @@ namespace tombolo
     std::array<unsigned int, most_places> n_active{};
     std::vector<unsigned int> numbers;
     std::vector<double> coordinate, offset, factor, slope;
-    std::vector<double> weight, basis_value, basis_slope, basis_integral; // by row and lane
+    std::vector<double> weight, basis_value; // by row and lane
   };
 } // namespace tombolo

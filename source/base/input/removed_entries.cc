@@ -13,6 +13,8 @@ namespace tombolo
     };
 
     constexpr RemovedEntry removed_entries[] = {
+        {"smoothed cells/Basis", "", "Leave it out: functions are those of largest entropy."},
+        {"smoothed cells/Integration", "Gauss", "Take `smoothed`, which passes the patch test."},
         {"Time step/Integrator", "", "Leave it out: steps are central differences."},
         {"Heat/explicit/Estimator", "",
          "Leave it out: the limit is that of the spectrum, which is a bound."},

@@ -93,10 +93,6 @@ namespace tombolo
                    "\"Integration = smoothed\".");
     if (of_part.get(remap_entry) == "interpolation")
       chosen_remap = RefillRemap::interpolation;
-    else if (of_part.get("Integration") == "Gauss")
-      of_part.fail("Integration", "the conservative remap of refills knows sub-cells and whole "
-                                  "cells, no Gauss points; allowed with \"Gauss\" are \"Refill "
-                                  "remap = interpolation\" and no \"Refill stretch\".");
   }
 
   template <int dim>

@@ -21,20 +21,15 @@ namespace tombolo
                           Patterns::Selection(Registry<Kernel>::instance().selection()),
                           "The kernel of the convex approximation.");
     handler.declare_entry(
-        "Basis", "exponential", Patterns::Selection(convex_basis_selection()),
-        "The function that makes the approximation convex: the exponential (largest entropy), or "
-        "1 + 2/π atan (Wu et al. 2015), or 1 + tanh.");
-    handler.declare_entry(
         "Dilation", "1.1", Patterns::Double(),
         "Half width of a support over the largest distance to a neighbouring node, axis by axis; "
         "1.05 to 2. 1.1 has the waves of elements; 1.5 halves static errors and has longer steps, "
         "at three times the cost.");
     handler.declare_entry(
-        "Integration", "smoothed", Patterns::Selection("smoothed|one point|Gauss"),
+        "Integration", "smoothed", Patterns::Selection("smoothed|one point"),
         "smoothed: four sub-cells a cell, with gradients from the functions on their facets, which "
         "pass the patch test in every mesh; one point: the gradients at the middle of the cell, as "
-        "in Wu et al. 2015; Gauss: those at 2^dim Gauss points. The last two are exact on lattices "
-        "only.");
+        "in Wu et al. 2015, which are exact on lattices only.");
   }
 
   template <int dim>
@@ -42,7 +37,6 @@ namespace tombolo
       : dilation(section.get_double("Dilation")),
         rule(smoothed_integration_rule(section.get("Integration"))),
         kernel(Registry<Kernel>::instance().create(section.get("Kernel"), section)),
-        basis(convex_basis_of(section.get("Basis"))),
         shares_of_points(corner_shares_of_points<dim>(rule))
   {
     if (!(dilation >= 1.05 && dilation <= 2.))
@@ -76,8 +70,8 @@ namespace tombolo
     if (position == nullptr || setup.void_cells != nullptr || !surroundings)
       surroundings = std::make_shared<const CellSurroundings<dim>>(setup, dilation);
     const std::vector<SmoothedCell<dim>> &cells = surroundings->cells;
-    SmoothedRowBuilder<dim> builder(*surroundings, ConvexApproximation<dim>(kernel, basis),
-                                    MovedConvexValues<dim>(kernel, basis), position);
+    SmoothedRowBuilder<dim> builder(*surroundings, ConvexApproximation<dim>(kernel),
+                                    MovedConvexValues<dim>(kernel), position);
     std::vector<SmoothedRow<dim>> rows_of_cells;
     rows_of_cells.reserve(cells.size() * n_points_per_cell());
     std::vector<types::global_dof_index> first_node;

@@ -58,9 +58,9 @@ namespace
   class ConvexFunctions
   {
   public:
-    ConvexFunctions(const std::string &basis, const ConvexCloud<dim> &cloud)
-        : approximation(make_kernel("cubic spline"), convex_basis_of(basis)), cloud(cloud),
-          value(cloud.size()), gradient(cloud.size())
+    explicit ConvexFunctions(const ConvexCloud<dim> &cloud)
+        : approximation(make_kernel("cubic spline")), cloud(cloud), value(cloud.size()),
+          gradient(cloud.size())
     {}
 
     typename ConvexApproximation<dim>::Result at(const Point<dim> &x)
@@ -88,15 +88,11 @@ namespace
     std::vector<Tensor<1, dim>> gradient;
   };
 
-  class EveryBasis : public ::testing::TestWithParam<std::string>
-  {};
-
   template <int dim>
-  void expect_consistent(const std::string &basis, const double disorder, const double dilation,
-                         const double origin)
+  void expect_consistent(const double disorder, const double dilation, const double origin)
   {
     const ConvexCloud<dim> cloud(6, disorder, dilation, origin);
-    ConvexFunctions<dim> functions(basis, cloud);
+    ConvexFunctions<dim> functions(cloud);
     std::mt19937 random(5);
     std::uniform_real_distribution<double> inside(1.2, 3.8);
     // Coordinates far from the origin have fewer digits behind the point.
@@ -125,28 +121,24 @@ namespace
         of_positions[d][d] -= 1.;
       EXPECT_LE(of_positions.norm(), 1e-11 * digits);
     }
-    if (basis == "exponential")
-    {
-      EXPECT_LE(n_iterations, 6 * n_points);
-    }
+    EXPECT_LE(n_iterations, 6 * n_points);
   }
 
-  TEST_P(EveryBasis, is_positive_and_reproduces_linear_functions)
+  TEST(ConvexApproximation, is_positive_and_reproduces_linear_functions)
   {
     for (const double dilation : {1.1, 1.5, 2., 3.})
       for (const double disorder : {0., 0.3})
       {
-        expect_consistent<2>(GetParam(), disorder, dilation, 0.);
-        expect_consistent<3>(GetParam(), disorder, dilation, 0.);
+        expect_consistent<2>(disorder, dilation, 0.);
+        expect_consistent<3>(disorder, dilation, 0.);
       }
-    expect_consistent<3>(GetParam(), 0.3, 1.5, 1e4);
+    expect_consistent<3>(0.3, 1.5, 1e4);
   }
 
-  TEST_P(EveryBasis, has_the_gradient_of_its_values)
+  TEST(ConvexApproximation, has_the_gradient_of_its_values)
   {
     const ConvexCloud<3> cloud(6, 0.3, 1.5);
-    ConvexFunctions<3> functions(GetParam(), cloud), forward(GetParam(), cloud),
-        backward(GetParam(), cloud);
+    ConvexFunctions<3> functions(cloud), forward(cloud), backward(cloud);
     constexpr double h = 1e-5;
     for (const Point<3> &x : {Point<3>(2.1, 2.6, 1.7), Point<3>(3.4, 1.5, 2.9)})
     {
@@ -172,7 +164,7 @@ namespace
             1.1 * x[2] + 0.05 * x[0] * x[1]};
   }
 
-  TEST_P(EveryBasis, has_the_gradient_of_its_values_where_nodes_have_moved)
+  TEST(ConvexApproximation, has_the_gradient_of_its_values_where_nodes_have_moved)
   {
     const ConvexCloud<3> cloud(6, 0.3, 1.5);
     std::vector<double> present;
@@ -181,8 +173,7 @@ namespace
       const Point<3> x = moved(cloud.node(k));
       present.insert(present.end(), {x[0], x[1], x[2], 0.});
     }
-    ConvexFunctions<3> functions(GetParam(), cloud), forward(GetParam(), cloud),
-        backward(GetParam(), cloud);
+    ConvexFunctions<3> functions(cloud), forward(cloud), backward(cloud);
     const auto evaluate =
         [&](ConvexFunctions<3> &of, const Point<3> &x, const Tensor<2, 3> &inverse)
     {
@@ -228,7 +219,7 @@ namespace
     }
   }
 
-  TEST_P(EveryBasis, gives_barycentric_coordinates_of_a_simplex)
+  TEST(ConvexApproximation, gives_barycentric_coordinates_of_a_simplex)
   {
     ConvexCloud<3> corners(0, 0., 1.);
     const double x[4][3] = {{0., 0., 0.}, {1., 0.1, 0.}, {0.2, 1.1, 0.}, {0.1, 0.3, 0.9}};
@@ -241,23 +232,23 @@ namespace
     Point<3> inside;
     for (unsigned int k = 0; k < 4; ++k)
       inside += share[k] * corners.node(k);
-    ConvexFunctions<3> functions(GetParam(), corners);
+    ConvexFunctions<3> functions(corners);
     ASSERT_TRUE(functions.at(inside).is_inside);
     for (unsigned int k = 0; k < 4; ++k)
       EXPECT_NEAR(functions.value[k], share[k], 1e-13);
   }
 
-  TEST_P(EveryBasis, finds_no_functions_outside_of_the_hull)
+  TEST(ConvexApproximation, finds_no_functions_outside_of_the_hull)
   {
     const ConvexCloud<3> cloud(4, 0., 1.5);
-    ConvexFunctions<3> functions(GetParam(), cloud);
+    ConvexFunctions<3> functions(cloud);
     EXPECT_FALSE(functions.at(Point<3>(-0.2, 1.3, 1.4)).is_inside);
     EXPECT_FALSE(functions.at(Point<3>(-9., 1.3, 1.4)).is_inside) << "no neighbours at all";
     for (const double value : functions.value)
       EXPECT_EQ(value, 0.);
   }
 
-  TEST_P(EveryBasis, solves_in_the_plane_of_its_neighbours)
+  TEST(ConvexApproximation, solves_in_the_plane_of_its_neighbours)
   {
     ConvexCloud<3> plane(0, 0., 1.);
     for (unsigned int i = 0; i < 4; ++i)
@@ -267,17 +258,17 @@ namespace
         plane.position.insert(plane.position.end(), {1. * i, 1. * j, 0.5 * i - 0.25 * j, 0.});
         plane.support.insert(plane.support.end(), {1.5, 1.5, 1.5, 0.});
       }
-    ConvexFunctions<3> functions(GetParam(), plane);
+    ConvexFunctions<3> functions(plane);
     const Point<3> x(1.3, 1.6, 0.5 * 1.3 - 0.25 * 1.6);
     ASSERT_TRUE(functions.at(x).is_inside);
     EXPECT_LE(functions.consistency_error(x), 1e-12);
   }
 
   /** Σ Ψ of the nodes that are not on the face x = 0, at the distance @p delta from it. */
-  double sum_off_face(const std::string &basis, const double delta)
+  double sum_off_face(const double delta)
   {
     const ConvexCloud<3> cloud(5, 0., 1.1);
-    ConvexFunctions<3> functions(basis, cloud);
+    ConvexFunctions<3> functions(cloud);
     EXPECT_TRUE(functions.at(Point<3>(delta, 2.3, 1.6)).is_inside);
     double sum = 0;
     for (unsigned int k = 0; k < cloud.size(); ++k)
@@ -286,13 +277,13 @@ namespace
     return sum;
   }
 
-  TEST_P(EveryBasis, interpolates_on_convex_faces_in_the_limit)
+  TEST(ConvexApproximation, interpolates_on_convex_faces_in_the_limit)
   {
     for (const double delta : {1e-1, 1e-3, 1e-5})
-      EXPECT_LE(sum_off_face(GetParam(), delta), 1.5 * delta);
+      EXPECT_LE(sum_off_face(delta), 1.5 * delta);
   }
 
-  TEST_P(EveryBasis, has_the_same_values_at_many_moved_places_at_a_time)
+  TEST(ConvexApproximation, has_the_same_values_at_many_moved_places_at_a_time)
   {
     const ConvexCloud<3> cloud(6, 0.3, 1.5);
     std::vector<double> present;
@@ -301,8 +292,8 @@ namespace
       const Point<3> x = moved(cloud.node(k));
       present.insert(present.end(), {x[0], x[1], x[2], 0.});
     }
-    ConvexFunctions<3> functions(GetParam(), cloud);
-    MovedConvexValues<3> together(make_kernel("cubic spline"), convex_basis_of(GetParam()));
+    ConvexFunctions<3> functions(cloud);
+    MovedConvexValues<3> together(make_kernel("cubic spline"));
     together.set_neighbours(cloud.size(), cloud.position.data(), cloud.support.data(),
                             present.data());
     constexpr unsigned int n = 5;
@@ -328,20 +319,5 @@ namespace
       for (unsigned int k = 0; k < cloud.size(); ++k)
         EXPECT_NEAR(values[k], functions.value[k], 1e-12);
     }
-  }
-
-  INSTANTIATE_TEST_SUITE_P(ConvexApproximation, EveryBasis,
-                           ::testing::Values("exponential", "inverse tangent",
-                                             "hyperbolic tangent"),
-                           [](const ::testing::TestParamInfo<std::string> &basis)
-                           {
-                             std::string name = basis.param;
-                             std::replace(name.begin(), name.end(), ' ', '_');
-                             return name;
-                           });
-
-  TEST(ConvexBasis, refuses_an_unknown_name)
-  {
-    EXPECT_ANY_THROW(convex_basis_of("linear"));
   }
 } // namespace

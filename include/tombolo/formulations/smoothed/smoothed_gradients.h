@@ -33,8 +33,8 @@ namespace tombolo
    * with area vectors A_T and centroids x_T of its facets T. On the boundary of the part, towards
    * other parts too, Ψ is the linear interpolation of the nodes of the face. So Σ_J G_qJ = 0,
    * Σ_J x_J ⊗ G_qJ = 1, and Σ_q V_q G_qJ is the area vector of node J on the boundary, that of
-   * linear elements: the patch test is passed, also beside elements. The other rules have ∇Ψ_J at
-   * points, and pass it on lattices only.
+   * linear elements: the patch test is passed, also beside elements. The other rule has ∇Ψ_J at the
+   * middle of a cell, and passes it on lattices only.
    *
    * Points are in the order of CellPoints: point q of cell c is number (c / n_lanes · n_points + q)
    * · n_lanes + c % n_lanes, where void cells are not counted; unused lanes of the last batch
@@ -44,7 +44,7 @@ namespace tombolo
   class SmoothedGradients
   {
   public:
-    /** `Basis`, `Dilation`, `Integration` and `Kernel`. */
+    /** `Dilation`, `Integration` and `Kernel`. */
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Throws InputError. */
@@ -95,7 +95,6 @@ namespace tombolo
     double dilation;
     SmoothedIntegrationRule rule;
     std::shared_ptr<const Kernel> kernel;
-    ConvexBasis basis;
     bool can_move = false;
     std::shared_ptr<const CellSurroundings<dim>> surroundings; // kept where positions can move
     std::vector<std::vector<double>> shares_of_points;

@@ -10,8 +10,6 @@
 #include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/state/nodal_vector.h>
 
-#include <deal.II/base/quadrature.h>
-
 #include <algorithm>
 #include <array>
 #include <sstream>
@@ -59,7 +57,7 @@ namespace tombolo
       find_neighbours(c);
       find_present_positions(cell);
       return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(cell, rows)
-                                                       : add_points(cell, rule, rows);
+                                                       : add_point(cell, rows);
     }
 
   private:
@@ -470,22 +468,16 @@ namespace tombolo
       return result;
     }
 
-    std::string add_points(const SmoothedCell<dim> &cell, const SmoothedIntegrationRule rule,
-                           std::vector<SmoothedRow<dim>> &rows)
+    std::string add_point(const SmoothedCell<dim> &cell, std::vector<SmoothedRow<dim>> &rows)
     {
-      const dealii::Quadrature<dim> quadrature = quadrature_of<dim>(rule);
-      for (unsigned int q = 0; q < quadrature.size(); ++q)
-      {
-        const PointOfCell<dim> of_start(quadrature.point(q), cell.corners);
-        const PointOfCell<dim> now(quadrature.point(q), corners);
-        const double volume = dealii::determinant(now.jacobian) * quadrature.weight(q);
-        if (!(volume > 0.))
-          return without_volume(cell, volume);
-        if (!evaluate_point(of_start, now))
-          return outside_of_hull(now.place);
-        rows.push_back(row_of(gradients, 1.));
-        rows.back().volume = volume;
-      }
+      const PointOfCell<dim> of_start(cell.corners), now(corners);
+      const double volume = dealii::determinant(now.jacobian);
+      if (!(volume > 0.))
+        return without_volume(cell, volume);
+      if (!evaluate_point(of_start, now))
+        return outside_of_hull(now.place);
+      rows.push_back(row_of(gradients, 1.));
+      rows.back().volume = volume;
       return {};
     }
 
