@@ -22,9 +22,8 @@ namespace tombolo
     std::string judgement_of_step(Model<dim> &model, const EnergyBalance &balance,
                                   const Clock &clock, const StepSize<dim> &step_size)
     {
-      const std::string cure =
-          std::string("a smaller step (`Time step/") +
-          (step_size.is_given() ? "Fixed" : "Safety factor") + "`) helps.";
+      const std::string cure = std::string("a smaller step (`Time step/") +
+                               (step_size.is_given() ? "Fixed" : "Safety factor") + "`) helps.";
       // Such energies come from steps alone, and their positions are not to be looked at.
       constexpr double without_bound = 1e3;
       const double put_in = std::abs(balance.initial_total + balance.external);

@@ -4,6 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/input/removed_entries.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -34,6 +35,9 @@ namespace tombolo
   std::string entry_hints(const ParameterDeclaration &root, const ParameterDeclaration &section,
                           const std::string &name)
   {
+    const std::string instead = instead_of_removed(joined_path(section.path, name));
+    if (!instead.empty())
+      return " It was removed. " + instead;
     const auto *const same_name = section.find(name);
     if (same_name != nullptr && same_name->is_section)
       return " " + in_quotes(name) + " is a section: write \"subsection " + name + "\".";
@@ -56,6 +60,15 @@ namespace tombolo
     if (names.empty() && !sections.empty())
       hints += " Its subsections: " + in_quotes(sections) + ".";
     return hints;
+  }
+
+  std::string value_hints(const std::string &path, const std::string &value,
+                          const std::vector<std::string> &alternatives)
+  {
+    const std::string instead = instead_of_removed(path, value);
+    if (!instead.empty())
+      return " This value was removed. " + instead;
+    return alternatives.empty() ? "" : did_you_mean(value, alternatives);
   }
 
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name)

@@ -8,7 +8,6 @@
 #include <tombolo/base/input/parameter_page.h>
 #include <tombolo/base/input/parameter_printer.h>
 #include <tombolo/base/input/registry.h>
-#include <tombolo/base/input/removed_entries.h>
 
 #include <algorithm>
 #include <memory>
@@ -191,14 +190,8 @@ namespace tombolo
       return; // refused by check_section()
     const std::string name = last_name(item.path);
     const ParameterDeclaration *entry = section->find(name);
-    const std::string instead = instead_of_removed(item.path, item.value);
     if (entry == nullptr || entry->is_section)
     {
-      if (!instead.empty())
-      {
-        mistakes.add(prefix(item) + ": entry " + in_quotes(item.path) + " was removed. " + instead);
-        return;
-      }
       mistakes.add(prefix(item) + ": unknown entry " + in_quotes(item.path) + "." +
                    entry_hints(declarations(), *section, name));
       if (const std::string nearest = nearest_name(name, section->entry_names()); !nearest.empty())
@@ -230,9 +223,7 @@ namespace tombolo
                  (is_missing && describe_pattern(entry->pattern) == "any text"
                       ? "the value is missing. It has no default: " + entry->documentation
                       : "allowed is " + describe_pattern(entry->pattern) + ".") +
-                 (!instead.empty()       ? " This value was removed. " + instead
-                  : alternatives.empty() ? ""
-                                         : did_you_mean(item.value, alternatives)));
+                 value_hints(entry->path, item.value, alternatives));
   }
 
   std::string Parameters::prefix_with_value(const Item &item) const

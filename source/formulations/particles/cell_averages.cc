@@ -107,8 +107,8 @@ namespace tombolo
     if (const std::string smoothing = section.get("Smoothing");
         smoothing != "affine" && smoothing != "none")
       return is_not("Smoothing", "affine");
-    for (const auto &[entry, value] :
-         {std::pair{"Configuration", "total Lagrangian"}, std::pair{"Kernels across gaps", "false"}})
+    for (const auto &[entry, value] : {std::pair{"Configuration", "total Lagrangian"},
+                                       std::pair{"Kernels across gaps", "false"}})
       if (const std::string other = is_not(entry, value); !other.empty())
         return other;
     if (section.get("Bond failure") != "none")

@@ -128,8 +128,8 @@ namespace tombolo
     if (setup.source || !setup.has_mechanics)
       return result;
     result.is_known = true;
-    result.defect = patch_test_defect(setup, particles, smooths, kernel.volumes(particles),
-                                      position, shape);
+    result.defect =
+        patch_test_defect(setup, particles, smooths, kernel.volumes(particles), position, shape);
     if (!averages.is_on() && averages.obstacle(setup).empty())
       result.cure = "Shape functions = cell averages";
     return result;

@@ -28,10 +28,9 @@ namespace tombolo
         "At the latest every so many steps the check is made whether the limit must be estimated "
         "anew; more often while cells or supports change fast.");
     handler.declare_alias("Check interval", "Look interval", true);
-    handler.declare_entry(
-        "Re-estimation threshold", "0.01", Patterns::Double(0., 1.),
-        "The estimate is repeated when the smallest length over wave speed "
-        "has changed by this fraction since the last one.");
+    handler.declare_entry("Re-estimation threshold", "0.01", Patterns::Double(0., 1.),
+                          "The estimate is repeated when the smallest length over wave speed "
+                          "has changed by this fraction since the last one.");
     handler.declare_alias("Re-estimation threshold", "Change that matters", true);
     handler.declare_entry(
         "Estimate interval", "40", Patterns::Integer(1, 1000000),

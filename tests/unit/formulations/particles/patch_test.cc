@@ -142,6 +142,5 @@ TEST(PatchTest, tells_what_forces_a_uniform_pressure_makes_that_its_tractions_do
 
 TEST(PatchTest, reckons_with_prescribed_particles_where_tractions_enter)
 {
-  expect_defect_of_pressure<3>(
-      {"moving least squares", "affine", "", "x < 1e-9 || z < 1e-9"});
+  expect_defect_of_pressure<3>({"moving least squares", "affine", "", "x < 1e-9 || z < 1e-9"});
 }

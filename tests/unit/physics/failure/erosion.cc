@@ -5,11 +5,11 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/physics/failure/erosion.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>

@@ -20,14 +20,14 @@ TEST_P(SteppedBlock, bisection_of_the_stepping_finds_the_limit_of_the_eigenvalue
 
 INSTANTIATE_TEST_SUITE_P(
     some, SteppedBlock,
-    ::testing::Values(
-        with(elements("hexahedron", "", 0.3), "", "", {3, 3, 2}),
-        with(particles("1.8", "paper", 0.3), "", "", {4, 4, 3}),
-        with(particles("1.8", "paper", 0.49), clamped, "", {4, 4, 3}),
-        with(particles("1.8", "affine", 0.49), clamped, "", {4, 4, 3}),
-        with(particles("1.8", "fe matched", 0.49), clamped, "", {4, 4, 3}),
-        with(particles("1.5", "fe matched", 0.3), "", "set Disorder = 0.2", {4, 4, 3}),
-        with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
+    ::testing::Values(with(elements("hexahedron", "", 0.3), "", "", {3, 3, 2}),
+                      with(particles("1.8", "paper", 0.3), "", "", {4, 4, 3}),
+                      with(particles("1.8", "paper", 0.49), clamped, "", {4, 4, 3}),
+                      with(particles("1.8", "affine", 0.49), clamped, "", {4, 4, 3}),
+                      with(particles("1.8", "fe matched", 0.49), clamped, "", {4, 4, 3}),
+                      with(particles("1.5", "fe matched", 0.3), "", "set Disorder = 0.2",
+                           {4, 4, 3}),
+                      with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
 
 TEST(CourantLimit, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
 {
