@@ -44,6 +44,12 @@ public:
     impedance = material.inertial_density() * material.longitudinal_wave_speed();
   }
 
+  /** Dashpots resist rates: static steps refuse the element. */
+  bool is_viscous() const
+  {
+    return true;
+  }
+
   void evaluate(const Lanes (&x)[n_nodes][dim], const Lanes (&v)[n_nodes][dim], Work &work,
                 Lanes (&volume)[1], Matrix3<Lanes> (&gradient)[1]) const
   {
