@@ -91,7 +91,7 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
       store_node(load_node(momentum.node(i)) / load_node(split.row_sums().node(i)),
                  velocity.node(i));
-    update_ghosts(hanging_nodes, velocity);
+    velocity.distribute();
   }
 
   void Bridge::apply_paper_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
@@ -132,7 +132,7 @@ namespace tombolo
     if (!settings.is_active || split.parts.empty())
     {
       smoothed.copy_from(unsmoothed);
-      update_ghosts(hanging_nodes, smoothed);
+      smoothed.distribute();
       return;
     }
     if (settings.affine)

@@ -108,7 +108,7 @@ namespace tombolo
                                                        std::size_t(row) * node_stride),
                    node);
       }
-    result.update_ghosts();
+    result.distribute();
   }
 
   void LoadTransfer::force_of_loads(const NodalVector &loads, NodalVector &force) const
@@ -143,7 +143,7 @@ namespace tombolo
                                                      std::size_t(row) * node_stride),
                    target);
       }
-    result.update_ghosts();
+    result.distribute();
   }
 
   void LoadTransfer::find_positions_in_lists()

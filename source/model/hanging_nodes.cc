@@ -215,15 +215,15 @@ namespace tombolo
   }
 
   template <int dim>
-  std::shared_ptr<HangingNodes> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+  std::optional<std::vector<DependentNode>> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                                                    const PartCells<dim> &part_cells,
                                                    const std::vector<Part<dim>> &parts)
   {
     if (!mesh.triangulation.has_hanging_nodes())
-      return nullptr;
+      return std::nullopt;
     const std::map<types::global_dof_index, Point<dim>> particles =
         particle_nodes(nodes, part_cells, parts);
-    std::vector<HangingNodes::Row> rows;
+    std::vector<DependentNode> rows;
     std::string failure;
     for (const auto &[node, weights] : middle_nodes(nodes, part_cells, parts))
       if (nodes.owned().is_element(node))
@@ -238,8 +238,8 @@ namespace tombolo
       }
     throw_on_all_ranks<InputError>(failure, nodes.communicator());
     if (Utilities::MPI::sum(rows.size(), nodes.communicator()) == 0)
-      return nullptr;
-    return std::make_shared<HangingNodes>(rows, nodes.dof_handler().n_dofs());
+      return std::nullopt;
+    return rows;
   }
 
   template void refuse_unfit_gradings<2>(const Mesh<2> &, const PartCells<2> &,
@@ -248,10 +248,10 @@ namespace tombolo
   template void refuse_unfit_gradings<3>(const Mesh<3> &, const PartCells<3> &,
                                          const std::vector<Part<3>> &,
                                          const std::vector<Section> &);
-  template std::shared_ptr<HangingNodes> find_hanging_nodes<2>(const Mesh<2> &, const Nodes<2> &,
+  template std::optional<std::vector<DependentNode>> find_hanging_nodes<2>(const Mesh<2> &, const Nodes<2> &,
                                                                const PartCells<2> &,
                                                                const std::vector<Part<2>> &);
-  template std::shared_ptr<HangingNodes> find_hanging_nodes<3>(const Mesh<3> &, const Nodes<3> &,
+  template std::optional<std::vector<DependentNode>> find_hanging_nodes<3>(const Mesh<3> &, const Nodes<3> &,
                                                                const PartCells<3> &,
                                                                const std::vector<Part<3>> &);
 } // namespace tombolo

@@ -328,7 +328,7 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         sum.node(model.state.partition()->local_index(node))[d] += momentum[d];
     sum.add_to_owners();
-    collect(model.hanging_nodes, sum);
+    sum.condense();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
     NodalVector &velocity = model.state.unsmoothed_velocity;
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
@@ -336,7 +336,7 @@ namespace tombolo
         if (const double mass = *model.bridge->mass().node(i);
             mass > 0. && (constrained.empty() || ((constrained[i] >> d) & 1u) == 0))
           velocity.node(i)[d] += sum.node(i)[d] / mass;
-    update_ghosts(model.hanging_nodes, velocity);
+    velocity.distribute();
   }
 
   template class MeshTransfer<2>;

@@ -61,14 +61,11 @@ namespace tombolo
     {
       bridge = std::make_unique<Bridge>(smoothing, trace);
       bridge->set_smoothed_parts(smoothed_parts(parts));
-      bridge->hanging_nodes = hanging_nodes;
     }
     if (physics.has_heat)
       heat = std::make_unique<ThermalModel<dim>>(thermal_sections, parameters.section("Heat"), mesh,
                                                  *nodes, parts, state.initial_position, smoothing,
                                                  trace);
-    if (heat)
-      heat->bridge.hanging_nodes = hanging_nodes;
     set_partition();
     state.reinit(partition, has_mechanics, smoothing.is_active && smoothing.affine);
     set_initial_positions();
@@ -99,7 +96,7 @@ namespace tombolo
                      { return part.formulation->cost_per_cell(*part.material, box_ratio); });
     balance(mesh, *part_cells, work);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
-    hanging_nodes = find_hanging_nodes(mesh, *nodes, *part_cells, parts);
+    dependent_nodes = find_hanging_nodes(mesh, *nodes, *part_cells, parts);
   }
 
   template <int dim>
@@ -207,16 +204,18 @@ namespace tombolo
     required.add_indices(conditions->required_nodes());
     if (heat)
       required.add_indices(heat->required_nodes());
-    if (hanging_nodes)
-      required.add_indices(hanging_nodes->required_nodes());
+    if (dependent_nodes)
+      for (const DependentNode &row : *dependent_nodes)
+        for (const auto &[node, weight] : row.weights)
+          required.add_index(node);
     required.compress();
     const auto next =
         std::make_shared<NodePartition>(nodes->owned(), required, communicator, symmetry, images);
     if (partition != nullptr)
       next->continue_counting(*partition);
+    if (dependent_nodes)
+      next->set_dependent_nodes(*dependent_nodes);
     partition = next;
-    if (hanging_nodes)
-      hanging_nodes->set_partition(partition);
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);
     conditions->set_partition(*partition);
@@ -298,7 +297,7 @@ namespace tombolo
         part.formulation->add_extra_mass(element_mass);
       }
     element_mass.add_to_owners();
-    collect(hanging_nodes, element_mass);
+    element_mass.condense();
     if (!is_scaled())
       return;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
@@ -307,7 +306,7 @@ namespace tombolo
     for (const Part<dim> &part : parts)
       part.formulation->add_mass(true_mass);
     true_mass.add_to_owners();
-    collect(hanging_nodes, true_mass);
+    true_mass.condense();
   }
 
   template <int dim>

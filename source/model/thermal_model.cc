@@ -2,6 +2,7 @@
 #include <tombolo/model/thermal_model.h>
 
 #include <tombolo/model/step_limit.h>
+#include <tombolo/state/dependent_nodes.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -67,7 +68,7 @@ namespace tombolo
       mass.reinit(partition, 1);
       part.formulation->add_mass(mass);
       mass.add_to_owners();
-      collect(bridge.hanging_nodes, mass);
+      mass.condense();
       const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
       const bool is_of_particles = part.particles != nullptr;
       if (is_of_particles)
@@ -103,7 +104,7 @@ namespace tombolo
     load_heat.reinit(partition, node_stride, ReflectionParity::even);
     if (conditions.has_surface_heat())
       bridge.load_transfer().set_loaded_nodes(
-          with_nodes_around(bridge.hanging_nodes, partition, conditions.surface_nodes(partition)));
+          with_nodes_depended_on(partition, conditions.surface_nodes(partition)));
     kept.resize(conditions.constrained_nodes().size());
   }
 
@@ -135,7 +136,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::find_field(NodalVector &unsmoothed, NodalVector &field)
   {
-    update_ghosts(bridge.hanging_nodes, unsmoothed);
+    unsmoothed.distribute();
     bridge.apply_smoothing(unsmoothed, smoothed_temperature);
     if (conditions.has_constraints())
     {
@@ -143,8 +144,6 @@ namespace tombolo
       smoothed_temperature.update_ghosts();
     }
     bridge.load_transfer().interpolate(smoothed_temperature, field);
-    if (bridge.hanging_nodes)
-      bridge.hanging_nodes->interpolate(field);
     has_field = true;
     field_is_of_state = false;
   }
@@ -176,7 +175,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::add_transposed_smoothing(NodalVector &heat_of_nodes, NodalVector &rate)
   {
-    collect(bridge.hanging_nodes, heat_of_nodes);
+    heat_of_nodes.condense();
     const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
     for (std::size_t k = 0; k < constrained.size(); ++k)
       kept[k] = std::exchange(*heat_of_nodes.node(constrained[k]), 0.);
@@ -205,7 +204,7 @@ namespace tombolo
       conditions.update_areas(position);
       conditions.add_surface_heat(initial_position, field, time, loads, of_condition);
       loads.add_to_owners();
-      collect(bridge.hanging_nodes, loads);
+      loads.condense();
       bridge.load_transfer().force_of_loads(loads, load_heat);
       for (const unsigned int node : bridge.load_transfer().touched_nodes())
         if (node < n_owned)
@@ -238,12 +237,10 @@ namespace tombolo
     if (conditions.has_films())
     {
       bridge.load_transfer().interpolate(smoothed_direction, direction_field);
-      if (bridge.hanging_nodes)
-        bridge.hanging_nodes->interpolate(direction_field);
       loads.set_zero();
       conditions.add_film_action(initial_position, field, time, direction_field, loads);
       loads.add_to_owners();
-      collect(bridge.hanging_nodes, loads);
+      loads.condense();
       bridge.load_transfer().force_of_loads(loads, load_heat);
       for (const unsigned int node : bridge.load_transfer().touched_nodes())
         if (node < n_owned)
@@ -268,7 +265,7 @@ namespace tombolo
     loads.set_zero();
     conditions.add_film_action(initial_position, field, time, direction_field, loads);
     loads.add_to_owners();
-    collect(bridge.hanging_nodes, loads);
+    loads.condense();
     for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
       *diagonal.node(i) += *loads.node(i);
   }
@@ -316,7 +313,7 @@ namespace tombolo
       add_transposed_smoothing(heat, enthalpy);
       return;
     }
-    collect(bridge.hanging_nodes, plastic_heating);
+    plastic_heating.condense();
     for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
       *enthalpy.node(i) += *plastic_heating.node(i);
   }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/node_partition.h>
 
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/mpi.h>
+
 #include <algorithm>
 
 namespace tombolo
@@ -47,6 +51,45 @@ namespace tombolo
     for (unsigned int p = 0; p < planes->planes.size(); ++p)
       for (const types::global_dof_index node : planes->nodes_on_plane[p])
         reflected_onto_themselves.push_back({local_index(node), planes->reflection(1u << p)});
+  }
+
+  void NodePartition::set_dependent_nodes(const std::vector<DependentNode> &rows)
+  {
+    dependent = {};
+    dependent.start.assign(1, 0);
+    for (const DependentNode &row : rows)
+    {
+      dependent.node.push_back(local_index(row.node));
+      for (const auto &[node, weight] : row.weights)
+        dependent.weights.emplace_back(local_index(node), weight);
+      dependent.start.push_back(dependent.weights.size());
+    }
+
+    NodalVector depths;
+    depths.reinit(shared_from_this(), 1);
+    unsigned int has_changed = 1;
+    while (has_changed != 0)
+    {
+      has_changed = 0;
+      for (std::size_t row = 0; row < dependent.node.size(); ++row)
+      {
+        double of_row = 1.;
+        for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
+          of_row = std::max(of_row, 1. + *depths.node(dependent.weights[k].first));
+        double &before = *depths.node(dependent.node[row]);
+        has_changed = std::max(has_changed, before != of_row ? 1u : 0u);
+        before = of_row;
+        dependent.depth = std::max(dependent.depth, static_cast<unsigned int>(of_row));
+      }
+      depths.update_ghosts();
+      has_changed = Utilities::MPI::max(has_changed, communicator());
+    }
+    dependent.depth = Utilities::MPI::max(dependent.depth, communicator());
+  }
+
+  const NodePartition::DependentNodes &NodePartition::dependent_nodes() const
+  {
+    return dependent;
   }
 
   unsigned int NodePartition::n_images() const

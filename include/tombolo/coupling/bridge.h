@@ -4,7 +4,6 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/coupling/constrained_particles.h>
-#include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/coupling/load_transfer.h>
 #include <tombolo/coupling/mass_split.h>
 #include <tombolo/coupling/trace_transfer.h>
@@ -170,9 +169,6 @@ namespace tombolo
     double short_wave_share(const NodalVector &unsmoothed);
 
     std::size_t memory_consumption() const;
-
-    /** What is smoothed has the mean of others at these; null: there are none. */
-    std::shared_ptr<const HangingNodes> hanging_nodes;
 
   private:
     /** momentum := M times the adjoint of the affine smoothing of @p of_nodes, at owned nodes. */

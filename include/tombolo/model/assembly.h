@@ -13,7 +13,7 @@ namespace tombolo
    * The loop over the parts of a model for an operator of any kind (internal force, elastic
    * stiffness, conduction), and the one place that knows what the trace bridge does to it: elements
    * see the field of the particles at shared nodes, and what they give there goes to the particles
-   * by Φᵀ. What parts give to hanging nodes goes to the nodes between which these lie.
+   * by Φᵀ. What parts give to dependent nodes goes to those on which these depend.
    */
   template <int dim>
   class Assembly
@@ -47,7 +47,7 @@ namespace tombolo
       result.add_to_owners();
       if (is_trace)
         bridge.collect_element_force(of_elements, result);
-      collect(bridge.hanging_nodes, result);
+      result.condense();
     }
 
   private:

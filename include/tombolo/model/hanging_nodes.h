@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/part.h>
+#include <tombolo/state/node_partition.h>
 
-#include <memory>
+#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -17,10 +17,10 @@ namespace tombolo
                              const std::vector<Part<dim>> &parts,
                              const std::vector<Section> &part_sections);
 
-  /** The nodes in the middle of faces and edges of cells which do not follow them. Null where no
-   * rank has any. Throws InputError where such a node is a particle. Collective. */
+  /** Those that this rank owns of the nodes in the middle of faces and edges of cells which do not
+   * follow them. Nothing where no rank has any. Throws InputError where such a node is a particle. Collective. */
   template <int dim>
-  std::shared_ptr<HangingNodes> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                                                   const PartCells<dim> &part_cells,
-                                                   const std::vector<Part<dim>> &parts);
+  std::optional<std::vector<DependentNode>>
+  find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                     const PartCells<dim> &part_cells, const std::vector<Part<dim>> &parts);
 } // namespace tombolo

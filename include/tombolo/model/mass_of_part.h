@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/model/model.h>
 
 namespace tombolo
 {
   /** The mass that the cells of a part, or its particles, have at owned nodes, scalar [M]. What
-   * hanging nodes had of it is at those between which they lie. Collective. */
+   * dependent nodes had of it is at those on which they depend. Collective. */
   template <int dim>
   NodalVector mass_of_part(const Model<dim> &model, const Formulation<dim> &part)
   {
@@ -15,7 +14,7 @@ namespace tombolo
     mass.reinit(model.state.partition(), 1);
     part.add_mass(mass);
     mass.add_to_owners();
-    collect(model.hanging_nodes, mass);
+    mass.condense();
     return mass;
   }
 } // namespace tombolo

@@ -18,6 +18,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -128,7 +129,7 @@ namespace tombolo
     bool has_mechanics = true; ///< false where no material has stresses: a scene of heat alone
     std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
     std::unique_ptr<MechanicalConditions<dim>> conditions;
-    std::shared_ptr<HangingNodes> hanging_nodes; ///< null: no node hangs on a face of an element
+    std::optional<std::vector<DependentNode>> dependent_nodes; ///< owned; none on any rank
     NodalState state;
     NodalVector element_mass; ///< inertia of the elements at nodes, scalar, owned values [M]
     NodalVector true_mass;    ///< scalar, owned values [M]; only where inertia is scaled

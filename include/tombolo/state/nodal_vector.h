@@ -28,6 +28,9 @@ namespace tombolo
    * with the reflected values of their sources, and add_to_owners() first adds the reflected values
    * of images to their sources. A node on a plane is its own image: both put the normal component
    * of a vector there to zero, and a position onto the plane.
+   *
+   * distribute() and condense() are the same with dependent nodes of the partition: the means of
+   * others C, and what is moved to these others Cᵀ.
    */
   class NodalVector
   {
@@ -74,6 +77,11 @@ namespace tombolo
     void copy_from(const NodalVector &other); ///< likewise; same partition and slots
     void update_ghosts();
     void add_to_owners();
+    /** Gives dependent nodes the mean of others, and updates the ghosts. Collective. */
+    void distribute();
+    /** Moves what dependent nodes have to those on which they depend. Ghosts must be zero, and are
+     * zero afterwards. Collective where there are such nodes. */
+    void condense();
     /** Makes the values of owned nodes on planes of symmetry symmetric, as update_ghosts() does
      * first. */
     void make_symmetric();

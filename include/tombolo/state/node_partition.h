@@ -6,7 +6,9 @@
 
 #include <tombolo/mesh/symmetry.h>
 
+#include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -24,12 +26,32 @@ namespace tombolo
     double seconds = 0;            ///< in exchanges, including the wait for other ranks
   };
 
+  /** A node that is no unknown: in any field it has the mean of others, with these weights, which
+   * sum to one. */
+  struct DependentNode
+  {
+    dealii::types::global_dof_index node;
+    std::vector<std::pair<dealii::types::global_dof_index, double>> weights;
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &node &weights;
+    }
+  };
+
   /**
    * Which nodes a rank owns and which ghosts it reads, and the exchange between them. Local node
    * numbers are 0 ... n_owned()-1 for owned nodes, in the order of their global numbers, then the
    * ghosts, in the order of theirs, then the images of owned and ghost nodes in planes of symmetry,
    * if there are such planes. Immutable: when ghosts change, a new partition is made and
    * nodal vectors move over to it (NodalVector::move_to). Held by shared pointers.
+   *
+   * Some owned nodes can depend on others (C): such as those on a face of an element beside
+   * elements of half its size. Fields of elements are then continuous. Forces and masses of
+   * dependent nodes go to the others by Cᵀ, so that a dependent node has no mass and takes no
+   * force. The rows of C sum to one and keep linear fields, hence Cᵀ keeps mass, momentum and
+   * angular momentum, and f · C v = Cᵀ f · v.
    */
   class NodePartition : public std::enable_shared_from_this<NodePartition>
   {
@@ -65,6 +87,22 @@ namespace tombolo
       Symmetry::Reflection reflection;
     };
 
+    /** Makes these owned nodes dependent on others, which are owned or ghosts and can be dependent
+     * themselves. For a partition that no vector has yet. Collective. */
+    void set_dependent_nodes(const std::vector<DependentNode> &rows);
+
+    /** Owned nodes with their rows of C, one after the other, in local numbers. */
+    struct DependentNodes
+    {
+      std::vector<unsigned int> node;
+      std::vector<std::size_t> start; ///< of each row in the weights, and their number
+      std::vector<std::pair<unsigned int, double>> weights;
+      /** Of the longest chain of nodes that depend on dependent nodes, over all ranks: rows are
+       * applied as often. Zero where no rank has any. */
+      unsigned int depth = 0;
+    };
+    const DependentNodes &dependent_nodes() const;
+
     /** Null where there is no plane of symmetry. */
     const Symmetry *symmetry() const;
     /** By image, in the order of local numbers; the source is owned or a ghost. */
@@ -87,6 +125,7 @@ namespace tombolo
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &vectors() const;
 
   private:
+    DependentNodes dependent;
     std::shared_ptr<const Symmetry> planes;
     std::vector<MirrorNode> image_nodes; // ascending
     std::vector<Reflected> reflected_images, reflected_onto_themselves;

@@ -3,7 +3,7 @@
 
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
-#include <tombolo/physics/heat/hanging_means.h>
+#include <tombolo/state/dependent_nodes.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <memory>
 
 namespace tombolo
@@ -236,14 +237,7 @@ namespace tombolo
       return points;
     }
 
-    template <int dim>
-    const std::vector<HangingNodes::Row> &hanging_rows(const Model<dim> &model)
-    {
-      static const std::vector<HangingNodes::Row> none;
-      return model.hanging_nodes ? model.hanging_nodes->owned_rows() : none;
-    }
-
-    /** 1 at nodes with prescribed temperatures, but for those that hang, ghosts included; elsewhere
+    /** 1 at nodes with prescribed temperatures, but for dependent ones, ghosts included; elsewhere
      * 0. Collective. */
     template <int dim>
     NodalVector constrained_nodes_of(const Model<dim> &model,
@@ -253,8 +247,8 @@ namespace tombolo
       is_constrained.reinit(partition, 1);
       for (const unsigned int node : model.heat->conditions.constrained_nodes())
         *is_constrained.node(node) = 1.;
-      for (const HangingNodes::Row &row : hanging_rows(model))
-        *is_constrained.node(partition->local_index(row.node)) = 0.;
+      for (const unsigned int node : partition->dependent_nodes().node)
+        *is_constrained.node(node) = 0.;
       is_constrained.update_ghosts();
       return is_constrained;
     }
@@ -440,6 +434,50 @@ namespace tombolo
       std::vector<bool> is_done;        ///< by active cell
       std::vector<types::global_dof_index> of_cell;
     };
+
+    /** The nodes on which others depend, with weights, and those with prescribed temperatures, which
+     * do not change, left out. */
+    class Means
+    {
+    public:
+      using Weights = std::vector<std::pair<types::global_dof_index, double>>;
+
+      explicit Means(const NodalVector &is_constrained)
+          : rows(constraints_of_dependent_nodes(is_constrained))
+      {}
+
+      bool depends(const types::global_dof_index node) const
+      {
+        return rows.is_constrained(node);
+      }
+
+      /** Those of a node; itself where it does not depend on others. */
+      Weights of(const types::global_dof_index node) const
+      {
+        return depends(node) ? *rows.get_constraint_entries(node) : Weights(1, {node, 1.});
+      }
+
+      /** Moves the columns of a row to where they act. */
+      void fold(std::vector<types::global_dof_index> &columns, std::vector<double> &values) const
+      {
+        if (rows.n_constraints() == 0)
+          return;
+        std::map<types::global_dof_index, double> folded;
+        for (std::size_t k = 0; k < columns.size(); ++k)
+          for (const auto &[column, weight] : of(columns[k]))
+            folded[column] += weight * values[k];
+        columns.clear();
+        values.clear();
+        for (const auto &[column, value] : folded)
+        {
+          columns.push_back(column);
+          values.push_back(value);
+        }
+      }
+
+    private:
+      AffineConstraints<double> rows;
+    };
   } // namespace
 
   template <int dim>
@@ -453,17 +491,16 @@ namespace tombolo
     NodalVector of_free;
     of_free.reinit(diagonal.partition(), 1);
     of_free.copy_from(diagonal);
-    for (const HangingNodes::Row &row : hanging_rows(model))
-      *of_free.node(partition.local_index(row.node)) = 0.;
+    for (const unsigned int node : partition.dependent_nodes().node)
+      *of_free.node(node) = 0.;
     ConductionRows<dim> rows(model, field, factor, averaging, of_free, is_constrained);
 
-    const HangingMeans means(model, is_constrained);
+    const Means means(is_constrained);
     IndexSet writable = partition.owned();
     writable.add_indices(partition.ghosts());
     for (unsigned int row = 0; row < rows.n_rows(); ++row)
-      if (means.hangs(partition.global_index(row)))
-        for (const auto &[node, weight] : means.of(partition.global_index(row)))
-          writable.add_index(node);
+      for (const auto &[node, weight] : means.of(partition.global_index(row)))
+        writable.add_index(node);
     writable.compress();
     TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), writable,
                                               partition.communicator());
@@ -476,7 +513,7 @@ namespace tombolo
       means.fold(rows.columns, rows.values);
       for (const auto &[node, weight] : means.of(number))
         pattern.add_entries(node, rows.columns.begin(), rows.columns.end());
-      if (means.hangs(number) && row < partition.n_owned())
+      if (means.depends(number) && row < partition.n_owned())
         pattern.add(number, number);
     }
     pattern.compress();
@@ -496,7 +533,7 @@ namespace tombolo
         matrix.add(node, static_cast<unsigned int>(values.size()), rows.columns.data(),
                    values.data());
       }
-      if (means.hangs(number) && row < partition.n_owned())
+      if (means.depends(number) && row < partition.n_owned())
         matrix.add(number, number, 1.);
     }
     matrix.compress(VectorOperation::add);

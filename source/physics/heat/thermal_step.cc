@@ -116,7 +116,7 @@ namespace tombolo
     }
     if (!is_given)
       return;
-    collect(model.hanging_nodes, process_heat);
+    process_heat.condense();
     model.heat->add_surface_heat(process_heat, state.enthalpy);
   }
 

@@ -201,7 +201,6 @@ namespace tombolo
       if (*first.node(i) > 0. && *second.node(i) > 0.)
         side.push_back(i);
     n_shared = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
-    hanging_nodes = model.hanging_nodes;
     of_first.reinit(model.state.partition());
   }
 
@@ -233,7 +232,7 @@ namespace tombolo
     for (std::size_t i = 0; i < n; ++i)
       of_first.data()[i] = force.data()[i] - of_first.data()[i];
     of_first.add_to_owners();
-    collect(hanging_nodes, of_first);
+    of_first.condense();
     present = sum_over_side(of_first, position);
   }
 

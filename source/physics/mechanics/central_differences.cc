@@ -56,12 +56,10 @@ namespace tombolo
     }
     }
     bridge.positions_have_changed();
-    update_ghosts(bridge.hanging_nodes, x);
-    if (bridge.hanging_nodes)
-      bridge.hanging_nodes->interpolate(v_hat);
+    x.distribute();
     // The scatter of eq. (10) reads owned values only.
-    if (bridge.operators() == Bridge::Operators::identity)
-      v_hat.update_ghosts();
+    if (bridge.operators() == Bridge::Operators::identity || model.dependent_nodes)
+      v_hat.distribute();
     else if (bridge.operators() != Bridge::Operators::affine)
       v_hat.make_symmetric();
   }

@@ -5,6 +5,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output.h>
+#include <tombolo/state/dependent_nodes.h>
 
 #include <algorithm>
 #include <functional>
@@ -36,8 +37,8 @@ namespace tombolo
   template <int dim>
   void Loads<dim>::model_changed(Model<dim> &model)
   {
-    const std::vector<unsigned int> loaded_nodes = with_nodes_around(
-        model.bridge->hanging_nodes, model.state.partition(), conditions.loaded_nodes(model.state));
+    const std::vector<unsigned int> loaded_nodes =
+        with_nodes_depended_on(model.state.partition(), conditions.loaded_nodes(model.state));
     model.bridge->load_transfer().set_loaded_nodes(loaded_nodes);
     works.set_nodes(loaded_nodes);
     loads.reinit(model.state.partition());
@@ -54,8 +55,6 @@ namespace tombolo
     if (place_velocities.partition() != model.state.partition())
       place_velocities.reinit(model.state.partition());
     model.bridge->load_transfer().places_of_loads(model.state.velocity, place_velocities);
-    if (model.bridge->hanging_nodes)
-      model.bridge->hanging_nodes->interpolate(place_velocities);
     return place_velocities;
   }
 
@@ -86,11 +85,7 @@ namespace tombolo
     revision_of_stencils = model.revisions.stencils;
     const bool has_particles = model.bridge->has_particles();
     if (has_particles)
-    {
       model.bridge->load_transfer().places_of_loads(model.state.position, places);
-      if (model.bridge->hanging_nodes)
-        model.bridge->hanging_nodes->interpolate(places);
-    }
     std::function<void(unsigned int, const NodalVector &)> take_alone;
     if (works.is_active())
       take_alone = [this](const unsigned int condition, const NodalVector &alone)
@@ -98,7 +93,7 @@ namespace tombolo
     conditions.compute_loads(model.state, clock.time, has_particles ? places : model.state.position,
                              loads, resultants, model.is_scaled() ? &model.true_mass : nullptr,
                              take_alone);
-    collect(model.bridge->hanging_nodes, loads);
+    loads.condense();
     model.bridge->load_transfer().force_of_loads(loads, load_force);
     const unsigned int n_owned = model.state.partition()->n_owned();
     for (const unsigned int node : model.bridge->load_transfer().touched_nodes())

@@ -27,7 +27,7 @@ namespace tombolo
     add_internal_force(clock); // (13), (5), (16), (19), (51)
     for (const auto &process : model.processes)
       process->add_forces(model, clock, model.state.force);
-    collect(model.bridge->hanging_nodes, model.state.force);
+    model.state.force.condense();
     stopwatch.lap("loads");
     divide_by_mass(clock); // (20)
     failures.begin();
@@ -41,7 +41,7 @@ namespace tombolo
     stopwatch.start();
     for (const auto &process : model.processes)
       process->constrain_acceleration(model, clock);
-    update_ghosts(model.bridge->hanging_nodes, model.state.acceleration);
+    model.state.acceleration.distribute();
     model.impulses.begin_step();
     for (const auto &process : model.processes)
       process->after_acceleration(model, clock);

@@ -180,7 +180,7 @@ namespace tombolo
   {
     for (const Part<dim> &part : model.parts) // what they know only now
       refuse_unfit_part(parameters.section("Part: " + part.name), part, model.symmetry != nullptr);
-    if (model.hanging_nodes)
+    if (model.dependent_nodes)
       parameters.fail(integration_entry,
                       "elements of different sizes lie side by side (`Refine where` in section "
                       "Mesh), which such steps do not know; refine the whole mesh, choose "

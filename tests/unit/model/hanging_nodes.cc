@@ -3,7 +3,6 @@
 #include "frozen_body.h"
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/model/assembly.h>
 
 #include <gtest/gtest.h>
@@ -61,8 +60,7 @@ namespace
   {
     const FrozenBody<dim> body(graded_block(formulation, dim));
     const Model<dim> &model = *body.model;
-    ASSERT_TRUE(model.hanging_nodes);
-    const HangingNodes &hanging = *model.hanging_nodes;
+    ASSERT_TRUE(model.dependent_nodes);
     const NodalVector &places = model.state.initial_position;
     const auto &partition = model.state.partition();
 
@@ -70,7 +68,7 @@ namespace
     NodalVector field, other;
     field.reinit(partition, node_stride, ReflectionParity::point);
     field.copy_from(places);
-    hanging.interpolate(field);
+    field.distribute();
     double moved = 0, hanging_mass = 0, volume = 0, n_hanging = 0;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
@@ -90,14 +88,14 @@ namespace
     set_random(places, 0.3, velocity);
     set_random(places, 1.7, force);
     other.copy_from(velocity);
-    hanging.interpolate(other);
+    other.distribute();
     const double before = force.dot(other);
     double sum = 0, sum_after = 0;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       sum += force.node(i)[0];
     for (unsigned int i = partition->n_owned(); i < partition->n_local(); ++i)
       std::fill_n(force.node(i), node_stride, 0.);
-    hanging.collect(force);
+    force.condense();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
       sum_after += force.node(i)[0];

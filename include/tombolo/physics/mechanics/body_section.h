@@ -4,7 +4,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/load_sum.h>
-#include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/model/part.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -35,7 +34,7 @@ namespace tombolo
    *
    * An interface lies between two parts. Its force is that of the material of the first part on the
    * nodes that both have: what the first does to the second, since the forces within the second are
-   * in balance. What it does to hanging nodes acts on those between which they lie.
+   * in balance. What it does to dependent nodes acts on those on which they depend.
    */
   template <int dim>
   class BodySection
@@ -86,7 +85,6 @@ namespace tombolo
     std::optional<Predicate<dim>> where;
     std::optional<std::pair<std::size_t, std::size_t>> between; ///< parts of an interface
     std::vector<unsigned int> side; ///< owned nodes of a cut, or shared ones of an interface
-    std::shared_ptr<const HangingNodes> hanging_nodes;
     NodalVector of_first; ///< the force of the first part of an interface
     LoadSum present;
     unsigned long n_side = 0; ///< over all ranks, as those below

@@ -48,9 +48,8 @@ namespace
     }
     for (const unsigned int node : heat.conditions.constrained_nodes())
       source.local_element(node) = 0.;
-    if (body.model->hanging_nodes)
-      for (const HangingNodes::Row &row : body.model->hanging_nodes->owned_rows())
-        source.local_element(partition.local_index(row.node)) = 0.;
+    for (const unsigned int node : partition.dependent_nodes().node)
+      source.local_element(node) = 0.;
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
       *direction.node(i) = source.local_element(i);
     direction.update_ghosts();
