@@ -57,7 +57,7 @@ namespace tombolo
         formulation->set_partition(*partition);
         for (NodalVector *vector : {&position, &velocity, &force})
           vector->reinit(partition);
-        mass.reinit(partition, 1);
+        mass.reinit(partition, Quantity::scalar);
         formulation->add_mass(mass);
         std::vector<dealii::types::global_dof_index> cell_nodes;
         std::vector<dealii::Point<3>> cell_points;

@@ -60,8 +60,8 @@ namespace tombolo
         thermal_step = std::make_unique<ThermalStep<3>>(parameters.section("Heat"));
         thermal_step->start(*model, 0.);
         const auto &partition = model->state.partition();
-        smoothed.reinit(partition, node_stride, ReflectionParity::even);
-        rate.reinit(partition, 1);
+        smoothed.reinit(partition, Quantity::scalars);
+        rate.reinit(partition, Quantity::scalar);
         of_condition.assign(model->heat->conditions.n_conditions(), 0.);
         model->bridge->apply_smoothing(model->state.unsmoothed_velocity, model->state.velocity);
         clock.next_step =

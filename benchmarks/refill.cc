@@ -90,7 +90,7 @@ namespace tombolo
       Cells moved_cells()
       {
         NodalVector after;
-        after.reinit(model->state.partition(), node_stride);
+        after.reinit(model->state.partition());
         after.copy_from(model->state.position);
         disturb();
         Cells result;
@@ -118,7 +118,7 @@ namespace tombolo
       NodalVector nodal_mass(const Cells &before) const
       {
         NodalVector result;
-        result.reinit(model->state.partition(), 1);
+        result.reinit(model->state.partition(), Quantity::scalar);
         for (const RemapCell<3> &cell : before)
         {
           const auto of_corners = masses_of_corners<3>(cell.before, cell.mass.data());
@@ -222,7 +222,7 @@ namespace tombolo
       for (auto _ : state)
       {
         NodalVector projected;
-        projected.reinit(field.partition(), node_stride);
+        projected.reinit(field.partition());
         projected.copy_from(field);
         project_nodal_field(overlap, 0, mass, mass, projected);
       }

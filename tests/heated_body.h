@@ -107,10 +107,10 @@ namespace tombolo
         return *model->heat;
       }
 
-      NodalVector vector(const unsigned int slots = node_stride) const
+      NodalVector vector(const Quantity quantity = Quantity::scalars) const
       {
         NodalVector result;
-        result.reinit(model->state.partition(), slots, ReflectionParity::even);
+        result.reinit(model->state.partition(), quantity);
         return result;
       }
 

@@ -45,7 +45,7 @@ namespace tombolo
             std::make_shared<NodePartition>(nodes->owned(), nodes->relevant(), MPI_COMM_WORLD);
         for (NodalVector *const vector : {&lattice, &position})
           vector->reinit(partition);
-        field.reinit(partition, node_stride, ReflectionParity::even);
+        field.reinit(partition, Quantity::scalars);
         std::vector<types::global_dof_index> numbers;
         std::vector<Point<dim>> places;
         for (const auto &cell : nodes->dof_handler().active_cell_iterators())
@@ -314,7 +314,7 @@ namespace tombolo
       NodalVector inner_nodes() const
       {
         NodalVector result;
-        result.reinit(partition, 1);
+        result.reinit(partition, Quantity::scalar);
         for (unsigned int i = 0; i < partition->n_owned(); ++i)
         {
           bool is_inside = true;
@@ -341,7 +341,7 @@ namespace tombolo
       NodalVector nodal_mass() const
       {
         NodalVector mass;
-        mass.reinit(partition, 1);
+        mass.reinit(partition, Quantity::scalar);
         for (std::size_t c = 0; c < cell_nodes.size(); ++c)
           for (unsigned int k = 0; k < n_corners; ++k)
             *mass.node(cell_nodes[c][k]) += corner_mass[c * n_corners + k];

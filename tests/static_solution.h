@@ -38,7 +38,7 @@ namespace tombolo
       const auto make = [&]
       {
         NodalVector vector;
-        vector.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+        vector.reinit(model.state.partition(), Quantity::scalars);
         return vector;
       };
       const auto place = [&](const unsigned int i)

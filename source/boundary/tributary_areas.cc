@@ -151,7 +151,7 @@ namespace tombolo
   TributaryAreas<dim>::owned_nodes(const std::shared_ptr<const NodePartition> &partition) const
   {
     NodalVector mark;
-    mark.reinit(partition, 1);
+    mark.reinit(partition, Quantity::scalar);
     for (const Group &group : groups)
       for (const unsigned int node : group.nodes)
         *mark.node(node) = 1.;

@@ -46,10 +46,10 @@ namespace tombolo
   template <int dim>
   void ContactFaces<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
-    positive.reinit(partition, node_stride, ReflectionParity::even);
-    negative.reinit(partition, node_stride, ReflectionParity::even);
+    positive.reinit(partition, Quantity::scalars);
+    negative.reinit(partition, Quantity::scalars);
     NodalVector mark;
-    mark.reinit(partition, 1);
+    mark.reinit(partition, Quantity::scalar);
     for (Face &face : all)
       for (unsigned int k = 0; k < n_corners; ++k)
       {

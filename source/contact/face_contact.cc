@@ -57,12 +57,12 @@ namespace tombolo
   {
     SurfaceContact<dim>::set_partition(partition);
     faces.set_partition(partition);
-    sums.reinit(partition, node_stride, ReflectionParity::even);
-    pressures.reinit(partition, 1);
+    sums.reinit(partition, Quantity::scalars);
+    pressures.reinit(partition, Quantity::scalar);
     for (NodalVector *const vector : {&normals, &motions, &tangentials, &forces})
       vector->reinit(partition);
     if (last_position.partition() == nullptr)
-      last_position.reinit(partition, node_stride, ReflectionParity::point);
+      last_position.reinit(partition, Quantity::position);
     else if (last_position.partition() != partition)
       last_position.move_to(partition);
   }
@@ -321,7 +321,7 @@ namespace tombolo
     if (clock.step == 0)
       last_position.copy_from(state.position);
     if (committed_position.partition() != last_position.partition())
-      committed_position.reinit(last_position.partition(), node_stride, ReflectionParity::point);
+      committed_position.reinit(last_position.partition(), Quantity::position);
     committed_position.copy_from(last_position);
   }
 

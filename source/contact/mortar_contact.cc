@@ -73,8 +73,8 @@ namespace tombolo
     traction.reinit(partition);
     if (!settings.has_heat)
       return;
-    heat_flow.reinit(partition, node_stride, ReflectionParity::even);
-    thermal.reinit(partition, node_stride, ReflectionParity::even);
+    heat_flow.reinit(partition, Quantity::scalars);
+    thermal.reinit(partition, Quantity::scalars);
   }
 
   template <int dim>

@@ -41,10 +41,10 @@ namespace tombolo
   {
     for (NodalVector *const sum : {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal})
       sum->reinit(partition);
-    at_slaves.scalars.reinit(partition, node_stride, ReflectionParity::even);
+    at_slaves.scalars.reinit(partition, Quantity::scalars);
     if (sums_effusivity)
-      at_slaves.effusivity.reinit(partition, node_stride, ReflectionParity::even);
-    position_of_pairs.reinit(partition, node_stride, ReflectionParity::point);
+      at_slaves.effusivity.reinit(partition, Quantity::scalars);
+    position_of_pairs.reinit(partition, Quantity::position);
     nodes.clear();
     for (const ContactFaces<dim> *const side : {&slaves, &masters})
       for (const auto &face : side->faces())

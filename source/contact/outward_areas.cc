@@ -79,7 +79,7 @@ namespace tombolo
   void OutwardAreas<dim>::set_isolated_nodes(const std::vector<unsigned int> &nodes)
   {
     NodalVector mark;
-    mark.reinit(sums.partition(), 1);
+    mark.reinit(sums.partition(), Quantity::scalar);
     for (const unsigned int node : nodes)
       *mark.node(node) = 1.;
     mark.update_ghosts();
@@ -94,7 +94,7 @@ namespace tombolo
   {
     const auto &partition = sums.partition();
     NodalVector mark;
-    mark.reinit(partition, 1);
+    mark.reinit(partition, Quantity::scalar);
     for (const Face &face : faces)
       for (const unsigned int node : face.nodes)
         if (face.counts)

@@ -176,7 +176,7 @@ namespace tombolo
       n_slots
     };
     NodalVector of_springs, slips;
-    of_springs.reinit(state.partition(), node_stride, ReflectionParity::even);
+    of_springs.reinit(state.partition(), Quantity::scalars);
     slips.reinit(state.partition());
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       of_springs.node(i)[mass] = *state.mass.node(i);

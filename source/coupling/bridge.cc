@@ -16,12 +16,10 @@ namespace tombolo
 {
   using namespace dealii;
 
-  Bridge::Bridge(const SmoothingSettings &smoothing, const bool trace,
-                 const ReflectionParity under_reflection)
-      : settings(smoothing), trace(trace), reflection(under_reflection),
-        split(smoothing, trace, under_reflection == ReflectionParity::vector),
-        loads(split, smoothing.is_active && smoothing.affine &&
-                         under_reflection == ReflectionParity::vector),
+  Bridge::Bridge(const SmoothingSettings &smoothing, const bool trace, const Quantity quantity)
+      : settings(smoothing), trace(trace), quantity(quantity),
+        split(smoothing, trace, quantity == Quantity::vector),
+        loads(split, smoothing.is_active && smoothing.affine && quantity == Quantity::vector),
         trace_transfer(split), constrained_particles(split)
   {}
 
@@ -43,11 +41,11 @@ namespace tombolo
     if (settings.is_active)
       constrained_particles.reinit(constrained);
 
-    momentum.reinit(partition, node_stride, reflection);
-    scratch.reinit(partition, node_stride, reflection);
+    momentum.reinit(partition, quantity);
+    scratch.reinit(partition, quantity);
     const bool has_smoothing = settings.is_active && !split.parts.empty();
     if (has_smoothing && settings.gamma != 0.)
-      second_scratch.reinit(partition, node_stride, reflection);
+      second_scratch.reinit(partition, quantity);
     update_nodal_mass();
   }
 

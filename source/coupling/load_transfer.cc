@@ -78,7 +78,7 @@ namespace tombolo
           is_touched[of_row.neighbour[k]] = true;
       }
     NodalVector mark;
-    mark.reinit(partition, 1);
+    mark.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       *mark.node(i) = is_touched[i] ? 1. : 0.;
     mark.add_to_owners();

@@ -60,7 +60,7 @@ namespace tombolo
     split_rows(masses, own);
     if (has_lumped_rows)
     {
-      free_own_mass.reinit(partition, 1);
+      free_own_mass.reinit(partition, Quantity::scalar);
       free_own_mass.copy_from(total_mass);
     }
     for (ParticlePart &part : parts)
@@ -69,14 +69,14 @@ namespace tombolo
             part.row_mass[std::size_t(row) * node_stride];
     collect_own_nodes(own);
     clear_fractions_on_planes();
-    nodal_mass.reinit(partition, node_stride, ReflectionParity::even);
+    nodal_mass.reinit(partition, Quantity::scalars);
   }
 
   void MassSplit::sum_total_mass(const std::shared_ptr<const NodePartition> &partition,
                                  const Masses &masses)
   {
     const unsigned int n_owned = partition->n_owned();
-    total_mass.reinit(partition, 1);
+    total_mass.reinit(partition, Quantity::scalar);
     n_particle_parts.assign(n_owned, 0);
     for (unsigned int i = 0; i < n_owned; ++i)
       *total_mass.node(i) = *masses.element_mass.node(i);
@@ -265,7 +265,7 @@ namespace tombolo
     const auto &partition = total_mass.partition();
     for (NodalVector *const vector : {&sums_of_rows, &ratio_of_masses})
       if (vector->partition() != partition)
-        vector->reinit(partition, node_stride, ReflectionParity::even);
+        vector->reinit(partition, Quantity::scalars);
     const auto set_ratio = [&](const NodalVector &sums, const NodalVector &accelerated)
     {
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
@@ -290,7 +290,7 @@ namespace tombolo
         NodalSmoothing::gather_affine(*part.shape, part.row_mass.data(), ratio_of_masses.data(),
                                       nodal_mass.data());
     nodal_mass.add_to_owners();
-    adjoint_mass.reinit(partition, 1);
+    adjoint_mass.reinit(partition, Quantity::scalar);
     double largest = 1.;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
@@ -299,7 +299,7 @@ namespace tombolo
         largest = std::max(largest, *total_mass.node(i) / *adjoint_mass.node(i));
     }
     adjoint_mass.update_ghosts();
-    body_mass.reinit(partition, 1);
+    body_mass.reinit(partition, Quantity::scalar);
     body_mass.copy_from(total_mass);
     for (const ParticlePart &part : parts)
       for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
@@ -334,7 +334,7 @@ namespace tombolo
     if (!has_lumped_rows)
       return field;
     if (scaled.partition() != field.partition())
-      scaled.reinit(field.partition(), node_stride, field.under_reflection());
+      scaled.reinit_like(field);
     const std::size_t n = static_cast<std::size_t>(scaled.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       scaled.data()[i] = ratio_of_masses.data()[i] * field.data()[i];
@@ -383,7 +383,7 @@ namespace tombolo
   {
     const auto &partition = nodal_mass.partition();
     NodalVector is_light;
-    is_light.reinit(partition, 1);
+    is_light.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
       const double *const mass = nodal_mass.node(i);

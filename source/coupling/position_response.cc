@@ -40,7 +40,7 @@ namespace tombolo
       if (vector->partition() != partition)
         vector->reinit(partition);
     if (mark.partition() != partition)
-      mark.reinit(partition, 1);
+      mark.reinit(partition, Quantity::scalar);
   }
 
   void PositionResponse::predict(const NodalState &state, const Clock &clock,

@@ -9,7 +9,7 @@ namespace tombolo
   const NodalVector &TraceTransfer::field_of_particles(const NodalVector &velocity)
   {
     if (trace_velocity.partition() != velocity.partition())
-      trace_velocity.reinit(velocity.partition(), node_stride, velocity.under_reflection());
+      trace_velocity.reinit_like(velocity);
     trace_velocity.copy_from(velocity);
     for (const MassSplit::ParticlePart &part : split.parts)
       for (const unsigned int row : part.element_rows)
@@ -32,7 +32,7 @@ namespace tombolo
   {
     element_force.add_to_owners();
     if (trace_force.partition() != force.partition())
-      trace_force.reinit(force.partition(), node_stride, force.under_reflection());
+      trace_force.reinit_like(force);
     trace_force.set_zero();
     for (const MassSplit::ParticlePart &part : split.parts)
       for (const unsigned int row : part.element_rows)

@@ -19,8 +19,8 @@ namespace tombolo
   StateTransfer::StateTransfer(const std::shared_ptr<const NodePartition> &partition,
                                const MaterialPoints &source, const MaterialPoints &target)
   {
-    volume.reinit(partition, 1);
-    pending_heat.reinit(partition, 1);
+    volume.reinit(partition, Quantity::scalar);
+    pending_heat.reinit(partition, Quantity::scalar);
     for (unsigned int f = 0; f < target.fields().size(); ++f)
     {
       const FieldDescription &field = target.fields()[f];
@@ -30,7 +30,7 @@ namespace tombolo
       for (unsigned int c = 0; c < field.n_components; ++c)
       {
         components.push_back({in_source, f, c, {}});
-        components.back().sum.reinit(partition, 1);
+        components.back().sum.reinit(partition, Quantity::scalar);
       }
     }
   }

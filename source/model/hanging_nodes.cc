@@ -215,9 +215,9 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<std::vector<DependentNode>> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                                                   const PartCells<dim> &part_cells,
-                                                   const std::vector<Part<dim>> &parts)
+  std::optional<std::vector<DependentNode>>
+  find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                     const PartCells<dim> &part_cells, const std::vector<Part<dim>> &parts)
   {
     if (!mesh.triangulation.has_hanging_nodes())
       return std::nullopt;
@@ -248,10 +248,10 @@ namespace tombolo
   template void refuse_unfit_gradings<3>(const Mesh<3> &, const PartCells<3> &,
                                          const std::vector<Part<3>> &,
                                          const std::vector<Section> &);
-  template std::optional<std::vector<DependentNode>> find_hanging_nodes<2>(const Mesh<2> &, const Nodes<2> &,
-                                                               const PartCells<2> &,
-                                                               const std::vector<Part<2>> &);
-  template std::optional<std::vector<DependentNode>> find_hanging_nodes<3>(const Mesh<3> &, const Nodes<3> &,
-                                                               const PartCells<3> &,
-                                                               const std::vector<Part<3>> &);
+  template std::optional<std::vector<DependentNode>>
+  find_hanging_nodes<2>(const Mesh<2> &, const Nodes<2> &, const PartCells<2> &,
+                        const std::vector<Part<2>> &);
+  template std::optional<std::vector<DependentNode>>
+  find_hanging_nodes<3>(const Mesh<3> &, const Nodes<3> &, const PartCells<3> &,
+                        const std::vector<Part<3>> &);
 } // namespace tombolo

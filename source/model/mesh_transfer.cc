@@ -61,7 +61,7 @@ namespace tombolo
     NodalVector persistent_numbers(const Model<dim> &model)
     {
       NodalVector result;
-      result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+      result.reinit(model.state.partition(), Quantity::scalars);
       const std::vector<std::uint64_t> &ids = model.nodes->persistent_ids();
       for (unsigned int i = 0; i < ids.size(); ++i)
       {
@@ -82,7 +82,7 @@ namespace tombolo
     NodalVector mass;
     if (model.has_mechanics)
     {
-      mass.reinit(model.state.partition(), 1);
+      mass.reinit(model.state.partition(), Quantity::scalar);
       mass.copy_from(model.bridge->mass());
       mass.update_ghosts();
       model.state.unsmoothed_velocity.update_ghosts();

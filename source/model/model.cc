@@ -289,7 +289,7 @@ namespace tombolo
   template <int dim>
   void Model<dim>::set_element_mass()
   {
-    element_mass.reinit(partition, 1);
+    element_mass.reinit(partition, Quantity::scalar);
     for (const Part<dim> &part : parts)
       if (part.particles == nullptr)
       {
@@ -302,7 +302,7 @@ namespace tombolo
       return;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *element_mass.node(i) *= inertia_factor;
-    true_mass.reinit(partition, 1);
+    true_mass.reinit(partition, Quantity::scalar);
     for (const Part<dim> &part : parts)
       part.formulation->add_mass(true_mass);
     true_mass.add_to_owners();

@@ -52,8 +52,8 @@ namespace tombolo
       std::array<NodalVector, 6> result;
       NodalVector volumes;
       for (NodalVector &component : result)
-        component.reinit(model.state.partition(), 1);
-      volumes.reinit(model.state.partition(), 1);
+        component.reinit(model.state.partition(), Quantity::scalar);
+      volumes.reinit(model.state.partition(), Quantity::scalar);
       std::vector<types::global_dof_index> nodes;
       unsigned int row = 0;
       for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))

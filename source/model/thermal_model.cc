@@ -29,7 +29,7 @@ namespace tombolo
                                   const NodalVector &initial_position,
                                   const SmoothingSettings &smoothing, const bool trace)
       : conditions(condition_sections, heat_section, mesh, nodes),
-        bridge(smoothing, trace, ReflectionParity::even), parts(parts),
+        bridge(smoothing, trace, Quantity::scalars), parts(parts),
         initial_position(initial_position), assembly(parts)
   {
     bridge.set_smoothed_parts(smoothed_parts(parts));
@@ -55,9 +55,9 @@ namespace tombolo
 
     const unsigned int n_owned = partition->n_owned();
     nodal_enthalpy.reinit(n_owned);
-    element_capacity.reinit(partition, 1);
+    element_capacity.reinit(partition, Quantity::scalar);
     if (conditions.has_sources())
-      initial_volume.reinit(partition, 1);
+      initial_volume.reinit(partition, Quantity::scalar);
     std::vector<NodalVector> masses(parts.size());
     std::vector<Stencils *> shapes;
     std::vector<double> capacities;
@@ -65,7 +65,7 @@ namespace tombolo
     {
       Part<dim> &part = parts[p];
       NodalVector &mass = masses[p];
-      mass.reinit(partition, 1);
+      mass.reinit(partition, Quantity::scalar);
       part.formulation->add_mass(mass);
       mass.add_to_owners();
       mass.condense();
@@ -97,11 +97,11 @@ namespace tombolo
     field_is_of_state = has_field = false;
     for (NodalVector *vector :
          {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
-      vector->reinit(partition, node_stride, ReflectionParity::even);
+      vector->reinit(partition, Quantity::scalars);
     if (plastic)
-      plastic_heating.reinit(partition, 1);
-    loads.reinit(partition, node_stride, ReflectionParity::even);
-    load_heat.reinit(partition, node_stride, ReflectionParity::even);
+      plastic_heating.reinit(partition, Quantity::scalar);
+    loads.reinit(partition, Quantity::scalars);
+    load_heat.reinit(partition, Quantity::scalars);
     if (conditions.has_surface_heat())
       bridge.load_transfer().set_loaded_nodes(
           with_nodes_depended_on(partition, conditions.surface_nodes(partition)));

@@ -237,7 +237,7 @@ namespace tombolo
     NodalVector nodes_of_elements(const OutputView<dim> &view)
     {
       NodalVector result;
-      result.reinit(view.state->partition(), 1);
+      result.reinit(view.state->partition(), Quantity::scalar);
       const auto cells = cells_of_parts(view);
       std::vector<types::global_dof_index> cell_nodes;
       for (unsigned int part = 0; part < view.parts.size(); ++part)

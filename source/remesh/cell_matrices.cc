@@ -36,7 +36,7 @@ namespace tombolo
   {
     nodes_of_cells.reserve(n_cells);
     matrices.reserve(n_cells);
-    diagonal.reinit(partition, 1);
+    diagonal.reinit(partition, Quantity::scalar);
   }
 
   template <int dim>
@@ -91,7 +91,7 @@ namespace tombolo
   NodalVector CellMatrices<dim>::diagonal_of_cells() const
   {
     NodalVector result;
-    result.reinit(partition, 1);
+    result.reinit(partition, Quantity::scalar);
     for (std::size_t cell = 0; cell < matrices.size(); ++cell)
       for (unsigned int a = 0; a < n_corners; ++a)
         *result.node(nodes_of_cells[cell][a]) += matrices[cell][a * (a + 1) / 2 + a];
@@ -107,8 +107,8 @@ namespace tombolo
     constexpr unsigned int most_iterations = 1000;
     NodalVector residual, preconditioned, direction, product, inverse;
     for (NodalVector *const vector : {&residual, &preconditioned, &direction, &product})
-      vector->reinit(partition, node_stride, solution.under_reflection());
-    inverse.reinit(partition, 1);
+      vector->reinit(partition, solution.quantity());
+    inverse.reinit(partition, Quantity::scalar);
     const unsigned int n_owned = partition->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
       *inverse.node(i) = *preconditioner.node(i) > 0. ? 1. / *preconditioner.node(i) : 0.;
@@ -121,7 +121,7 @@ namespace tombolo
     };
     // What the residual is without a solution at the free nodes.
     NodalVector start;
-    start.reinit(partition, node_stride, solution.under_reflection());
+    start.reinit(partition, solution.quantity());
     start.copy_from(solution);
     for (unsigned int i = 0; i < n_owned; ++i)
       if (*preconditioner.node(i) > 0.)

@@ -84,7 +84,7 @@ namespace tombolo
       const auto &partition = position.partition();
       std::array<NodalVector, dim> result;
       NodalVector volume;
-      volume.reinit(partition, 1);
+      volume.reinit(partition, Quantity::scalar);
       for (NodalVector &column : result)
         column.reinit(partition);
       const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
@@ -182,7 +182,7 @@ namespace tombolo
       present[c] = corners_at<dim>(nodes[c], position);
     // Where the steps lead to: iterations start from there.
     NodalVector harmonic, result;
-    harmonic.reinit(partition, node_stride, initial.under_reflection());
+    harmonic.reinit(partition, initial.quantity());
     harmonic.copy_from(initial);
     place_inner_nodes<dim>(nodes, present, is_free, position, harmonic);
     const std::array<NodalVector, dim> deformation =

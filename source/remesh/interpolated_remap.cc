@@ -109,7 +109,7 @@ namespace tombolo
                        const std::shared_ptr<const NodePartition> &partition)
       {
         for (NodalVector &row : shapes)
-          row.reinit(partition, node_stride, ReflectionParity::even);
+          row.reinit(partition, Quantity::scalars);
         for (const RemapCell<dim> &cell : cells)
         {
           const Tensor<2, dim> of_cell = shape_of(cell);

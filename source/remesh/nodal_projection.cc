@@ -93,11 +93,11 @@ namespace tombolo
     const unsigned int n_owned = partition->n_owned();
     CellMatrices<dim> matrices(partition, overlap.cells.size());
     NodalVector right_side, after;
-    right_side.reinit(partition, node_stride, field.under_reflection());
-    after.reinit(partition, 1);
+    right_side.reinit(partition, field.quantity());
+    after.reinit(partition, Quantity::scalar);
     add_integrals(overlap, number, matrices, right_side, after);
     NodalVector weight; // of the lumped matrix; zero at nodes of other parts
-    weight.reinit(partition, 1);
+    weight.reinit(partition, Quantity::scalar);
     const auto new_mass = [&](const unsigned int i)
     { return *weight.node(i) > 0. ? *mass_after.node(i) : 0.; };
     std::vector<double> sums(2 * node_stride + 1, 0.);
@@ -153,7 +153,7 @@ namespace tombolo
       return;
     const unsigned int n_owned = field.partition()->n_owned();
     NodalVector is_near;
-    is_near.reinit(field.partition(), 1);
+    is_near.reinit(field.partition(), Quantity::scalar);
     for (const RemapCell<dim> &cell : overlap.cells)
       for (unsigned int k = 0; k < cell.nodes.size() && cell.has_moved(); ++k)
         *is_near.node(cell.nodes[k]) += 1.;

@@ -82,7 +82,7 @@ namespace tombolo
           : cells(cells), is_cellwise(is_cellwise), moments(3 + points.n_components)
       {
         for (NodalVector &vector : moments)
-          vector.reinit(partition, node_stride, ReflectionParity::even);
+          vector.reinit(partition, Quantity::scalars);
         for (std::size_t c = 0; c < cells.size(); ++c)
           if (!cells[c].is_void_before)
             add_cell(c, points);

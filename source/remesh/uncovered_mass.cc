@@ -38,7 +38,7 @@ namespace tombolo
              overlap.is_source(static_cast<unsigned int>(i / n_sub_cells));
     };
     NodalVector of_takers, of_givers;
-    of_takers.reinit(partition, 1);
+    of_takers.reinit(partition, Quantity::scalar);
     for (std::size_t i = 0; i < mass.size(); ++i)
       if (takes(i))
         for (const unsigned int node : cells[i / n_sub_cells].nodes)
@@ -68,7 +68,7 @@ namespace tombolo
     {
       const auto content = [&](const std::size_t i)
       { return mass[i] * (f == 0 ? 1. : values[i * n_components + f - 1]); };
-      of_givers.reinit(partition, 1, ReflectionParity::even);
+      of_givers.reinit(partition, Quantity::scalar);
       for (std::size_t i = 0; i < mass.size(); ++i)
         if (overlap.is_uncovered[i])
           for (const unsigned int node : cells[i / n_sub_cells].nodes)

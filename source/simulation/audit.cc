@@ -54,11 +54,10 @@ namespace tombolo
     template <int dim>
     double seconds_per_step(Model<dim> &model)
     {
-      const ReflectionParity reflection =
-          model.has_mechanics ? ReflectionParity::vector : ReflectionParity::even;
+      const Quantity quantity = model.has_mechanics ? Quantity::vector : Quantity::scalars;
       NodalVector velocity, force;
-      velocity.reinit(model.state.partition(), node_stride, reflection);
-      force.reinit(model.state.partition(), node_stride, reflection);
+      velocity.reinit(model.state.partition(), quantity);
+      force.reinit(model.state.partition(), quantity);
       const auto act = [&]()
       {
         if (!model.has_mechanics)

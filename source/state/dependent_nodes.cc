@@ -17,7 +17,7 @@ namespace tombolo
     if (partition->dependent_nodes().depth > 0)
     {
       NodalVector marks;
-      marks.reinit(partition, 1);
+      marks.reinit(partition, Quantity::scalar);
       for (const unsigned int node : owned)
         *marks.node(node) = 1.;
       marks.condense();

@@ -31,8 +31,9 @@ namespace tombolo
     {
       const bool is_position =
           vector == &position || vector == &initial_position || vector == &unsmoothed_position;
-      vector->reinit(partition, description.n_components == 1 ? 1 : node_stride,
-                     is_position ? ReflectionParity::point : ReflectionParity::vector);
+      vector->reinit(partition, description.n_components == 1 ? Quantity::scalar
+                                : is_position                 ? Quantity::position
+                                                              : Quantity::vector);
     }
   }
 

@@ -18,6 +18,12 @@ namespace tombolo
 
   namespace
   {
+    /** Whether a plane of symmetry changes it. */
+    bool turns(const Quantity quantity)
+    {
+      return quantity == Quantity::vector || quantity == Quantity::position;
+    }
+
     /** Books one exchange, from its construction to its destruction. */
     class ExchangeTimer
     {
@@ -46,13 +52,17 @@ namespace tombolo
   } // namespace
 
   void NodalVector::reinit(const std::shared_ptr<const NodePartition> &partition,
-                           const unsigned int slots, const ReflectionParity under_reflection)
+                           const Quantity quantity)
   {
-    Assert(slots == 1 || slots == node_stride, ExcInternalError());
-    this->slots = slots;
-    reflection = slots == 1 ? ReflectionParity::even : under_reflection;
+    kind = quantity;
+    slots = kind == Quantity::scalar ? 1 : node_stride;
     allocate(partition);
     set_zero();
+  }
+
+  void NodalVector::reinit_like(const NodalVector &other)
+  {
+    reinit(other.node_partition, other.kind);
   }
 
   void NodalVector::allocate(const std::shared_ptr<const NodePartition> &partition)
@@ -175,22 +185,21 @@ namespace tombolo
 
   void NodalVector::make_symmetric()
   {
-    if (reflection == ReflectionParity::even)
+    if (!turns(kind))
       return;
     for (const NodePartition::Reflected &on_plane : node_partition->nodes_on_planes())
     {
       double *const value = node(on_plane.source);
       for (unsigned int c = 0; c < node_stride; ++c)
         if (on_plane.reflection.sign[c] < 0.)
-          value[c] =
-              reflection == ReflectionParity::point ? 0.5 * on_plane.reflection.offset[c] : 0.;
+          value[c] = kind == Quantity::position ? 0.5 * on_plane.reflection.offset[c] : 0.;
     }
   }
 
   void NodalVector::fill_images()
   {
-    const bool is_even = reflection == ReflectionParity::even;
-    const double shift = reflection == ReflectionParity::point ? 1. : 0.;
+    const bool is_even = !turns(kind);
+    const double shift = kind == Quantity::position ? 1. : 0.;
     double *image =
         values + std::size_t(node_partition->n_owned() + node_partition->n_ghosts()) * slots;
     for (const NodePartition::Reflected &of : node_partition->images())
@@ -205,9 +214,8 @@ namespace tombolo
 
   void NodalVector::collect_images()
   {
-    Assert(reflection != ReflectionParity::point || node_partition->n_images() == 0,
-           ExcInternalError());
-    const bool is_even = reflection == ReflectionParity::even;
+    Assert(kind != Quantity::position || node_partition->n_images() == 0, ExcInternalError());
+    const bool is_even = !turns(kind);
     double *image =
         values + std::size_t(node_partition->n_owned() + node_partition->n_ghosts()) * slots;
     for (const NodePartition::Reflected &of : node_partition->images())

@@ -66,7 +66,7 @@ namespace tombolo
     }
 
     NodalVector depths;
-    depths.reinit(shared_from_this(), 1);
+    depths.reinit(shared_from_this(), Quantity::scalar);
     unsigned int has_changed = 1;
     while (has_changed != 0)
     {

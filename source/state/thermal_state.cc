@@ -21,7 +21,7 @@ namespace tombolo
     for (const auto &[description, vector] : fields())
     {
       const bool is_scalar = vector == &enthalpy || vector == &next_enthalpy;
-      vector->reinit(partition, is_scalar ? 1 : node_stride, ReflectionParity::even);
+      vector->reinit(partition, is_scalar ? Quantity::scalar : Quantity::scalars);
     }
   }
 

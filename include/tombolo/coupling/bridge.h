@@ -48,10 +48,9 @@ namespace tombolo
   class Bridge
   {
   public:
-    /** What is smoothed is a vector, or, with @p under_reflection even, up to node_stride scalars.
+    /** What is smoothed is a vector, or up to node_stride scalars.
      */
-    Bridge(const SmoothingSettings &smoothing, bool trace,
-           ReflectionParity under_reflection = ReflectionParity::vector);
+    Bridge(const SmoothingSettings &smoothing, bool trace, Quantity quantity = Quantity::vector);
 
     /** Says of each particle part that reinit() will be given whether it is smoothed, before the
      * first one. The mass of others is their nodes' own, as that of elements is: S and Φ stay
@@ -177,7 +176,7 @@ namespace tombolo
 
     SmoothingSettings settings;
     bool trace;
-    ReflectionParity reflection;
+    Quantity quantity;
     bool momentum_is_current = false; // it is that of the unsmoothed velocity
     bool velocity_is_current = false; // it is S of the unsmoothed velocity
 

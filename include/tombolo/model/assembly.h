@@ -35,7 +35,7 @@ namespace tombolo
       if (is_trace)
       {
         if (of_elements.partition() != result.partition())
-          of_elements.reinit(result.partition(), node_stride, result.under_reflection());
+          of_elements.reinit_like(result);
         of_elements.set_zero();
       }
       const NodalVector &seen_by_elements = bridge.element_velocity(field);

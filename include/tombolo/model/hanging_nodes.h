@@ -18,7 +18,8 @@ namespace tombolo
                              const std::vector<Section> &part_sections);
 
   /** Those that this rank owns of the nodes in the middle of faces and edges of cells which do not
-   * follow them. Nothing where no rank has any. Throws InputError where such a node is a particle. Collective. */
+   * follow them. Nothing where no rank has any. Throws InputError where such a node is a particle.
+   * Collective. */
   template <int dim>
   std::optional<std::vector<DependentNode>>
   find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,

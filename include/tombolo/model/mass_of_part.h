@@ -11,7 +11,7 @@ namespace tombolo
   NodalVector mass_of_part(const Model<dim> &model, const Formulation<dim> &part)
   {
     NodalVector mass;
-    mass.reinit(model.state.partition(), 1);
+    mass.reinit(model.state.partition(), Quantity::scalar);
     part.add_mass(mass);
     mass.add_to_owners();
     mass.condense();

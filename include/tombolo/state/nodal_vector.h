@@ -9,17 +9,19 @@
 
 namespace tombolo
 {
-  /** What a plane of symmetry does to a quantity. */
-  enum class ReflectionParity
+  /** What a nodal vector holds: how many values a node has, and what a plane of symmetry does to
+   * them. */
+  enum class Quantity
   {
-    even,   ///< nothing: scalars, and magnitudes by component (masses, half widths)
-    vector, ///< changes the sign of the normal component
-    point   ///< reflects a position about the plane
+    scalar,  ///< one value, which a plane leaves
+    scalars, ///< node_stride of these: such as masses by component
+    vector,  ///< a plane changes the sign of its normal component
+    position ///< a plane reflects it
   };
 
   /**
    * One quantity at every owned and ghost node, with one double (scalar) or node_stride doubles
-   * (vector) a node, contiguous: node(i) is the address of local node i. Owned values are
+   * a node, contiguous: node(i) is the address of local node i. Owned values are
    * authoritative. update_ghosts() copies them to the ghosts of other ranks (gather);
    * add_to_owners() adds what was accumulated at ghosts to their owners, in a fixed order, and
    * clears the ghosts (scatter). Both are collective and bitwise repeatable.
@@ -40,10 +42,11 @@ namespace tombolo
     NodalVector(NodalVector &&) = default;
     NodalVector &operator=(NodalVector &&) = default;
 
-    /** All zero. @p slots is 1 or node_stride; one slot holds a scalar, which is even. */
+    /** All zero. */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
-                unsigned int slots = node_stride,
-                ReflectionParity under_reflection = ReflectionParity::vector);
+                Quantity quantity = Quantity::vector);
+    /** All zero, of the partition and quantity of the other one. */
+    void reinit_like(const NodalVector &other);
 
     /** Keeps the owned values, takes the ghosts of @p partition, which must own the same nodes;
      * updates the ghosts. Collective. */
@@ -67,9 +70,9 @@ namespace tombolo
     }
 
     unsigned int n_slots_per_node() const;
-    ReflectionParity under_reflection() const
+    Quantity quantity() const
     {
-      return reflection;
+      return kind;
     }
     const std::shared_ptr<const NodePartition> &partition() const;
 
@@ -100,7 +103,7 @@ namespace tombolo
     dealii::AlignedVector<double> storage;
     dealii::AlignedVector<double> exchange_buffer;
     double *values = nullptr;
-    ReflectionParity reflection = ReflectionParity::even;
+    Quantity kind = Quantity::scalar;
     unsigned int slots = 0;
   };
 } // namespace tombolo

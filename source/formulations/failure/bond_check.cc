@@ -80,7 +80,7 @@ namespace tombolo
                                 const Stencils &shape)
   {
     if (pair_data.partition() != partition)
-      pair_data.reinit(partition, node_stride, ReflectionParity::point);
+      pair_data.reinit(partition, Quantity::position);
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
       double *const data = pair_data.node(shape.particle_node[i]);

@@ -142,7 +142,7 @@ namespace tombolo
     if (!partners.are_current())
       find_partners(partition, neighbourhoods);
     NodalVector mark;
-    mark.reinit(partition, 1);
+    mark.reinit(partition, Quantity::scalar);
     for (const unsigned int i : distorted)
       *mark.node(shape.particle_node[i]) = 1.;
     mark.update_ghosts();

@@ -16,7 +16,7 @@ namespace tombolo
                                     const std::vector<ParticleGrowth> &growth)
   {
     NodalVector tags;
-    tags.reinit(partition, node_stride, ReflectionParity::even);
+    tags.reinit(partition, Quantity::scalars);
     const auto &nodes = neighbourhoods.global_nodes();
     for (unsigned int i = 0; i < ids.size(); ++i)
     {

@@ -216,7 +216,7 @@ namespace tombolo
     // body, v ∂v there: a layer of mass κ h in the wrong place.
     constexpr double kappa = 0.25 - value_sharpness / 12.;
     NodalVector shift;
-    shift.reinit(particles.partition(nodes->relevant(), {}), 1);
+    shift.reinit(particles.partition(nodes->relevant(), {}), Quantity::scalar);
     const NodePartition &partition = *shift.partition();
     std::vector<types::global_dof_index> cell_nodes;
     for (const auto &cell : nodes->dof_handler().active_cell_iterators())

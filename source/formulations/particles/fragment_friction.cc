@@ -112,7 +112,7 @@ namespace tombolo
   {
     remember_springs();
     NodalVector id_of_node;
-    id_of_node.reinit(partition, node_stride, ReflectionParity::even);
+    id_of_node.reinit(partition, Quantity::scalars);
     for (std::size_t i = 0; i < own_ids.size(); ++i)
     {
       id_of_node.node(shape.particle_node[i])[0] = upper_half(own_ids[i]);
@@ -155,7 +155,7 @@ namespace tombolo
     const auto &partition = position.partition();
     for (NodalVector *const vector : {&displacement, &ends})
       if (vector->partition() != partition)
-        vector->reinit(partition, node_stride, ReflectionParity::even);
+        vector->reinit(partition, Quantity::scalars);
     const bool rubs = friction.largest() > 0.;
     if (rubs)
     {
@@ -301,7 +301,7 @@ namespace tombolo
   void FragmentFriction<dim>::conduct(const FragmentHeat &heat)
   {
     if (exposures.partition() != ends.partition())
-      exposures.reinit(ends.partition(), 1);
+      exposures.reinit(ends.partition(), Quantity::scalar);
     exposures.set_zero();
     for (const Exchange &exchange : exchanges)
       *exposures.node(exchange.own) +=

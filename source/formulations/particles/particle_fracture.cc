@@ -137,7 +137,7 @@ namespace tombolo
     rows.set_partition(*partition);
     const Stencils &shape = rows.stencils();
     NodalVector reference;
-    reference.reinit(partition, node_stride, ReflectionParity::point);
+    reference.reinit(partition, Quantity::position);
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
       std::copy_n(kernel.positions().begin() + std::ptrdiff_t(i) * node_stride, node_stride,
                   reference.node(shape.particle_node[i]));
@@ -153,7 +153,7 @@ namespace tombolo
     bonds->refuse_unbonded(partition, rows.neighbourhoods(), rows.stencils());
     bonds->remove_broken(partition, rows.neighbourhoods(), rows.stencils());
     NodalVector reference;
-    reference.reinit(partition, node_stride, ReflectionParity::point);
+    reference.reinit(partition, Quantity::position);
     rows.compute_in_reference(particles, kernel, reference);
     release_debris();
   }

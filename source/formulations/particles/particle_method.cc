@@ -286,7 +286,7 @@ namespace tombolo
     at_start.set_partition(*partition, initial);
     kernel.set_positions(position, initial); // owned nodes have the same numbers in all partitions
     NodalVector present;
-    present.reinit(partition, node_stride, ReflectionParity::point);
+    present.reinit(partition, Quantity::position);
     for (const unsigned int node : initial.particle_node)
       std::copy_n(position.node(node), node_stride, present.node(node));
     present.update_ghosts();

@@ -63,7 +63,7 @@ namespace tombolo
     if (bodies == nullptr)
       return;
     NodalVector body;
-    body.reinit(partition, 1);
+    body.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *body.node(i) = static_cast<double>(bodies->body_of(partition->global_index(i)));
     body.update_ghosts();
@@ -172,7 +172,7 @@ namespace tombolo
                                           const KernelConfiguration<dim> &kernel,
                                           const std::shared_ptr<const NodePartition> &partition)
   {
-    shape.reference_position.reinit(partition, node_stride, ReflectionParity::point);
+    shape.reference_position.reinit(partition, Quantity::position);
     find_reference(particles, kernel, shape.reference_position);
   }
 
@@ -180,8 +180,7 @@ namespace tombolo
   void ParticleRows<dim>::set_partition(const NodePartition &partition)
   {
     renumber(partition);
-    support_of_node.reinit(std::make_shared<const NodePartition>(partition), node_stride,
-                           ReflectionParity::even);
+    support_of_node.reinit(std::make_shared<const NodePartition>(partition), Quantity::scalars);
   }
 
   template <int dim>

@@ -208,7 +208,7 @@ namespace tombolo
   {
     const auto &partition = position.partition();
     for (NodalVector *const vector : {&tags, &former_tags, &spheres})
-      vector->reinit(partition, node_stride, ReflectionParity::even);
+      vector->reinit(partition, Quantity::scalars);
     const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, *partition);
     double *kept[n_tags], *former_position[dim];
     for (unsigned int t = 0; t < n_tags; ++t)

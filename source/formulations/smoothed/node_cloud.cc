@@ -86,7 +86,7 @@ namespace tombolo
         return;
       NodalVector n_full;
       const auto partition = partition_of(own, nodes, setup.nodes->dof_handler().n_dofs());
-      n_full.reinit(partition, 1);
+      n_full.reinit(partition, Quantity::scalar);
       for (const SmoothedCell<dim> &cell : cells)
         for (const types::global_dof_index node : cell.nodes)
           *n_full.node(partition->local_index(node)) += cell.is_void ? 0. : 1.;
@@ -107,7 +107,7 @@ namespace tombolo
         return;
       NodalVector body;
       const auto partition = partition_of(own, nodes, setup.nodes->dof_handler().n_dofs());
-      body.reinit(partition, 1);
+      body.reinit(partition, Quantity::scalar);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         *body.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
       body.update_ghosts();

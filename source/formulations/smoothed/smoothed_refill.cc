@@ -79,7 +79,7 @@ namespace tombolo
     rows.initialize(refilled.setup(), &position);
     if (!criterion.is_on())
       return;
-    reference.reinit(position.partition(), node_stride, position.under_reflection());
+    reference.reinit_like(position);
     reference.copy_from(position);
     reference.update_ghosts();
   }

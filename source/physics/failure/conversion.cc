@@ -56,7 +56,7 @@ namespace tombolo
       NodalVector marks;
       for (unsigned int layer = 0; layer < part.conversion().n_layers(); ++layer)
       {
-        marks.reinit(partition, 1);
+        marks.reinit(partition, Quantity::scalar);
         for (unsigned int cell = 0; cell < n_cells; ++cell)
           if (is_chosen[cell])
             for (const types::global_dof_index node : part.nodes_of_cell(cell))
@@ -216,7 +216,7 @@ namespace tombolo
                                                     const StateTransfer *const converted)
   {
     NodalVector result;
-    result.reinit(model.state.partition(), 1);
+    result.reinit(model.state.partition(), Quantity::scalar);
     const ParticleSet<dim> &particles = pair.particles->particle_set();
     for (unsigned int i = 0; i < particles.size(); ++i)
       *result.node(static_cast<unsigned int>(particles.owned_nodes().index_within_set(

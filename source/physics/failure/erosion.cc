@@ -36,7 +36,7 @@ namespace tombolo
 
     void copy(const NodalVector &from, NodalVector &to)
     {
-      to.reinit(from.partition(), 1);
+      to.reinit(from.partition(), Quantity::scalar);
       to.copy_from(from);
     }
   } // namespace

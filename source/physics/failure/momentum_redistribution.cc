@@ -94,7 +94,7 @@ namespace tombolo
     }
     if (Utilities::MPI::max(leaving.row.empty() ? 0 : 1, partition->communicator()) == 0)
       return;
-    is_debris.reinit(partition, 1);
+    is_debris.reinit(partition, Quantity::scalar);
     for (unsigned int node = 0; node < partition->n_owned(); ++node)
       *is_debris.node(node) = has_left(node) ? 1. : 0.;
     is_debris.update_ghosts();
@@ -113,7 +113,7 @@ namespace tombolo
                                                  const std::vector<std::uint8_t> &constrained)
   {
     const auto &partition = model.state.partition();
-    weight.reinit(partition, node_stride, ReflectionParity::even);
+    weight.reinit(partition, Quantity::scalars);
     for (unsigned int node = 0; node < partition->n_owned(); ++node)
       for (unsigned int c = 0; c < node_stride; ++c)
         if (constrained.empty() || !((constrained[node] >> c) & 1u))
@@ -245,7 +245,7 @@ namespace tombolo
     const auto &partition = model.state.partition();
     const NodalEnthalpy &of_temperature = model.heat->nodal_enthalpy;
     NodalVector received;
-    received.reinit(partition, node_stride, ReflectionParity::even);
+    received.reinit(partition, Quantity::scalars);
     std::vector<double> given(leaving.row.size() * node_stride, 0.);
     for (std::size_t k = 0; k < leaving.row.size(); ++k)
     {

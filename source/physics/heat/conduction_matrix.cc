@@ -244,7 +244,7 @@ namespace tombolo
                                      const std::shared_ptr<const NodePartition> &partition)
     {
       NodalVector is_constrained;
-      is_constrained.reinit(partition, 1);
+      is_constrained.reinit(partition, Quantity::scalar);
       for (const unsigned int node : model.heat->conditions.constrained_nodes())
         *is_constrained.node(node) = 1.;
       for (const unsigned int node : partition->dependent_nodes().node)
@@ -435,8 +435,8 @@ namespace tombolo
       std::vector<types::global_dof_index> of_cell;
     };
 
-    /** The nodes on which others depend, with weights, and those with prescribed temperatures, which
-     * do not change, left out. */
+    /** The nodes on which others depend, with weights, and those with prescribed temperatures,
+     * which do not change, left out. */
     class Means
     {
     public:
@@ -489,7 +489,7 @@ namespace tombolo
     const NodePartition &partition = *diagonal.partition();
     const NodalVector is_constrained = constrained_nodes_of(model, diagonal.partition());
     NodalVector of_free;
-    of_free.reinit(diagonal.partition(), 1);
+    of_free.reinit(diagonal.partition(), Quantity::scalar);
     of_free.copy_from(diagonal);
     for (const unsigned int node : partition.dependent_nodes().node)
       *of_free.node(node) = 0.;

@@ -30,7 +30,7 @@ namespace tombolo
   template <int dim>
   ExplicitHeat<dim>::ExplicitHeat(const Section &section)
       : safety_factor(section.get_positive("Safety factor")),
-        maximum(section.get_double("Maximum")), solver(1e-4, 400, ReflectionParity::even)
+        maximum(section.get_double("Maximum")), solver(1e-4, 400, Quantity::scalars)
   {
     if (safety_factor > 1.)
       section.fail("Safety factor", "allowed is a number above 0 and up to 1.");
@@ -60,7 +60,7 @@ namespace tombolo
 
     const auto &partition = heat.state.enthalpy.partition();
     const unsigned int n_owned = partition->n_owned();
-    capacity.reinit(partition, 1);
+    capacity.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < n_owned; ++i)
       *capacity.node(i) =
           heat.nodal_enthalpy.capacity(i, *heat.state.unsmoothed_temperature.node(i));
@@ -129,7 +129,7 @@ namespace tombolo
     ThermalModel<dim> &heat = *model.heat;
     const auto &partition = heat.state.enthalpy.partition();
     if (rate.partition() != partition)
-      rate.reinit(partition, 1);
+      rate.reinit(partition, Quantity::scalar);
     rates_of_conditions.assign(heat.conditions.n_conditions(), 0.);
     heat.find_field_of_state(); // (28)
     heat.heat_rate(model.state.position, heat.state.temperature, time, rate,

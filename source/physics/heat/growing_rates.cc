@@ -76,7 +76,7 @@ namespace tombolo
     const auto &partition = rate.partition();
     if (direction.partition() != partition)
       for (NodalVector *const vector : {&direction, &image})
-        vector->reinit(partition, node_stride, ReflectionParity::even);
+        vector->reinit(partition, Quantity::scalars);
     direction.set_zero();
     visit_free_nodes(heat, [&](const unsigned int node, const double capacity)
                      { *direction.node(node) = *rate.node(node) / capacity / largest; });

@@ -65,14 +65,14 @@ namespace tombolo
         : factor(factor), owner(owner), model(model)
     {
       NodalVector diagonal;
-      diagonal.reinit(owner.capacity.partition(), 1);
+      diagonal.reinit(owner.capacity.partition(), Quantity::scalar);
       model.heat->add_film_diagonal(time, owner.field, diagonal);
       for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
         *diagonal.node(i) = *owner.capacity.node(i) + factor * *diagonal.node(i);
       is_diagonal = true;
       for (const Part<dim> &part : model.parts)
         is_diagonal = is_diagonal && part.heat->conductivity().largest() == 0.;
-      inverse_diagonal.reinit(owner.capacity.partition(), 1);
+      inverse_diagonal.reinit(owner.capacity.partition(), Quantity::scalar);
       for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
         *inverse_diagonal.node(i) = 1. / *diagonal.node(i);
       if (is_diagonal)
@@ -299,10 +299,10 @@ namespace tombolo
     if (field.partition() == partition)
       return;
     for (NodalVector *vector : {&field, &direction, &image})
-      vector->reinit(partition, node_stride, ReflectionParity::even);
+      vector->reinit(partition, Quantity::scalars);
     for (NodalVector *vector : {&rate, &first_rate, &capacity})
-      vector->reinit(partition, 1);
-    last_temperature.reinit(partition, node_stride, ReflectionParity::even);
+      vector->reinit(partition, Quantity::scalar);
+    last_temperature.reinit(partition, Quantity::scalars);
     last_step = 0.;
     preconditioner.reset();
   }

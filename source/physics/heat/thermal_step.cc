@@ -108,7 +108,7 @@ namespace tombolo
       if (!is_given)
       {
         if (process_heat.partition() != state.enthalpy.partition())
-          process_heat.reinit(state.enthalpy.partition(), 1);
+          process_heat.reinit(state.enthalpy.partition(), Quantity::scalar);
         process_heat.set_zero();
       }
       is_given = true;

@@ -58,7 +58,7 @@ namespace tombolo
       : model(model), revision_of_cells(model.revisions.cells), rubs(has_friction(model))
   {
     if (heats())
-      pending_heat.reinit(model.state.partition(), 1);
+      pending_heat.reinit(model.state.partition(), Quantity::scalar);
   }
 
   template <int dim>
@@ -79,7 +79,7 @@ namespace tombolo
     FragmentHeat heat;
     if (heats())
     {
-      other_heat.reinit(partition, 1);
+      other_heat.reinit(partition, Quantity::scalar);
       for (const auto &process : model.processes)
         if (process.get() != this)
           process->add_pending_heat(other_heat);

@@ -123,7 +123,7 @@ namespace tombolo
       if (vector->partition() != partition)
         vector->reinit(partition);
     if (count.partition() != partition)
-      count.reinit(partition, 1);
+      count.reinit(partition, Quantity::scalar);
     position_response.begin_step(partition);
     model.state.acceleration.update_ghosts();
     if (!position_response.is_global() || may_touch(model, clock))

@@ -44,7 +44,7 @@ namespace tombolo
     loads.reinit(model.state.partition());
     load_force.reinit(model.state.partition());
     if (model.bridge->has_particles())
-      places.reinit(model.state.partition(), node_stride, model.state.position.under_reflection());
+      places.reinit(model.state.partition(), model.state.position.quantity());
   }
 
   template <int dim>

@@ -88,15 +88,14 @@ namespace tombolo
     }
   } // namespace
 
-  Lobpcg::Lobpcg(const double tolerance, const unsigned int max_iterations,
-                 const ReflectionParity under_reflection)
-      : tolerance(tolerance), max_iterations(max_iterations), reflection(under_reflection)
+  Lobpcg::Lobpcg(const double tolerance, const unsigned int max_iterations, const Quantity quantity)
+      : tolerance(tolerance), max_iterations(max_iterations), quantity(quantity)
   {}
 
   void Lobpcg::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
     if (mode.partition() == nullptr)
-      mode.reinit(partition, node_stride, reflection);
+      mode.reinit(partition, quantity);
     else if (mode.partition() != partition)
       mode.move_to(partition);
   }
@@ -114,7 +113,7 @@ namespace tombolo
                          const unsigned int seed)
   {
     NodalVector random;
-    random.reinit(mode.partition(), node_stride, reflection);
+    random.reinit(mode.partition(), quantity);
     for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < n_components; ++d)
         random.node(i)[d] = noise(initial_position.node(i), 3 * seed + d);
@@ -136,7 +135,7 @@ namespace tombolo
   double Lobpcg::rayleigh_quotient(const NodalVector &mass, const Operator &apply) const
   {
     NodalVector image;
-    image.reinit(mode.partition(), node_stride, reflection);
+    image.reinit(mode.partition(), quantity);
     apply(mode, image);
     const auto products = inner_products<2>(mass, {{{&mode, &image}, {&mode, &mode}}});
     return products[0] / products[1];
@@ -147,7 +146,7 @@ namespace tombolo
   {
     NodalVector image, residual, residual_image, direction, direction_image;
     for (NodalVector *vector : {&image, &residual, &residual_image, &direction, &direction_image})
-      vector->reinit(mode.partition(), node_stride, reflection);
+      vector->reinit(mode.partition(), quantity);
 
     const auto normalize = [&](NodalVector &vector, NodalVector *its_image)
     {

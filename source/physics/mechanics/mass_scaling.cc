@@ -100,7 +100,7 @@ namespace tombolo
     if (!settings.is_selective() || !raise_factors(model))
       return false;
     NodalVector before;
-    before.reinit(model.state.partition(), 1);
+    before.reinit(model.state.partition(), Quantity::scalar);
     before.copy_from(model.state.mass);
     give_factors(model);
     model.renew_inertia();

@@ -84,26 +84,25 @@ namespace tombolo
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     loads.reinit(partition);
     nodal_force.reinit(partition);
-    const auto keep =
-        [&](NodalVector &vector, const unsigned int slots, const ReflectionParity parity)
+    const auto keep = [&](NodalVector &vector, const Quantity quantity)
     {
       if (vector.partition() == nullptr)
-        vector.reinit(partition, slots, parity);
+        vector.reinit(partition, quantity);
       else if (vector.partition() != partition)
         vector.move_to(partition);
     };
-    keep(present_force, node_stride, ReflectionParity::vector);
+    keep(present_force, Quantity::vector);
     if (last_position.partition() == nullptr)
     {
-      last_position.reinit(partition, node_stride, ReflectionParity::point);
+      last_position.reinit(partition, Quantity::position);
       last_position.copy_from(model.state.position);
     }
     else
-      keep(last_position, node_stride, ReflectionParity::point);
+      keep(last_position, Quantity::position);
     if (!has_heat)
       return;
-    new_heat.reinit(partition, 1);
-    keep(pending_heat, 1, ReflectionParity::even);
+    new_heat.reinit(partition, Quantity::scalar);
+    keep(pending_heat, Quantity::scalar);
   }
 
   template <int dim>
@@ -272,12 +271,12 @@ namespace tombolo
       last_position.copy_from(model.state.position);
     const auto &partition = model.state.partition();
     if (committed_position.partition() != partition)
-      committed_position.reinit(partition, node_stride, ReflectionParity::point);
+      committed_position.reinit(partition, Quantity::position);
     committed_position.copy_from(last_position);
     if (!has_heat)
       return;
     if (committed_heat.partition() != partition)
-      committed_heat.reinit(partition, 1);
+      committed_heat.reinit(partition, Quantity::scalar);
     committed_heat.copy_from(pending_heat);
   }
 

@@ -43,7 +43,7 @@ namespace tombolo
   void NodalYieldStress<dim>::sum_points(const Model<dim> &model, const unsigned int part)
   {
     if (sums.partition() != model.state.partition())
-      sums.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+      sums.reinit(model.state.partition(), Quantity::scalars);
     sums.set_zero();
     const Formulation<dim> &formulation = *model.parts[part].formulation;
     const MaterialPoints &points = formulation.points();

@@ -42,7 +42,7 @@ namespace tombolo
                            has_stress = has_stress || pairs.pair_terms().has_artificial_stress();
                          });
     if (heats())
-      pending_heat.reinit(model.state.partition(), 1);
+      pending_heat.reinit(model.state.partition(), Quantity::scalar);
   }
 
   template <int dim>

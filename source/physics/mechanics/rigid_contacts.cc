@@ -118,7 +118,7 @@ namespace tombolo
                                                    NodalVector &sum) const
   {
     if (sum.partition() != like.partition())
-      sum.reinit(like.partition(), 1);
+      sum.reinit(like.partition(), Quantity::scalar);
     sum.set_zero();
     for (const auto &contact : members)
       (*contact.*add)(sum);

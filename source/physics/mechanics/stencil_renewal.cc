@@ -71,7 +71,7 @@ namespace tombolo
       return internal_power(model, step);
     NodalState &state = model.state;
     NodalVector present;
-    present.reinit(state.partition(), node_stride, state.position.under_reflection());
+    present.reinit(state.partition(), state.position.quantity());
     present.copy_from(state.position);
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       store_node(load_node(present.node(i)) - load_node(state.velocity.node(i)) * back,

@@ -67,9 +67,9 @@ namespace tombolo
   {
     const auto &partition = model.state.partition();
     for (NodalVector *const vector : {&damping, &viscous_force})
-      vector->reinit(partition, node_stride, ReflectionParity::vector);
+      vector->reinit(partition);
     NodalVector mark;
-    mark.reinit(partition, 1);
+    mark.reinit(partition, Quantity::scalar);
     local.clear();
     for (const Fibre &fibre : fibres)
     {

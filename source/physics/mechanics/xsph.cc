@@ -32,7 +32,7 @@ namespace tombolo
   void Xsph<dim>::model_changed(Model<dim> &model)
   {
     const auto &partition = model.state.partition();
-    mass.reinit(partition, 1);
+    mass.reinit(partition, Quantity::scalar);
     momentum.reinit(partition);
     other_force.reinit(partition);
     if (moved.partition() == nullptr)

@@ -240,7 +240,7 @@ namespace tombolo
     const NodePartition &partition = *model.state.partition();
     std::vector<std::vector<bool>> result(values.size());
     NodalVector mark;
-    mark.reinit(model.state.partition(), 1);
+    mark.reinit(model.state.partition(), Quantity::scalar);
     std::vector<types::global_dof_index> nodes;
     std::string failure;
     for (unsigned int layer = 0; layer <= layers; ++layer)

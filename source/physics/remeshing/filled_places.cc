@@ -27,7 +27,7 @@ namespace tombolo
     ids_of_corners(const Model<dim> &model, const std::vector<SmoothedCell<dim>> &cells)
     {
       NodalVector ids;
-      ids.reinit(model.state.partition(), 1);
+      ids.reinit(model.state.partition(), Quantity::scalar);
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         *ids.node(i) = static_cast<double>(model.nodes->persistent_ids()[i]);
       ids.update_ghosts();
@@ -46,7 +46,7 @@ namespace tombolo
     NodalVector ways_since(const NodalVector &before, const NodalVector &now)
     {
       NodalVector result;
-      result.reinit(now.partition(), node_stride, now.under_reflection());
+      result.reinit_like(now);
       const std::size_t n_values = std::size_t(now.partition()->n_owned()) * node_stride;
       for (std::size_t i = 0; i < n_values; ++i)
         result.data()[i] = now.data()[i] - before.data()[i];
@@ -95,7 +95,7 @@ namespace tombolo
     const auto &partition = model.state.partition();
     const IndexSet prescribed = model.conditions->prescribed_nodes();
     NodalVector is_held;
-    is_held.reinit(partition, 1);
+    is_held.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *is_held.node(i) = prescribed.is_element(partition->global_index(i)) ? 1. : 0.;
     is_held.update_ghosts();
@@ -148,12 +148,12 @@ namespace tombolo
   {
     const auto &partition = model.state.partition();
     NodalVector result;
-    result.reinit(partition, 1);
+    result.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *result.node(i) = surface->surface_nodes().is_on_boundary(i) ? 1. : 0.;
     result.update_ghosts();
     const std::vector<bool> is_near = CellMarks::cells_marked(local_nodes, result);
-    result.reinit(partition, 1);
+    result.reinit(partition, Quantity::scalar);
     CellMarks::mark(local_nodes, is_near, true, result);
     return result;
   }
@@ -218,7 +218,7 @@ namespace tombolo
     search.mesh_places = motion.places(model.state.initial_position, clock.time);
     search.mesh = motion.corners(cells, clock.time, model.communicator);
     for (NodalVector *const vector : {&search.in_patch, &search.held, &search.way_shares})
-      vector->reinit(partition, 1);
+      vector->reinit(partition, Quantity::scalar);
     search.in_patch.copy_from(in_patch);
     search.in_patch.update_ghosts();
     search.near = CellMarks::cells_marked(local_nodes, search.in_patch);
@@ -251,7 +251,7 @@ namespace tombolo
     const auto &partition = position.partition();
     NodalVector moves, result;
     for (NodalVector *const vector : {&moves, &result})
-      vector->reinit(partition, 1);
+      vector->reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *moves.node(i) = *search.on_surface.node(i) > 0. && *is_bound.node(i) == 0. ? 1. : 0.;
     moves.update_ghosts();
@@ -284,7 +284,7 @@ namespace tombolo
     const auto &partition = values.partition();
     std::vector<double> n_moving(cells.size(), 0.);
     NodalVector n_cells, next;
-    n_cells.reinit(partition, 1);
+    n_cells.reinit(partition, Quantity::scalar);
     for (std::size_t c = 0; c < cells.size(); ++c)
       for (const unsigned int node : local_nodes[c])
         if (!void_after[c] && *moves.node(node) > 0.)
@@ -298,7 +298,7 @@ namespace tombolo
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         *values.node(i) /= std::max(1., *n_cells.node(i));
       values.update_ghosts();
-      next.reinit(partition, 1);
+      next.reinit(partition, Quantity::scalar);
       for (std::size_t c = 0; c < cells.size(); ++c)
       {
         if (n_moving[c] == 0.)
@@ -321,7 +321,7 @@ namespace tombolo
     const auto &partition = search.held.partition();
     NodalVector of_full;
     for (NodalVector *const vector : {&of_full, &search.inside, &search.on_surface})
-      vector->reinit(partition, 1);
+      vector->reinit(partition, Quantity::scalar);
     CellMarks::mark(local_nodes, void_after, false, of_full);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (next.surface_nodes().is_on_boundary(i) && !next.surface_nodes().is_smooth(i))
@@ -350,7 +350,7 @@ namespace tombolo
     const SurfaceSlide<dim> next(model, cells_with(model, void_after));
     classify_nodes(next, search);
     NodalVector result;
-    result.reinit(position.partition(), node_stride, position.under_reflection());
+    result.reinit_like(position);
     for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
       std::copy_n((*search.held.node(i) > 0. ? position : search.mesh_places).node(i), node_stride,
                   result.node(i));
@@ -358,7 +358,7 @@ namespace tombolo
     // A node that goes a part of its way only, for the sake of its cells, may leave a tool.
     constexpr double whole_way = 1., part_of_way = 0.5;
     NodalVector slides;
-    slides.reinit(position.partition(), 1);
+    slides.reinit(position.partition(), Quantity::scalar);
     for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
       if (*search.on_surface.node(i) > 0.)
         *slides.node(i) = *search.way_shares.node(i) == whole_way ? whole_way : part_of_way;
@@ -395,7 +395,7 @@ namespace tombolo
     }
     void_after = voids.of_cells();
     NodalVector result;
-    result.reinit(position.partition(), node_stride, position.under_reflection());
+    result.reinit_like(position);
     result.copy_from(position);
     result.update_ghosts();
     return result;
@@ -452,7 +452,7 @@ namespace tombolo
         has_changed = 1.;
       }
     NodalVector marks;
-    marks.reinit(search.held.partition(), 1);
+    marks.reinit(search.held.partition(), Quantity::scalar);
     CellMarks::mark(local_nodes, stays, true, marks);
     for (unsigned int i = 0; i < marks.partition()->n_owned(); ++i)
     {

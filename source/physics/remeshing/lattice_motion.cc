@@ -50,7 +50,7 @@ namespace tombolo
                                        const Way &way) const
   {
     NodalVector result;
-    result.reinit(from.partition(), node_stride, from.under_reflection());
+    result.reinit_like(from);
     result.copy_from(from);
     for (unsigned int i = 0; is_on() && i < from.partition()->n_owned(); ++i)
     {

@@ -38,12 +38,12 @@ namespace tombolo
       : part(part)
   {
     const auto &partition = model.state.partition();
-    mass.reinit(partition, 1);
+    mass.reinit(partition, Quantity::scalar);
     mass.copy_from(of_part);
     if (!model.heat)
       return;
     enthalpy = enthalpies(model, temperatures(model));
-    initial.reinit(partition, node_stride, ReflectionParity::even);
+    initial.reinit(partition, Quantity::scalars);
     initial.copy_from(enthalpy);
   }
 
@@ -51,7 +51,7 @@ namespace tombolo
   NodalVector NodalContent<dim>::temperatures(const Model<dim> &model) const
   {
     NodalVector result;
-    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    result.reinit(model.state.partition(), Quantity::scalars);
     const ThermalState &thermal = model.heat->state;
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       if (*mass.node(i) > 0.)
@@ -68,7 +68,7 @@ namespace tombolo
                                             const NodalVector &temperatures) const
   {
     NodalVector result;
-    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    result.reinit(model.state.partition(), Quantity::scalars);
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
         result.node(i)[slot] = model.parts[part].heat->enthalpy(temperatures.node(i)[slot]);

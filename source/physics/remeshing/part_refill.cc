@@ -213,7 +213,7 @@ namespace tombolo
   NodalVector PartRefill<dim>::own_mass(const std::shared_ptr<const NodePartition> &partition) const
   {
     NodalVector result;
-    result.reinit(partition, 1);
+    result.reinit(partition, Quantity::scalar);
     const std::vector<double> masses = cells.masses_of_cells();
     const auto &nodes = places.nodes();
     for (std::size_t c = 0; c < nodes.size(); ++c)
@@ -247,7 +247,7 @@ namespace tombolo
     NodalState &state = model.state;
     const auto partition = state.partition();
     NodalVector inertia;
-    inertia.reinit(partition, 1);
+    inertia.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *inertia.node(i) = *model.bridge->mass().node(i) / model.inertia_factor;
     std::vector<const NodalVector *> fields(1, &state.unsmoothed_velocity);
@@ -266,7 +266,7 @@ namespace tombolo
     set_masses(overlap);
     const NodalVector mass_after = own_mass(partition);
     NodalVector inertia_after;
-    inertia_after.reinit(partition, 1);
+    inertia_after.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i);
     project_nodal_field(overlap, 0, inertia, inertia_after, state.unsmoothed_velocity);
@@ -376,7 +376,7 @@ namespace tombolo
     if (fills_cells())
       settle(model, after);
     state.position.copy_from(after);
-    reference.reinit(partition, node_stride, after.under_reflection());
+    reference.reinit(partition, after.quantity());
     reference.copy_from(after);
     model.renew_partition(); // owned nodes keep their local numbers
     moved.erase(std::remove_if(moved.begin(), moved.end(),
@@ -395,7 +395,7 @@ namespace tombolo
   {
     if (settled.partition() == nullptr)
     {
-      settled.reinit(after.partition(), node_stride, after.under_reflection());
+      settled.reinit_like(after);
       settled.copy_from(model.state.initial_position);
     }
     for (unsigned int i = 0; i < after.partition()->n_owned(); ++i)
@@ -411,8 +411,7 @@ namespace tombolo
     if (count == 0)
       return false;
     if (archive.is_reading())
-      reference.reinit(model.state.partition(), node_stride,
-                       model.state.position.under_reflection());
+      reference.reinit(model.state.partition(), model.state.position.quantity());
     archive("time of the last", places.time_of_last());
     archive.nodal("reference position", dim, reference);
     archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
@@ -420,7 +419,7 @@ namespace tombolo
     if (fills_cells())
     {
       if (archive.is_reading())
-        settled.reinit(reference.partition(), node_stride, reference.under_reflection());
+        settled.reinit_like(reference);
       archive.nodal("settled position", dim, settled);
       const std::vector<bool> &is_void = cells.void_cells().of_cells();
       std::vector<double> flags(is_void.begin(), is_void.end());

@@ -49,8 +49,8 @@ namespace tombolo
       model.remove_faces(void_cells);
     if (!model.heat)
       return;
-    pending_heat.reinit(model.state.partition(), 1);
-    carried_heat.reinit(model.state.partition(), 1);
+    pending_heat.reinit(model.state.partition(), Quantity::scalar);
+    carried_heat.reinit(model.state.partition(), Quantity::scalar);
     if (std::any_of(parts.begin(), parts.end(),
                     [](const Refilled &part) { return !part.refill->is_conservative(); }))
       model.heat->can_lose_heat = true;
@@ -73,8 +73,7 @@ namespace tombolo
       NodalVector places;
       if (part.refill->slides())
       {
-        places.reinit(model.state.partition(), node_stride,
-                      model.state.position.under_reflection());
+        places.reinit(model.state.partition(), model.state.position.quantity());
         places.copy_from(model.state.position);
       }
       if (!part.refill->refill(model, clock))

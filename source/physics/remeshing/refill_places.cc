@@ -63,14 +63,14 @@ namespace tombolo
     std::vector<bool> is_in_patch(cells.size(), false);
     for (const unsigned int cell : distorted)
       is_in_patch[cell] = true;
-    in_patch.reinit(partition, 1);
+    in_patch.reinit(partition, Quantity::scalar);
     CellMarks::mark(local_nodes, is_in_patch, true, in_patch);
     for (unsigned int layer = 0; layer < settings.n_layers(); ++layer)
     {
       for (std::size_t c = 0; c < cells.size(); ++c)
         if (CellMarks::any_marked(local_nodes[c], in_patch))
           is_in_patch[c] = true;
-      in_patch.reinit(partition, 1);
+      in_patch.reinit(partition, Quantity::scalar);
       CellMarks::mark(local_nodes, is_in_patch, true, in_patch);
     }
     // Nodes of cells that have become particles stay.
@@ -80,7 +80,7 @@ namespace tombolo
     const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
     NodalVector is_held, of_boundary;
     for (NodalVector *const vector : {&is_held, &of_boundary, &inside, &on_surface})
-      vector->reinit(partition, 1);
+      vector->reinit(partition, Quantity::scalar);
     CellMarks::mark(local_nodes, is_in_patch, false, is_held);
     for (std::size_t c = 0; c < cells.size(); ++c)
       for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
@@ -128,7 +128,7 @@ namespace tombolo
     if (Utilities::MPI::max(any ? 1 : 0, before.partition()->communicator()) == 0)
       return {};
     NodalVector marks;
-    marks.reinit(before.partition(), 1);
+    marks.reinit(before.partition(), Quantity::scalar);
     CellMarks::mark(local_nodes, is_unusable, true, marks);
     return marks;
   }
@@ -144,7 +144,7 @@ namespace tombolo
     NodalVector target, result;
     for (NodalVector *const vector : {&target, &result})
     {
-      vector->reinit(position.partition(), node_stride, position.under_reflection());
+      vector->reinit_like(position);
       vector->copy_from(position);
     }
     place_inner_nodes<dim>(local_nodes, initial, inside, model.state.initial_position, target);
@@ -197,8 +197,8 @@ namespace tombolo
     const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
     const double way = motion.largest_way(cells, clock.time, model.communicator);
     NodalVector result, stays;
-    result.reinit(position.partition(), node_stride, position.under_reflection());
-    stays.reinit(position.partition(), 1);
+    result.reinit_like(position);
+    stays.reinit(position.partition(), Quantity::scalar);
     for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
       *stays.node(i) = *on_surface.node(i) == 0. && *inside.node(i) == 0.;
     for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
@@ -246,10 +246,10 @@ namespace tombolo
     const NodalVector mesh_places = motion.places(model.state.initial_position, clock.time);
     const std::vector<Corners> of_lattice = motion.corners(cells, clock.time, model.communicator);
     NodalVector all_inside, trial;
-    all_inside.reinit(position.partition(), 1);
+    all_inside.reinit(position.partition(), Quantity::scalar);
     all_inside.copy_from(inside);
     NodalVector result = slide_surface(model, clock, mesh_places);
-    trial.reinit(position.partition(), node_stride, position.under_reflection());
+    trial.reinit_like(position);
     for (unsigned int step = 0; step < n_steps; ++step)
     {
       NodalVector way = winslow_step<dim>(local_nodes, of_lattice, all_inside, mesh_places, result);

@@ -169,7 +169,7 @@ namespace tombolo
     {
       std::array<NodalVector, 7> sums; // of volume times stress, and of volume
       for (NodalVector &sum : sums)
-        sum.reinit(model.state.partition(), 1);
+        sum.reinit(model.state.partition(), Quantity::scalar);
       for_cells(model,
                 [&](const unsigned int part, const unsigned int cell,
                     const std::vector<unsigned int> &nodes)

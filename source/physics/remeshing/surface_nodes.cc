@@ -29,7 +29,7 @@ namespace tombolo
     constexpr double smooth = 0.92; // half of 46 degrees between two faces
     NodalVector ids, normals;
     for (NodalVector *const vector : {&ids, &normals})
-      vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
+      vector->reinit(model.state.partition(), Quantity::scalars);
     examine_faces(lattice, ids, normals);
     for (NodalVector *const vector : {&ids, &normals})
       vector->add_to_owners();

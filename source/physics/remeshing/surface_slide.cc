@@ -210,7 +210,7 @@ namespace tombolo
   {
     constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
     NodalVector is_bound;
-    is_bound.reinit(position.partition(), 1);
+    is_bound.reinit(position.partition(), Quantity::scalar);
     for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
     {
       keep_outside(from, position, is_bound);
@@ -291,7 +291,7 @@ namespace tombolo
               initial.node(i)[d] + *way_shares.node(i) * (position.node(i)[d] - initial.node(i)[d]);
     position.update_ghosts();
     NodalVector is_bound;
-    is_bound.reinit(position.partition(), 1);
+    is_bound.reinit(position.partition(), Quantity::scalar);
     for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
     {
       keep_outside(from, position, is_bound);
@@ -307,7 +307,7 @@ namespace tombolo
                                             const NodalVector &position)
   {
     NodalVector result;
-    result.reinit(before.partition(), node_stride, before.under_reflection());
+    result.reinit_like(before);
     result.copy_from(before);
     for (unsigned int i = 0; i < before.partition()->n_owned(); ++i)
     {
@@ -383,7 +383,7 @@ namespace tombolo
     std::vector<double> depths;
     find_depths(places_as_nodes<dim>(places), numbers, depths);
     NodalVector marks;
-    marks.reinit(before.partition(), 1);
+    marks.reinit(before.partition(), Quantity::scalar);
     bool any = false;
     for (std::size_t k = 0; k < cells.size(); ++k)
       if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k] + way)

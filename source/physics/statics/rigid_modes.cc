@@ -212,7 +212,7 @@ namespace tombolo
                                 const std::shared_ptr<const NodePartition> &partition)
     {
       NodalVector result;
-      result.reinit(partition, 1);
+      result.reinit(partition, Quantity::scalar);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         *result.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
       result.update_ghosts();

@@ -21,7 +21,7 @@ namespace tombolo
   StaticProblem<dim>::StaticProblem(Model<dim> &model)
       : model(model), contacts(model), assembly(model.parts)
   {
-    start_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
+    start_position.reinit(model.state.partition(), Quantity::position);
     prescribed_displacement.reinit(model.state.partition());
     free_force.reinit(model.state.partition());
     set_constrained();
@@ -34,7 +34,7 @@ namespace tombolo
   void StaticProblem<dim>::set_constrained()
   {
     const NodePartition &partition = *model.state.partition();
-    mask.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    mask.reinit(model.state.partition(), Quantity::scalars);
     const auto &constrained = model.conditions->constrained_components();
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)

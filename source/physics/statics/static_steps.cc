@@ -101,11 +101,11 @@ namespace tombolo
     step = largest_step;
     problem.contacts.become_static(section.get_double("Contact stiffness"));
     refuse_unfit_model(parameters);
-    last_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
+    last_position.reinit(model.state.partition(), Quantity::position);
     last_position.copy_from(model.state.position);
     if (model.heat)
       for (NodalVector *const vector : {&last_temperature, &mixed_temperature})
-        vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
+        vector->reinit(model.state.partition(), Quantity::scalars);
   }
 
   template <int dim>

@@ -39,9 +39,9 @@ namespace tombolo
       : problem(problem), solver(solver),
         owned_rows(rows_of<dim>(problem.model.state.partition()->owned()))
   {
-    cell_forces.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
-    absolute_row_sums.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
-    rounded_forces.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
+    cell_forces.reinit(problem.model.state.partition(), Quantity::scalars);
+    absolute_row_sums.reinit(problem.model.state.partition(), Quantity::scalars);
+    rounded_forces.reinit(problem.model.state.partition(), Quantity::scalars);
     make_pattern({});
   }
 
@@ -243,7 +243,7 @@ namespace tombolo
   {
     const NodalVector &position = problem.model.state.position;
     NodalVector of_cells;
-    of_cells.reinit(absolute_row_sums.partition(), node_stride, ReflectionParity::even);
+    of_cells.reinit(absolute_row_sums.partition(), Quantity::scalars);
     of_cells.copy_from(absolute_row_sums);
     if (problem.contacts.are_present())
       problem.contacts.add_stiffness_bound(problem.process_clock(), absolute_row_sums);

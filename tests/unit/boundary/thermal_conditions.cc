@@ -77,10 +77,10 @@ namespace
       conditions->update_areas(position);
     }
 
-    NodalVector vector(const unsigned int slots = node_stride) const
+    NodalVector vector(const Quantity quantity = Quantity::vector) const
     {
       NodalVector result;
-      result.reinit(partition, slots);
+      result.reinit(partition, quantity);
       return result;
     }
 
@@ -283,14 +283,14 @@ TEST(ThermalConditions, sources_give_their_density_times_the_volume)
   EXPECT_TRUE(body.conditions->has_sources());
   EXPECT_FALSE(body.conditions->has_surface_heat());
   EXPECT_EQ(body.conditions->surface_nodes(body.partition).size(), 0u);
-  NodalVector volume = body.vector(1);
+  NodalVector volume = body.vector(Quantity::scalar);
   for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
     *volume.node(i) = 0.25 + noise(body.position.node(i), 3.);
   double at_one = 0;
   for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
     at_one += std::abs(body.position.node(i)[0] - 1.) < 1e-9 ? *volume.node(i) : 0.;
   at_one = ordered_sum(at_one, MPI_COMM_WORLD);
-  NodalVector heat = body.vector(1);
+  NodalVector heat = body.vector(Quantity::scalar);
   std::vector<double> of_condition(2, 0.);
   body.conditions->add_sources(body.position, volume, 2., heat, of_condition);
   of_condition = ordered_sum(of_condition, MPI_COMM_WORLD);

@@ -66,7 +66,7 @@ namespace tombolo
         const NodalVector before = places_as_nodes<2>({from});
         NodalVector position = places_as_nodes<2>({place}), is_bound, sliding;
         for (NodalVector *const vector : {&is_bound, &sliding})
-          vector->reinit(position.partition(), 1);
+          vector->reinit(position.partition(), Quantity::scalar);
         *sliding.node(0) = slides;
         std::vector<double> was, gap;
         disc.evaluate_gaps(before, {0}, 0., was);

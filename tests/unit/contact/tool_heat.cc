@@ -56,7 +56,7 @@ namespace
       parameters.refuse_unused();
       add_capacities();
       loads.reinit(state.partition());
-      heat.reinit(state.partition(), 1);
+      heat.reinit(state.partition(), Quantity::scalar);
       clock.next_step = clock.stable_step = 0.1;
     }
 
@@ -587,7 +587,7 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
         {
           clock.advance();
           contacts.add_forces(model, clock, model.state.force);
-          heat.reinit(model.state.partition(), 1);
+          heat.reinit(model.state.partition(), Quantity::scalar);
           for (const auto &contact : contacts.contacts())
             contact->add_pending_heat(heat);
           double sum = 0;

@@ -66,7 +66,7 @@ namespace
 
     // Linear fields stay, so that positions do not move; the mean of others is taken elsewhere.
     NodalVector field, other;
-    field.reinit(partition, node_stride, ReflectionParity::point);
+    field.reinit(partition, Quantity::position);
     field.copy_from(places);
     field.distribute();
     double moved = 0, hanging_mass = 0, volume = 0, n_hanging = 0;

@@ -27,7 +27,7 @@ namespace
     body.set_points(rough<dim>);
     const PointValues before = body.points;
     NodalVector field;
-    field.reinit(body.partition, node_stride, ReflectionParity::even);
+    field.reinit(body.partition, Quantity::scalars);
     field.copy_from(body.field);
     if (by_interpolation)
       body.interpolate(place);

@@ -85,7 +85,7 @@ namespace tombolo
     std::optional<Predicate<dim>> where;
     std::optional<std::pair<std::size_t, std::size_t>> between; ///< parts of an interface
     std::vector<unsigned int> side; ///< owned nodes of a cut, or shared ones of an interface
-    NodalVector of_first; ///< the force of the first part of an interface
+    NodalVector of_first;           ///< the force of the first part of an interface
     LoadSum present;
     unsigned long n_side = 0; ///< over all ranks, as those below
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;

@@ -22,8 +22,7 @@ namespace tombolo
 
     /** The iteration ends when the eigenvalue has grown by less than @p tolerance over ten
      * iterations (four, where few are asked for at least), or after @p max_iterations. */
-    Lobpcg(double tolerance, unsigned int max_iterations,
-           ReflectionParity under_reflection = ReflectionParity::vector);
+    Lobpcg(double tolerance, unsigned int max_iterations, Quantity quantity = Quantity::vector);
 
     /** Makes the mode, zero, or moves it. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
@@ -52,6 +51,6 @@ namespace tombolo
   private:
     double tolerance;
     unsigned int max_iterations;
-    ReflectionParity reflection;
+    Quantity quantity;
   };
 } // namespace tombolo

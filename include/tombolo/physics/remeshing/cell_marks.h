@@ -52,7 +52,7 @@ namespace tombolo
                                     const std::shared_ptr<const NodePartition> &partition)
     {
       NodalVector result;
-      result.reinit(partition, 1);
+      result.reinit(partition, Quantity::scalar);
       for (const SmoothedCell<dim> &cell : cells)
         if (cell.has_hanging_nodes())
           for (const dealii::types::global_dof_index node : cell.all_nodes())

@@ -322,7 +322,7 @@ namespace tombolo
           [](ElementBlock<dim> &block)
           {
             NodalVector mass;
-            mass.reinit(block.partition, 1);
+            mass.reinit(block.partition, Quantity::scalar);
             block.formulation->add_mass(mass);
             mass.add_to_owners();
             // So small an amplitude that the block is linear to five digits.
@@ -450,7 +450,7 @@ namespace tombolo
           [](ElementBlock<dim> &block)
           {
             NodalVector mass;
-            mass.reinit(block.partition, 1);
+            mass.reinit(block.partition, Quantity::scalar);
             block.formulation->add_mass(mass);
             mass.add_to_owners();
             double sum = 0, smallest = 1e300;

@@ -115,7 +115,7 @@ namespace
     NodalVector take_heat()
     {
       NodalVector heat;
-      heat.reinit(body.model->state.partition(), 1);
+      heat.reinit(body.model->state.partition(), Quantity::scalar);
       process->add_heat(*body.model, 0., 1., heat);
       return heat;
     }

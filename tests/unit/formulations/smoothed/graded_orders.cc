@@ -118,7 +118,7 @@ namespace
     problem.apply = [&model](const NodalVector &temperature, NodalVector &rate)
     {
       NodalVector minus;
-      minus.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+      minus.reinit(model.state.partition(), Quantity::scalars);
       for (const Part<dim> &part : model.parts)
         part.formulation->add_conduction(model.state.position, temperature, temperature, minus);
       for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)

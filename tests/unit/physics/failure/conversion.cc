@@ -210,7 +210,7 @@ namespace tombolo
         const double mass = body.mass(), before = energy();
         const double momentum[3] = {body.momentum(0), body.momentum(1), body.momentum(2)};
         NodalVector masses;
-        masses.reinit(body.model->state.partition(), 1);
+        masses.reinit(body.model->state.partition(), Quantity::scalar);
         masses.copy_from(body.model->state.mass);
         double lost = 0;
         EXPECT_TRUE(body.convert(&lost));

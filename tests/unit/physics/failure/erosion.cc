@@ -335,7 +335,7 @@ namespace tombolo
         current.reinit(v.partition());
         current.copy_from(v);
         current.update_ghosts();
-        mass.reinit(v.partition(), 1);
+        mass.reinit(v.partition(), Quantity::scalar);
         mass.copy_from(body.model->state.mass);
         mass.update_ghosts();
         unsigned int n_massless_ghosts = 0;
@@ -707,7 +707,7 @@ namespace tombolo
         }
         // No heat flows to nodes without mass.
         NodalVector rate;
-        rate.reinit(body.model->state.partition(), 1);
+        rate.reinit(body.model->state.partition(), Quantity::scalar);
         std::vector<double> of_condition;
         heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
         heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, of_condition);
@@ -736,7 +736,7 @@ namespace tombolo
       body.strain();
       body.erode();
       NodalVector given;
-      given.reinit(body.model->state.partition(), 1);
+      given.reinit(body.model->state.partition(), Quantity::scalar);
       const double pending = ErodingBody::sum(body.part().pending_plastic_heat());
       EXPECT_GT(pending, 1.);
       body.model->heat->add_plastic_heat(given);

@@ -38,7 +38,8 @@ namespace
     ThermalModel<dim> &heat = body.heat();
     const auto &partition = *body.model->state.partition();
     constexpr double factor = 0.7;
-    NodalVector direction = body.vector(), image = body.vector(), diagonal = body.vector(1);
+    NodalVector direction = body.vector(), image = body.vector(),
+                diagonal = body.vector(Quantity::scalar);
     Vector source(partition.owned(), MPI_COMM_WORLD), result(source);
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
     {
@@ -118,7 +119,7 @@ TEST(Sublattices, are_equally_many_nodes_and_none_in_the_same_cell)
   HeatedBody<3> body({"particles"});
   const auto indicators = sublattices(*body.model);
   ASSERT_EQ(indicators.size(), 8u);
-  NodalVector number = body.vector(1);
+  NodalVector number = body.vector(Quantity::scalar);
   for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
   {
     unsigned int count = 0;

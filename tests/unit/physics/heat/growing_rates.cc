@@ -51,10 +51,10 @@ TEST(GrowingRates, have_an_eigenvalue_of_the_operator_when_they_have_doubled)
 {
   HeatedBody<2> body(coupled, film("2"));
   const double largest = 2. / stable_step(body);
-  NodalVector rate = body.vector(1);
+  NodalVector rate = body.vector(Quantity::scalar);
   const auto eigenvalue = [&](GrowingRates<2> &rates, const double factor)
   {
-    NodalVector scaled = body.vector(1);
+    NodalVector scaled = body.vector(Quantity::scalar);
     for (unsigned int i = 0; i < rate.partition()->n_owned(); ++i)
       *scaled.node(i) = factor * *rate.node(i);
     return rates.find_eigenvalue(*body.model, 0., scaled, 1.);
@@ -105,7 +105,7 @@ TEST(GrowingRates, have_an_eigenvalue_of_the_operator_when_they_have_doubled)
   GrowingRates<2> of_isolated;
   for (const double factor : {1., 3.})
   {
-    NodalVector uniform = isolated.vector(1);
+    NodalVector uniform = isolated.vector(Quantity::scalar);
     for (unsigned int i = 0; i < uniform.partition()->n_owned(); ++i)
       *uniform.node(i) = factor * isolated.heat().nodal_enthalpy.capacity(i, 5.);
     EXPECT_EQ(of_isolated.find_eigenvalue(*isolated.model, 0., uniform, 1.), 0.);

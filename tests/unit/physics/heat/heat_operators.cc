@@ -87,7 +87,7 @@ namespace
     const NodalVector &x = body.model->state.position;
     NodalVector direction = body.vector(), expected = body.vector(), field = body.vector(),
                 middle = body.vector(), theta = body.vector();
-    NodalVector rates[2] = {body.vector(1), body.vector(1)};
+    NodalVector rates[2] = {body.vector(Quantity::scalar), body.vector(Quantity::scalar)};
     fill(body, direction, 2.1);
     constexpr double h = 1e-3;
     std::vector<double> of_condition(4, 0.);
@@ -121,7 +121,7 @@ namespace
     body.set_temperature([](const double *x) { return 5. + disorder(x, 0.); });
     body.step->start(*body.model, 0.);
     const NodalVector &x = body.model->state.position;
-    NodalVector field = body.vector(), rate = body.vector(1);
+    NodalVector field = body.vector(), rate = body.vector(Quantity::scalar);
     std::vector<double> of_condition(4, 0.);
     heat.find_field(heat.state.unsmoothed_temperature, field);
     heat.heat_rate(x, field, 1., rate, of_condition);
@@ -156,7 +156,7 @@ namespace
     }
     fill(body, theta, 0.9);
     heat.find_field(theta, field);
-    NodalVector rate = body.vector(1), of_turned = body.vector(1);
+    NodalVector rate = body.vector(Quantity::scalar), of_turned = body.vector(Quantity::scalar);
     std::vector<double> none;
     heat.heat_rate(body.model->state.position, field, 0., rate, none);
     heat.heat_rate(turned, field, 0., of_turned, none);
@@ -174,7 +174,7 @@ namespace
   {
     HeatedBody<dim> body(method);
     ThermalModel<dim> &heat = body.heat();
-    NodalVector theta = body.vector(), field = body.vector(), rate = body.vector(1);
+    NodalVector theta = body.vector(), field = body.vector(), rate = body.vector(Quantity::scalar);
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 1000.;
     std::vector<double> none;

@@ -245,7 +245,7 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
     EXPECT_FALSE(raise_masses(0));
     EXPECT_FALSE(raise_masses(8));
     NodalVector before;
-    before.reinit(state.partition(), 1);
+    before.reinit(state.partition(), Quantity::scalar);
     before.copy_from(state.mass);
     const double mass_before = sum(state.mass);
     EXPECT_TRUE(raise_masses(14));
