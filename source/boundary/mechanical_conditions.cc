@@ -3,8 +3,6 @@
 
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/boundary/region.h>
-#include <tombolo/mesh/outer_faces.h>
-#include <tombolo/mesh/symmetry_planes.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -20,7 +18,6 @@ namespace tombolo
   template <int dim>
   struct MechanicalConditions<dim>::Selection
   {
-    const Symmetry *symmetry;              ///< no surface force acts on its planes
     std::vector<unsigned long> n_selected; ///< owned nodes or faces, of each condition
     std::map<types::global_dof_index, Constraint> constraints;
     /** By node, component, and the two conditions. */
@@ -53,10 +50,7 @@ namespace tombolo
       conditions.push_back(std::move(condition));
     }
 
-    const std::shared_ptr<const Symmetry> symmetry =
-        sections.empty() ? nullptr : find_symmetry(sections.front().all(), mesh, nodes);
     Selection selection;
-    selection.symmetry = symmetry.get();
     selection.n_selected.assign(conditions.size(), 0);
     // The value of a predicate can be undefined on one rank alone.
     std::string failure;
@@ -74,9 +68,8 @@ namespace tombolo
 
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (Utilities::MPI::sum(selection.n_selected[c], nodes.communicator()) == 0)
-        conditions[c].place.fail_empty(sections[c], is_on_faces(conditions[c].type)
-                                                        ? outer_face_text(symmetry.get())
-                                                        : "node");
+        conditions[c].place.fail_empty(
+            sections[c], is_on_faces(conditions[c].type) ? nodes.outer_face_text() : "node");
 
     for (auto &[node, constraint] : selection.constraints)
       constraints.push_back(constraint);
@@ -114,7 +107,7 @@ namespace tombolo
         const MechanicalCondition<dim> &condition = conditions[c];
         if (is_on_faces(condition.type))
         {
-          if (!cell->is_locally_owned() || is_in_plane_of_symmetry(cell, f, selection.symmetry) ||
+          if (!cell->is_locally_owned() || !nodes.is_outer_face(cell, f) ||
               !condition.place.contains_face(id, cell->face(f)->center()))
             continue;
           ++selection.n_selected[c];

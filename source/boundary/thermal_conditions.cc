@@ -6,7 +6,6 @@
 #include <tombolo/boundary/thermal_selection.h>
 #include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/boundary/values_at_nodes.h>
-#include <tombolo/mesh/symmetry_planes.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -106,9 +105,7 @@ namespace tombolo
       conditions.push_back(ThermalCondition<dim>::read(section, heat));
       conditions.back().place.find_boundaries(mesh, section);
     }
-    const auto symmetry = find_symmetry(heat.all(), mesh, nodes);
-    selected_nodes =
-        ThermalSelection<dim>(sections, conditions, nodes, symmetry.get(), areas).owned_nodes();
+    selected_nodes = ThermalSelection<dim>(sections, conditions, nodes, areas).owned_nodes();
 
     // Of several conditions that prescribe a node, as at an edge, the last one does it.
     std::map<types::global_dof_index, unsigned int> prescribed;

@@ -2,7 +2,6 @@
 #include <tombolo/boundary/thermal_selection.h>
 
 #include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/mesh/outer_faces.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -17,8 +16,7 @@ namespace tombolo
   template <int dim>
   ThermalSelection<dim>::ThermalSelection(const std::vector<Section> &sections,
                                           const std::vector<ThermalCondition<dim>> &conditions,
-                                          const Nodes<dim> &nodes, const Symmetry *const symmetry,
-                                          TributaryAreas<dim> &areas)
+                                          const Nodes<dim> &nodes, TributaryAreas<dim> &areas)
       : conditions(conditions), nodes(nodes), selected_nodes(sections.size()),
         n_selected(sections.size(), 0), n_conflicts(sections.size() * sections.size(), 0)
   {
@@ -27,14 +25,14 @@ namespace tombolo
     try
     {
       find_nodes();
-      find_faces(symmetry, areas);
+      find_faces(areas);
     }
     catch (const InputError &error)
     {
       message = error.what();
     }
     throw_on_all_ranks<InputError>(message, nodes.communicator());
-    refuse_what_selects_nothing(sections, symmetry);
+    refuse_what_selects_nothing(sections);
     refuse_conflicts(sections);
   }
 
@@ -91,7 +89,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalSelection<dim>::find_faces(const Symmetry *const symmetry, TributaryAreas<dim> &areas)
+  void ThermalSelection<dim>::find_faces(TributaryAreas<dim> &areas)
   {
     std::vector<types::global_dof_index> cell_nodes, face_nodes;
     std::vector<Point<dim>> cell_points;
@@ -109,7 +107,7 @@ namespace tombolo
         face_nodes.clear();
         for (const unsigned int k : nodes.face_places(f))
           face_nodes.push_back(cell_nodes[k]);
-        const bool is_outer = is_outer_face(cell, f, symmetry);
+        const bool is_outer = nodes.is_outer_face(cell, f);
         present.clear();
         for (unsigned int c = 0; c < conditions.size(); ++c)
         {
@@ -147,13 +145,13 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalSelection<dim>::refuse_what_selects_nothing(const std::vector<Section> &sections,
-                                                          const Symmetry *const symmetry) const
+  void
+  ThermalSelection<dim>::refuse_what_selects_nothing(const std::vector<Section> &sections) const
   {
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
         conditions[c].place.fail_empty(
-            sections[c], is_on_faces(conditions[c].type) ? outer_face_text(symmetry) : "node");
+            sections[c], is_on_faces(conditions[c].type) ? nodes.outer_face_text() : "node");
   }
 
   template <int dim>

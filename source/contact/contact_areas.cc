@@ -10,10 +10,9 @@ namespace tombolo
   template <int dim>
   ContactAreas<dim>::ContactAreas(const Nodes<dim> &nodes,
                                   const std::set<types::boundary_id> &boundaries,
-                                  const Symmetry *const symmetry,
                                   const std::vector<unsigned int> &candidates,
                                   const std::vector<double> &volume)
-      : faces(nodes, boundaries, symmetry)
+      : faces(nodes, boundaries)
   {
     for (const unsigned int node : candidates)
       inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));

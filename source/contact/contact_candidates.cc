@@ -5,7 +5,6 @@
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/outer_faces.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -41,7 +40,7 @@ namespace tombolo
         nodes.cell_nodes(cell, cell_nodes);
         for (const unsigned int f : cell->face_indices())
         {
-          if (!is_outer_face(cell, f, partition.symmetry()) ||
+          if (!nodes.is_outer_face(cell, f) ||
               (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
             continue;
           for (const unsigned int k : nodes.face_places(f))

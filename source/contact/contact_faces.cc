@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_faces.h>
 
-#include <tombolo/mesh/outer_faces.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +10,7 @@ namespace tombolo
 
   template <int dim>
   ContactFaces<dim>::ContactFaces(
-      const Nodes<dim> &nodes, const Symmetry *const symmetry,
-      const std::function<bool(const Cell &, unsigned int face)> &selects)
+      const Nodes<dim> &nodes, const std::function<bool(const Cell &, unsigned int face)> &selects)
   {
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> points;
@@ -25,7 +22,7 @@ namespace tombolo
       nodes.cell_points(cell, points);
       for (const unsigned int f : cell->face_indices())
       {
-        if (!is_outer_face(cell, f, symmetry) || !selects(cell, f))
+        if (!nodes.is_outer_face(cell, f) || !selects(cell, f))
           continue;
         const std::vector<unsigned int> &places = nodes.face_places(f);
         Face face;

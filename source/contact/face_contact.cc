@@ -21,7 +21,7 @@ namespace tombolo
 
     template <int dim>
     ContactFaces<dim> faces_of(const Section &section, const Mesh<dim> &mesh,
-                               const Nodes<dim> &nodes, const Symmetry *const symmetry)
+                               const Nodes<dim> &nodes)
     {
       if (nodes.degree() > 1)
         section.fail("Method", "elements have degree " + std::to_string(nodes.degree()) +
@@ -30,11 +30,9 @@ namespace tombolo
       if (!section.get("Where").empty())
         section.fail("Where", "with `Method = surface` faces touch; allowed is a `Boundary`.");
       const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
-      return ContactFaces<dim>(nodes, symmetry,
-                               [&](const typename Nodes<dim>::Cell &cell, const unsigned int face) {
-                                 return boundaries.empty() ||
-                                        boundaries.count(cell->face(face)->boundary_id()) > 0;
-                               });
+      return ContactFaces<dim>(
+          nodes, [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
+          { return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0; });
     }
   } // namespace
 
@@ -45,8 +43,7 @@ namespace tombolo
       : SpringContact<dim>(section, mesh, nodes, state,
                            std::vector<bool>(state.partition()->n_owned(), false), has_heat,
                            volume),
-        faces(faces_of(section, mesh, nodes, state.partition()->symmetry())),
-        shapes(1, points_per_direction)
+        faces(faces_of(section, mesh, nodes)), shapes(1, points_per_direction)
   {
     set_partition(state.partition());
     last_position.copy_from(state.position);

@@ -37,8 +37,7 @@ namespace tombolo
                                     const Nodes<dim> &nodes, const NodalState &state,
                                     const Selector &is_slave, const Selector &is_master)
       : communicator(nodes.communicator()), settings(section, has_heat),
-        contact_name(section.name()), slaves(nodes, state.partition()->symmetry(), is_slave),
-        masters(nodes, state.partition()->symmetry(), is_master),
+        contact_name(section.name()), slaves(nodes, is_slave), masters(nodes, is_master),
         segments(slaves, masters, settings.is_tied ? reach_of_tied : reach_of_touching,
                  communicator)
   {

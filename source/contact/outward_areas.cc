@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/outward_areas.h>
 
-#include <tombolo/mesh/outer_faces.h>
-
 #include <algorithm>
 
 namespace tombolo
@@ -11,9 +9,8 @@ namespace tombolo
 
   template <int dim>
   OutwardAreas<dim>::OutwardAreas(const Nodes<dim> &nodes,
-                                  const std::set<types::boundary_id> &boundaries,
-                                  const Symmetry *const symmetry)
-      : boundaries(boundaries), symmetry(symmetry), shapes(nodes.degree(), nodes.degree() + 1)
+                                  const std::set<types::boundary_id> &boundaries)
+      : boundaries(boundaries), shapes(nodes.degree(), nodes.degree() + 1)
   {
     take_faces(nodes, [](const auto &) { return false; });
   }
@@ -25,7 +22,7 @@ namespace tombolo
     const auto is_outside = [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
     {
       if (cell->at_boundary(face))
-        return !is_in_plane_of_symmetry(cell, face, symmetry) &&
+        return nodes.is_outer_face(cell, face) &&
                (boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0);
       return boundaries.empty() && cell->neighbor(face)->is_active() &&
              is_void(cell->neighbor(face));

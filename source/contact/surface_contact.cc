@@ -27,7 +27,6 @@ namespace tombolo
     if (part)
       part->take(std::move(master), state);
     of_surface.position = surface->reference_point(0.);
-    const Symmetry *const symmetry = state.partition()->symmetry();
     const auto boundaries = contact_boundaries(section, mesh);
     candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
     if (part)
@@ -35,7 +34,7 @@ namespace tombolo
     if (has_heat)
       heat = std::make_unique<ContactHeat<dim>>(section, settings, candidates, part);
     if (conducts() || settings.limits_shear() || part)
-      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, symmetry, candidates, volume);
+      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
     set_partition(state.partition());
     if (part)
     {
@@ -50,8 +49,8 @@ namespace tombolo
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
 
-    if (symmetry != nullptr)
-      refuse_motion_out_of_symmetry(section, *symmetry, *surface);
+    if (nodes.symmetry() != nullptr)
+      refuse_motion_out_of_symmetry(section, *nodes.symmetry(), *surface);
   }
 
   template <int dim>

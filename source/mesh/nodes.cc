@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tombolo
 {
@@ -198,6 +200,42 @@ namespace tombolo
   const std::vector<std::uint64_t> &Nodes<dim>::persistent_ids() const
   {
     return ids;
+  }
+
+  template <int dim>
+  void Nodes<dim>::set_symmetry(std::shared_ptr<const Symmetry> symmetry)
+  {
+    planes = std::move(symmetry);
+  }
+
+  template <int dim>
+  const std::shared_ptr<const Symmetry> &Nodes<dim>::symmetry() const
+  {
+    return planes;
+  }
+
+  template <int dim>
+  bool Nodes<dim>::is_outer_face(const Cell &cell, const unsigned int face) const
+  {
+    const auto of_cell = cell->face(face);
+    const double tolerance = 1e-6 * cell->diameter();
+    const auto is_in = [&](const SymmetryPlane &plane)
+    {
+      const auto vertices = of_cell->vertex_indices();
+      return std::all_of(
+          vertices.begin(), vertices.end(),
+          [&](const unsigned int v)
+          { return std::abs(of_cell->vertex(v)[plane.axis] - plane.coordinate) <= tolerance; });
+    };
+    return of_cell->at_boundary() &&
+           (planes == nullptr || std::none_of(planes->planes.begin(), planes->planes.end(), is_in));
+  }
+
+  template <int dim>
+  std::string Nodes<dim>::outer_face_text() const
+  {
+    return std::string("face of the boundary") +
+           (planes == nullptr ? "" : " outside of planes of symmetry");
   }
 
   template class Nodes<2>;

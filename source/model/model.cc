@@ -47,6 +47,7 @@ namespace tombolo
         (ThermalConditions<dim>::is_thermal(section) ? thermal_sections : mechanical_sections)
             .push_back(section);
     symmetry = find_symmetry(parameters, mesh, *nodes);
+    nodes->set_symmetry(symmetry);
     conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
 
     const Physics<dim> physics(parts, part_sections);

@@ -21,16 +21,15 @@ namespace tombolo
      * Collective. */
     ThermalSelection(const std::vector<Section> &sections,
                      const std::vector<ThermalCondition<dim>> &conditions, const Nodes<dim> &nodes,
-                     const Symmetry *symmetry, TributaryAreas<dim> &areas);
+                     TributaryAreas<dim> &areas);
 
     /** By condition: owned nodes of a temperature or a source, ascending; none for others. */
     std::vector<std::vector<dealii::types::global_dof_index>> owned_nodes() const;
 
   private:
     void find_nodes();
-    void find_faces(const Symmetry *symmetry, TributaryAreas<dim> &areas);
-    void refuse_what_selects_nothing(const std::vector<Section> &sections,
-                                     const Symmetry *symmetry) const;
+    void find_faces(TributaryAreas<dim> &areas);
+    void refuse_what_selects_nothing(const std::vector<Section> &sections) const;
     void refuse_conflicts(const std::vector<Section> &sections) const;
 
     const std::vector<ThermalCondition<dim>> &conditions;

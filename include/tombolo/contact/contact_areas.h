@@ -18,8 +18,7 @@ namespace tombolo
     /** Of @p candidates (owned nodes), with faces of these ids, or all if there are none; @p volume
      * is the initial one of each owned node. */
     ContactAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
-                 const Symmetry *symmetry, const std::vector<unsigned int> &candidates,
-                 const std::vector<double> &volume);
+                 const std::vector<unsigned int> &candidates, const std::vector<double> &volume);
 
     /** Of the faces; the others do not change. */
     OutwardAreas<dim> &of_faces()

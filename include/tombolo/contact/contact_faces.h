@@ -16,8 +16,8 @@
 namespace tombolo
 {
   /**
-   * The faces of one side of a contact between bodies: outer faces (is_outer_face) of cells of
-   * degree 1, each on the rank that owns its cell. Nodes are numbered locally.
+   * The faces of one side of a contact between bodies: outer faces (Nodes::is_outer_face) of cells
+   * of degree 1, each on the rank that owns its cell. Nodes are numbered locally.
    */
   template <int dim>
   class ContactFaces
@@ -35,7 +35,7 @@ namespace tombolo
     };
 
     /** Takes the faces that @p selects, and of which the cell is alive. */
-    ContactFaces(const Nodes<dim> &nodes, const Symmetry *symmetry,
+    ContactFaces(const Nodes<dim> &nodes,
                  const std::function<bool(const Cell &, unsigned int face)> &selects);
 
     /** Translates node numbers to those of @p partition. Collective. */

@@ -17,16 +17,15 @@ namespace tombolo
 {
   /**
    * The areas of nodes on the boundary of the mesh with their directions: S_k = ∫ N_k n dA over
-   * outer faces (is_outer_face), n out of the body, in given positions. What a node at an edge of
-   * the body has on one of its sides is the part of S_k along the normal of that side.
+   * outer faces (Nodes::is_outer_face), n out of the body, in given positions. What a node at an
+   * edge of the body has on one of its sides is the part of S_k along the normal of that side.
    */
   template <int dim>
   class OutwardAreas
   {
   public:
     /** Takes the faces with these ids, or all if there are none. */
-    OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
-                 const Symmetry *symmetry);
+    OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries);
 
     using IsVoid = std::function<bool(const typename Nodes<dim>::Cell &)>;
 
@@ -62,7 +61,6 @@ namespace tombolo
     };
 
     std::set<dealii::types::boundary_id> boundaries;
-    const Symmetry *symmetry;
     std::vector<Face> faces;
     FaceShapes<dim> shapes;
     NodalVector sums;

@@ -6,8 +6,11 @@
 
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/mesh/symmetry.h>
 
 #include <cstdint>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -42,6 +45,17 @@ namespace tombolo
     /** Which of a cell's nodes lie on its face @p face: ascending places in cell_nodes. */
     const std::vector<unsigned int> &face_places(unsigned int face) const;
 
+    /** Planes of symmetry, beyond which the body goes on; null: there are none. */
+    void set_symmetry(std::shared_ptr<const Symmetry> symmetry);
+    const std::shared_ptr<const Symmetry> &symmetry() const;
+
+    /** Whether the body ends at a face of a cell: at the boundary of the mesh, unless it is in a
+     * plane of symmetry. What acts on the surface of a body acts on these faces. */
+    bool is_outer_face(const Cell &cell, unsigned int face) const;
+
+    /** What an outer face is in messages. */
+    std::string outer_face_text() const;
+
     /** A number of each owned node (in the order of owned()) that depends neither on the number of
      * ranks nor on the partition: the smallest (coarse cell, place within it) of the cells
      * around it, packed. Used by output, checkpoint, probes and messages. */
@@ -55,5 +69,6 @@ namespace tombolo
     std::vector<unsigned int> lexicographic_to_hierarchic;
     std::vector<std::vector<unsigned int>> places_of_faces;
     std::vector<std::uint64_t> ids;
+    std::shared_ptr<const Symmetry> planes;
   };
 } // namespace tombolo

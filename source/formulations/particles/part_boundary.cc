@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/part_boundary.h>
 
-#include <tombolo/mesh/outer_faces.h>
-
 namespace tombolo
 {
   using namespace dealii;
@@ -30,7 +28,7 @@ namespace tombolo
         if (!at_boundary && (setup.part_cells == nullptr ||
                              setup.part_cells->part_of(cell->neighbor(face)) == setup.index))
           continue;
-        if (is_in_plane_of_symmetry(cell, face, setup.symmetry.get()))
+        if (at_boundary && !all_nodes.is_outer_face(cell, face))
           continue;
         for (const unsigned int place : all_nodes.face_places(face))
           face_nodes.push_back(cell_nodes[place]);

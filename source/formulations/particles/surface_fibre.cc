@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/surface_fibre.h>
 
-#include <tombolo/mesh/outer_faces.h>
-
 #include <algorithm>
 
 namespace tombolo
@@ -25,7 +23,7 @@ namespace tombolo
       for (const unsigned int face : cell->face_indices())
       {
         const unsigned int opposite = face ^ 1u;
-        if (!is_outer_face(cell, face, setup.symmetry.get()) || cell->at_boundary(opposite) ||
+        if (!nodes.is_outer_face(cell, face) || cell->at_boundary(opposite) ||
             setup.part_cells->part_of(cell->neighbor(opposite)) != setup.index)
           continue;
         nodes.cell_nodes(typename Nodes<dim>::Cell(&nodes.dof_handler().get_triangulation(),

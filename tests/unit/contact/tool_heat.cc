@@ -687,7 +687,7 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
                       std::copy_n(&place[0], dim, position.node(partition->local_index(number)));
                     });
     position.update_ghosts();
-    OutwardAreas<dim> areas(nodes, {}, nullptr);
+    OutwardAreas<dim> areas(nodes, {});
     areas.set_partition(partition);
     areas.update(position);
     double enclosed = 0, closed = 0;
@@ -740,7 +740,7 @@ TEST(OutwardAreas, leave_faces_of_isolated_nodes_out)
             position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
     }
   position.update_ghosts();
-  OutwardAreas<2> areas(nodes, {}, nullptr);
+  OutwardAreas<2> areas(nodes, {});
   areas.set_partition(partition);
   const auto at = [&](const unsigned int i, const double x)
   { return std::abs(position.node(i)[0] - x) < 1e-9 && position.node(i)[1] == 0.; };

@@ -132,7 +132,7 @@ namespace
     EXPECT_LE(sums.of_ones, 1e-13);
     EXPECT_LE(sums.of_places, 1e-11);
     boundary.add_to_owners();
-    OutwardAreas<dim> areas(*model.nodes, {}, nullptr);
+    OutwardAreas<dim> areas(*model.nodes, {});
     areas.set_partition(model.state.partition());
     areas.update(position);
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
@@ -186,7 +186,7 @@ namespace
     NodalVector position;
     position.reinit(partition);
     position.copy_from(model.state.position);
-    OutwardAreas<dim> areas(*model.nodes, {}, nullptr);
+    OutwardAreas<dim> areas(*model.nodes, {});
     areas.set_partition(partition);
     areas.update(position);
     const auto sum_of_volumes = [&]
