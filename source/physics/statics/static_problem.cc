@@ -136,6 +136,7 @@ namespace tombolo
       if (failure.empty())
         failure = process->failure();
     }
+    model.state.force.condense();
     return failure;
   }
 
@@ -153,8 +154,8 @@ namespace tombolo
         state.position.node(i)[d] = start_position.node(i)[d] + displacement.node(i)[d];
         state.velocity.node(i)[d] = displacement.node(i)[d] * inverse_step;
       }
-    state.position.update_ghosts();
-    state.velocity.update_ghosts();
+    state.position.distribute();
+    state.velocity.distribute();
     model.bridge->positions_have_changed();
     std::string failure = evaluate_parts();
     double sum = 0;

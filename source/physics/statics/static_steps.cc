@@ -180,11 +180,6 @@ namespace tombolo
   {
     for (const Part<dim> &part : model.parts) // what they know only now
       refuse_unfit_part(parameters.section("Part: " + part.name), part, model.symmetry != nullptr);
-    if (model.dependent_nodes)
-      parameters.fail(integration_entry,
-                      "elements of different sizes lie side by side (`Refine where` in section "
-                      "Mesh), which such steps do not know; refine the whole mesh, choose "
-                      "\"smoothed cells\", or use `explicit` steps.");
     for (const auto &process : model.processes)
       if (dynamic_cast<const AtRest *>(process.get()) == nullptr)
         parameters.fail(integration_entry,
@@ -360,7 +355,7 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         state.velocity.node(i)[d] =
             2. / clock.previous_step * (state.position.node(i)[d] - last_position.node(i)[d]);
-    state.velocity.update_ghosts();
+    state.velocity.distribute();
     book(clock, clock.previous_step, 0.);
     state.velocity.set_zero();
     last_position.copy_from(state.position);

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/statics/far_nodes.h>
+#include <tombolo/state/dependent_nodes.h>
 
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 
 namespace tombolo
 {
@@ -42,6 +44,10 @@ namespace tombolo
     cell_forces.reinit(problem.model.state.partition(), Quantity::scalars);
     absolute_row_sums.reinit(problem.model.state.partition(), Quantity::scalars);
     rounded_forces.reinit(problem.model.state.partition(), Quantity::scalars);
+    NodalVector none;
+    none.reinit(problem.model.state.partition(), Quantity::scalar);
+    dependent = constraints_of_dependent_nodes(none);
+    find_far_constraints({});
     make_pattern({});
   }
 
@@ -52,8 +58,8 @@ namespace tombolo
     const NodePartition &partition = *model.state.partition();
     IndexSet nodes = partition.owned();
     nodes.add_indices(partition.ghosts());
-    for (const types::global_dof_index node : nodes_of_contacts(of_contacts))
-      nodes.add_index(node);
+    for (const auto &item : far_constraints)
+      nodes.add_index(item.first);
     const IndexSet writable = rows_of<dim>(nodes);
     TrilinosWrappers::SparsityPattern pattern(owned_rows, owned_rows, writable,
                                               partition.communicator());
@@ -61,12 +67,14 @@ namespace tombolo
     const auto add_nodes = [&]
     {
       columns.clear();
-      for (const types::global_dof_index node : cell_nodes)
+      for (const types::global_dof_index node : independent(cell_nodes))
         for (unsigned int d = 0; d < dim; ++d)
           columns.push_back(node * dim + d);
       for (const types::global_dof_index row : columns)
         pattern.add_entries(row, columns.begin(), columns.end());
     };
+    for (const types::global_dof_index row : owned_rows)
+      pattern.add(row, row);
     for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
     {
       if (!cell->is_locally_owned())
@@ -98,70 +106,142 @@ namespace tombolo
   }
 
   template <int dim>
-  void TangentMatrix<dim>::add_cell(const CellEquations &equations)
+  typename TangentMatrix<dim>::Weights
+  TangentMatrix<dim>::weights_of(const types::global_dof_index node) const
   {
-    const NodePartition &partition = *problem.model.state.partition();
-    const NodalVector &constrained = problem.constrained(),
-                      &position = problem.model.state.position;
-    const auto n_rows = static_cast<unsigned int>(equations.force.size());
-    std::vector<types::global_dof_index> free, prescribed;
+    return dependent.is_constrained(node) ? *dependent.get_constraint_entries(node)
+                                          : Weights(1, {node, 1.});
+  }
+
+  template <int dim>
+  typename TangentMatrix<dim>::GlobalNodes
+  TangentMatrix<dim>::independent(const GlobalNodes &nodes) const
+  {
+    if (std::none_of(nodes.begin(), nodes.end(),
+                     [this](const auto node) { return dependent.is_constrained(node); }))
+      return nodes;
+    std::set<types::global_dof_index> result;
+    for (const types::global_dof_index node : nodes)
+      for (const auto &weight : weights_of(node))
+        result.insert(weight.first);
+    return GlobalNodes(result.begin(), result.end());
+  }
+
+  template <int dim>
+  std::vector<double> TangentMatrix<dim>::condensed(const GlobalNodes &nodes,
+                                                    const GlobalNodes &independent_nodes,
+                                                    const std::vector<double> &entries) const
+  {
+    const std::size_t n = nodes.size() * dim, n_independent = independent_nodes.size() * dim;
+    std::vector<std::vector<std::pair<std::size_t, double>>> weights(nodes.size());
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      for (const auto &[node, weight] : weights_of(nodes[k]))
+        weights[k].emplace_back(
+            std::lower_bound(independent_nodes.begin(), independent_nodes.end(), node) -
+                independent_nodes.begin(),
+            weight);
+    std::vector<double> result(n_independent * n_independent, 0.);
+    for (std::size_t row = 0; row < n; ++row)
+      for (const auto &[at_row, of_row] : weights[row / dim])
+        for (std::size_t column = 0; column < n; ++column)
+          for (const auto &[at_column, of_column] : weights[column / dim])
+            result[(at_row * dim + row % dim) * n_independent + at_column * dim + column % dim] +=
+                of_row * of_column * entries[row * n + column];
+    return result;
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::add_equations(const GlobalNodes &nodes,
+                                         const std::vector<double> &entries)
+  {
+    const auto n_rows = static_cast<unsigned int>(nodes.size()) * dim;
+    std::vector<types::global_dof_index> rows(n_rows), free, prescribed;
     std::vector<double> of_free, of_prescribed;
-    const auto row_of = [&](const unsigned int k)
-    { return partition.global_index(equations.nodes[k / dim]) * dim + k % dim; };
-    const auto is_prescribed = [&](const unsigned int k)
-    { return constrained.node(equations.nodes[k / dim])[k % dim] > 0.; };
+    std::vector<bool> is_prescribed(n_rows);
+    for (unsigned int k = 0; k < n_rows; ++k)
+    {
+      rows[k] = nodes[k / dim] * dim + k % dim;
+      is_prescribed[k] = is_constrained(nodes[k / dim], k % dim);
+    }
     for (unsigned int row = 0; row < n_rows; ++row)
     {
-      const double *const entries = equations.matrix.data() + row * n_rows;
+      const double *const of_row = entries.data() + std::size_t(row) * n_rows;
       free.clear();
       prescribed.clear();
       of_free.clear();
       of_prescribed.clear();
+      for (unsigned int column = 0; column < n_rows; ++column)
+        if (is_prescribed[row] ? row == column : !is_prescribed[column])
+        {
+          free.push_back(rows[column]);
+          of_free.push_back(is_prescribed[row] ? std::abs(of_row[column]) : of_row[column]);
+        }
+        else if (!is_prescribed[row])
+        {
+          prescribed.push_back(rows[column]);
+          of_prescribed.push_back(of_row[column]);
+        }
+      if (!free.empty())
+        matrix.add(rows[row], static_cast<unsigned int>(free.size()), free.data(), of_free.data());
+      if (!prescribed.empty())
+        coupling.add(rows[row], static_cast<unsigned int>(prescribed.size()), prescribed.data(),
+                     of_prescribed.data());
+    }
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::add_cell(const CellEquations &equations)
+  {
+    const NodePartition &partition = *problem.model.state.partition();
+    const NodalVector &position = problem.model.state.position;
+    const auto n_rows = static_cast<unsigned int>(equations.force.size());
+    for (unsigned int row = 0; row < n_rows; ++row)
+    {
+      const double *const entries = equations.matrix.data() + std::size_t(row) * n_rows;
       double sum = 0, rounded = 0;
       for (unsigned int column = 0; column < n_rows; ++column)
       {
         sum += std::abs(entries[column]);
         rounded +=
             std::abs(entries[column] * position.node(equations.nodes[column / dim])[column % dim]);
-        const bool goes_to_free = is_prescribed(row) ? row == column : !is_prescribed(column);
-        if (goes_to_free)
-        {
-          free.push_back(row_of(column));
-          of_free.push_back(is_prescribed(row) ? std::abs(entries[column]) : entries[column]);
-        }
-        else if (!is_prescribed(row))
-        {
-          prescribed.push_back(row_of(column));
-          of_prescribed.push_back(entries[column]);
-        }
       }
-      if (!free.empty())
-        matrix.add(row_of(row), static_cast<unsigned int>(free.size()), free.data(),
-                   of_free.data());
-      if (!prescribed.empty())
-        coupling.add(row_of(row), static_cast<unsigned int>(prescribed.size()), prescribed.data(),
-                     of_prescribed.data());
       const unsigned int node = equations.nodes[row / dim];
       cell_forces.node(node)[row % dim] += std::abs(equations.force[row]);
       absolute_row_sums.node(node)[row % dim] += sum;
       rounded_forces.node(node)[row % dim] += rounded;
     }
+    GlobalNodes nodes;
+    for (const unsigned int node : equations.nodes)
+      nodes.push_back(partition.global_index(node));
+    const GlobalNodes independent_nodes = independent(nodes);
+    if (independent_nodes == nodes)
+      add_equations(nodes, equations.matrix);
+    else
+      add_equations(independent_nodes, condensed(nodes, independent_nodes, equations.matrix));
   }
 
   template <int dim>
   void
   TangentMatrix<dim>::find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts)
   {
-    far_constraints = values_of_far_nodes<unsigned int>(
-        nodes_of_contacts(of_contacts), *problem.model.state.partition(),
-        [&](const unsigned int node)
-        {
-          unsigned int bits = 0;
-          for (unsigned int d = 0; d < dim; ++d)
-            if (problem.constrained().node(node)[d] > 0.)
-              bits |= 1u << d;
-          return bits;
-        });
+    const NodePartition &partition = *problem.model.state.partition();
+    GlobalNodes nodes = nodes_of_contacts(of_contacts);
+    if (dependent.n_constraints() > 0)
+    {
+      for (unsigned int i = 0; i < partition.n_owned() + partition.n_ghosts(); ++i)
+        nodes.push_back(partition.global_index(i));
+      nodes = independent(nodes);
+    }
+    far_constraints =
+        values_of_far_nodes<unsigned int>(nodes, partition,
+                                          [&](const unsigned int node)
+                                          {
+                                            unsigned int bits = 0;
+                                            for (unsigned int d = 0; d < dim; ++d)
+                                              if (problem.constrained().node(node)[d] > 0.)
+                                                bits |= 1u << d;
+                                            return bits;
+                                          });
   }
 
   template <int dim>
@@ -179,7 +259,12 @@ namespace tombolo
   {
     std::vector<types::global_dof_index> free, prescribed;
     std::vector<double> of_free, of_prescribed;
-    for (const auto &at_row : stiffness.entries)
+    typename ContactStiffness<dim>::Entries entries;
+    for (const auto &entry : stiffness.entries)
+      for (const auto &[node, weight] : weights_of(entry.node))
+        entries.push_back(
+            {node, weight * entry.normal, weight * entry.weight, weight * entry.shift});
+    for (const auto &at_row : entries)
       for (unsigned int a = 0; a < dim; ++a)
       {
         if (is_constrained(at_row.node, a))
@@ -188,7 +273,7 @@ namespace tombolo
           list->clear();
         for (auto *const list : {&of_free, &of_prescribed})
           list->clear();
-        for (const auto &at_column : stiffness.entries)
+        for (const auto &at_column : entries)
           for (unsigned int b = 0; b < dim; ++b)
           {
             const double value =
@@ -231,10 +316,20 @@ namespace tombolo
                                [this](const CellEquations &equations) { add_cell(equations); });
     for (const ContactStiffness<dim> &stiffness : of_contacts)
       add_contact(stiffness);
+    for (const unsigned int node : problem.model.state.partition()->dependent_nodes().node)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const types::global_dof_index row =
+            problem.model.state.partition()->global_index(node) * dim + d;
+        matrix.add(row, row, 1.);
+      }
     matrix.compress(VectorOperation::add);
     coupling.compress(VectorOperation::add);
     for (NodalVector *const sums : {&cell_forces, &absolute_row_sums, &rounded_forces})
+    {
       sums->add_to_owners();
+      sums->condense();
+    }
     find_scales();
   }
 
@@ -395,7 +490,7 @@ namespace tombolo
         change.node(i)[d] = constrained.node(i)[d] > 0.
                                 ? (prescribed != nullptr ? prescribed->node(i)[d] : 0.)
                                 : solution.local_element(i * dim + d);
-    change.update_ghosts();
+    change.distribute();
     return n_iterations;
   }
 

@@ -5,6 +5,7 @@
 #include <tombolo/physics/statics/static_problem.h>
 
 #include <deal.II/base/index_set.h>
+#include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/la_parallel_vector.h>
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/trilinos_precondition.h>
@@ -15,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -23,7 +25,8 @@ namespace tombolo
    * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells and the contacts, and linear
    * systems with it.
    * Component d of the node with global number I is row dim I + d. Prescribed components have
-   * their diagonal alone; what they move goes to the right-hand side.
+   * their diagonal alone; what they move goes to the right-hand side. Dependent nodes have their
+   * diagonal alone, too: what they have goes to those on which they depend.
    *
    * `multigrid` is GMRES with Trilinos' smoothed aggregation (ML), whose near null space are the
    * rigid modes at the present positions; `direct` is a sparse LU factorization (Amesos). Both
@@ -85,9 +88,21 @@ namespace tombolo
     void make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts);
     void add_cell(const CellEquations &equations);
     void add_contact(const ContactStiffness<dim> &stiffness);
+    using GlobalNodes = std::vector<dealii::types::global_dof_index>;
+    /** Adds dim rows and columns a node, by rows of @p entries. */
+    void add_equations(const GlobalNodes &nodes, const std::vector<double> &entries);
+    /** @p nodes with those on which they depend in place of dependent ones, each once. */
+    GlobalNodes independent(const GlobalNodes &nodes) const;
+    /** Entries of @p nodes as those of independent() ones: TᵀKT. */
+    std::vector<double> condensed(const GlobalNodes &nodes, const GlobalNodes &independent_nodes,
+                                  const std::vector<double> &entries) const;
+    /** Each node as a sum of independent ones. */
+    using Weights = std::vector<std::pair<dealii::types::global_dof_index, double>>;
+    Weights weights_of(dealii::types::global_dof_index node) const;
     /** Sets the scale of forces of the problem and what rounding does to them. Collective. */
     void find_scales();
-    /** Asks other ranks which components of nodes of contacts are prescribed. Collective. */
+    /** Asks other ranks which components of nodes of contacts, and of those on which others depend,
+     * are prescribed. Collective. */
     void find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts);
     bool is_constrained(dealii::types::global_dof_index node, unsigned int component) const;
     /** Rigid modes by mode and row, at present positions. Collective. */
@@ -98,6 +113,7 @@ namespace tombolo
     StaticProblem<dim> &problem;
     Solver solver;
     dealii::IndexSet owned_rows;
+    dealii::AffineConstraints<double> dependent;     ///< nodes, of all ranks
     dealii::TrilinosWrappers::SparseMatrix matrix;   ///< with rows and columns of free components
     dealii::TrilinosWrappers::SparseMatrix coupling; ///< rows free, columns prescribed
     dealii::TrilinosWrappers::PreconditionAMG multigrid;
