@@ -14,15 +14,15 @@ namespace tombolo
 
   namespace
   {
-    struct Quantity
+    struct LabelledQuantity
     {
       const char *name;
       std::vector<std::string> units; ///< the spellings that descriptions use
     };
 
-    const std::vector<Quantity> &quantities()
+    const std::vector<LabelledQuantity> &quantities()
     {
-      static const std::vector<Quantity> list = {
+      static const std::vector<LabelledQuantity> list = {
           {"length", {"L"}},
           {"mass", {"M"}},
           {"time", {"T"}},
@@ -56,7 +56,7 @@ namespace tombolo
   {
     std::vector<std::string> names;
     std::string allowed;
-    for (const Quantity &quantity : quantities())
+    for (const LabelledQuantity &quantity : quantities())
     {
       names.emplace_back(quantity.name);
       allowed += (allowed.empty() ? "" : ", ") + names.back();
@@ -86,7 +86,7 @@ namespace tombolo
 
   std::string UnitLabels::label(const std::string &unit) const
   {
-    for (const Quantity &quantity : quantities())
+    for (const LabelledQuantity &quantity : quantities())
       if (std::find(quantity.units.begin(), quantity.units.end(), unit) != quantity.units.end())
         for (const auto &entry : given)
           if (entry.first == quantity.name)
