@@ -2,10 +2,10 @@
 #pragma once
 
 #include "mesh_testing.h"
+#include "plugin_interpolated_remap/interpolated_remap.h"
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/smoothed/integration_rule.h>
-#include <tombolo/remesh/interpolated_remap.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
 

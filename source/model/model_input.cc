@@ -53,7 +53,8 @@ namespace tombolo
       handler.declare_entry(
           "Plugin libraries", "", Patterns::Anything(),
           "Shared objects with further plug-ins, loaded before all else is read. Paths "
-          "are relative to the parameter file, or to the working directory.");
+          "are relative to the parameter file, to the working directory, or to the directory of "
+          "the program's own library.");
     }
 
     template <int dim>

@@ -8,6 +8,8 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <utility>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -23,6 +25,19 @@ namespace tombolo
           find_entries(child, name, paths);
         else if (child.name == name)
           paths.push_back(child.path);
+    }
+
+    /** Which plug-in library of the project has a section, or an entry with a value ("Entry =
+     * value"), as a sentence; empty if none has. */
+    std::string library_hint(const std::string &what)
+    {
+      for (const auto &[name, library] :
+           {std::pair{"Lattice filter", "liblattice_filter.so"},
+            std::pair{"Refill remap = interpolation", "libinterpolated_remap.so"}})
+        if (what == name)
+          return " " + in_quotes(what) + " is in a plug-in: write \"set Plugin libraries = " +
+                 library + "\".";
+      return {};
     }
   } // namespace
 
@@ -62,20 +77,13 @@ namespace tombolo
     return hints;
   }
 
-  std::string value_hints(const std::string &path, const std::string &value,
-                          const std::vector<std::string> &alternatives)
-  {
-    const std::string instead = instead_of_removed(path, value);
-    if (!instead.empty())
-      return " This value was removed. " + instead;
-    return alternatives.empty() ? "" : did_you_mean(value, alternatives);
-  }
-
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name)
   {
     const auto *const same_name = parent.find(name);
     if (same_name != nullptr)
       return " " + in_quotes(name) + " is an entry: write \"set " + name + " = ...\".";
+    if (const std::string library = library_hint(name); !library.empty())
+      return library;
     std::string hints = did_you_mean(name, parent.section_names());
     const std::size_t colon = name.find(':');
     if (colon != std::string::npos)
@@ -92,6 +100,16 @@ namespace tombolo
     if (names.empty())
       return hints + " There are no " + where + ".";
     return hints + " Known " + where + ": " + in_quotes(names) + ".";
+  }
+
+  std::string value_hints(const ParameterDeclaration &entry, const std::string &value)
+  {
+    const std::string instead = instead_of_removed(entry.path, value);
+    if (!instead.empty())
+      return " This value was removed. " + instead;
+    const auto alternatives = pattern_alternatives(entry.pattern);
+    return (alternatives.empty() ? "" : did_you_mean(value, alternatives)) +
+           library_hint(entry.name + " = " + value);
   }
 
   const ParameterDeclaration &find_section(const ParameterDeclaration &root,

@@ -217,13 +217,12 @@ namespace tombolo
     const bool is_missing = entry->is_mandatory && item.value.empty();
     if (set_value(parameter_handler, *entry, item.value) && !is_missing)
       return;
-    const auto alternatives = pattern_alternatives(entry->pattern);
     mistakes.mark_refused(entry->path);
     mistakes.add(prefix_with_value(item) + ": " +
                  (is_missing && describe_pattern(entry->pattern) == "any text"
                       ? "the value is missing. It has no default: " + entry->documentation
                       : "allowed is " + describe_pattern(entry->pattern) + ".") +
-                 value_hints(entry->path, item.value, alternatives));
+                 value_hints(*entry, item.value));
   }
 
   std::string Parameters::prefix_with_value(const Item &item) const

@@ -2,14 +2,17 @@
 #include <tombolo/base/input/plugin_library.h>
 
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/input/text.h>
 
 #include <dlfcn.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <vector>
 
 namespace tombolo
 {
@@ -71,19 +74,37 @@ namespace tombolo
       std::terminate_handler former_handler;
     };
 
+    namespace files = std::filesystem;
+
+    /** The directory of the shared object that this code is in. */
+    files::path own_directory()
+    {
+      static const char here = 0;
+      Dl_info info;
+      return dladdr(&here, &info) != 0 ? files::path(info.dli_fname).parent_path() : files::path();
+    }
+
     /** Loads one library; returns what is wrong, or nothing. */
     std::string load(const std::string &name, const std::string &parameter_file)
     {
-      namespace files = std::filesystem;
       std::error_code error;
       const files::path beside_file = files::path(parameter_file).parent_path() / name;
-      const files::path path =
-          files::is_regular_file(beside_file, error) ? beside_file : files::path(name);
-      if (!files::is_regular_file(path, error))
-        return "there is no library \"" + beside_file.string() + "\"" +
-               (beside_file == path ? "" : ", nor \"" + path.string() + "\"") + ".";
+      std::vector<files::path> candidates{beside_file};
+      for (const files::path &other : {files::path(name), own_directory() / name})
+        if (std::find(candidates.begin(), candidates.end(), other) == candidates.end())
+          candidates.push_back(other);
+      const auto path = std::find_if(candidates.begin(), candidates.end(),
+                                     [&](const files::path &candidate)
+                                     { return files::is_regular_file(candidate, error); });
+      if (path == candidates.end())
+      {
+        std::string places;
+        for (const files::path &candidate : candidates)
+          places += (places.empty() ? "" : ", nor ") + in_quotes(candidate.string());
+        return "there is no library " + places + ".";
+      }
       // An absolute path: dlopen would look for a bare name in the directories of the system.
-      const std::string absolute = files::absolute(path, error).string();
+      const std::string absolute = files::absolute(*path, error).string();
       const LoadingGuard guard(absolute);
       if (dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL) == nullptr)
       {

@@ -19,6 +19,7 @@ namespace tombolo
     const char *const looks_entry = "Steps between refill checks";
   } // namespace
 
+  template <int dim>
   void RefillSettings::declare_parameters(ParameterHandler &handler)
   {
     handler.declare_entry(
@@ -53,12 +54,15 @@ namespace tombolo
         "others, so that surfaces that meet become one: a cell is full where the body has at least "
         "half of it. Never true (`0`): all cells are full at the start. Empty: cells stay full. "
         "Only where the surface is sliding.");
+    std::string remaps = conservative;
+    for (const std::string &name : Registry<ValueRemap<dim>>::instance().names())
+      remaps += "|" + name;
     handler.declare_entry(
-        remap_entry, "conservative", Patterns::Selection("conservative|interpolation"),
+        remap_entry, conservative, Patterns::Selection(remaps),
         "How a refill carries fields over: conservative, by integrals over the overlap of old and "
-        "new cells, which keep mass, momentum and enthalpy, and lose little; interpolation, by "
-        "values at the new places as in Wu et al. 2015, eqs (65) to (74), which keep the mass "
-        "alone: a baseline to compare with.");
+        "new cells, which keep mass, momentum and enthalpy, and lose little; or the name of a "
+        "plug-in that gives values at the new places and keeps the mass alone.");
+    Registry<ValueRemap<dim>>::instance().declare_all(handler);
     handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
                           "Cells are compared with the limits of refills every so many steps.");
   }
@@ -83,7 +87,8 @@ namespace tombolo
     if (has_void_cells && !is_sliding)
       of_part.fail(void_entry, "nodes of the surface are held (`Refill surface`), so that cells "
                                "cannot be filled or emptied; allowed with it is sliding.");
-    if (has_void_cells && of_part.get(remap_entry) != "conservative")
+    remap = of_part.get(remap_entry);
+    if (has_void_cells && !is_conservative())
       of_part.fail(void_entry,
                    "values at new places (`Refill remap`) say nothing of cells that are "
                    "filled or emptied; allowed with it is conservative.");
@@ -91,8 +96,14 @@ namespace tombolo
       of_part.fail(void_entry,
                    "cells are filled and emptied by their sub-cells; allowed with it is "
                    "\"Integration = smoothed\".");
-    if (of_part.get(remap_entry) == "interpolation")
-      chosen_remap = RefillRemap::interpolation;
+  }
+
+  template <int dim>
+  std::unique_ptr<ValueRemap<dim>> RefillSettings::value_remap() const
+  {
+    if (is_conservative())
+      return nullptr;
+    return Registry<ValueRemap<dim>>::instance().create(remap, section->subsection(remap));
   }
 
   template <int dim>
@@ -131,6 +142,10 @@ namespace tombolo
     section->fail(void_entry, message);
   }
 
+  template void RefillSettings::declare_parameters<2>(ParameterHandler &);
+  template void RefillSettings::declare_parameters<3>(ParameterHandler &);
+  template std::unique_ptr<ValueRemap<2>> RefillSettings::value_remap() const;
+  template std::unique_ptr<ValueRemap<3>> RefillSettings::value_remap() const;
   template std::optional<Predicate<2>> RefillSettings::void_cells() const;
   template std::optional<Predicate<3>> RefillSettings::void_cells() const;
   template std::optional<Expression<2>> RefillSettings::motion() const;

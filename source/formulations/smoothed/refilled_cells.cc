@@ -61,7 +61,7 @@ namespace tombolo
     if (refill_settings.is_on() && refill_settings.template motion<dim>())
       conversion.refuse("the mesh of the part moves (`Refill motion`), and particles would not go "
                         "with it; allowed is one of both.");
-    if (refill_settings.is_on() && refill_settings.remap() == RefillRemap::interpolation)
+    if (refill_settings.is_on() && !refill_settings.is_conservative())
       conversion.refuse("values at new places (`Refill remap`) say nothing of cells that have "
                         "become particles; allowed with it is conservative.");
     if (is_graded(of_part))

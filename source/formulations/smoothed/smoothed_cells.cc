@@ -19,7 +19,7 @@ namespace tombolo
   {
     SmoothedGradients<dim>::declare_parameters(handler);
     SmoothedIntegration<dim>::declare_parameters(handler);
-    RefillSettings::declare_parameters(handler);
+    RefillSettings::declare_parameters<dim>(handler);
     ConversionCriterion::declare_parameters(handler);
   }
 

@@ -6,7 +6,6 @@
 #include <tombolo/mesh/bodies.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/remesh/corners_at.h>
-#include <tombolo/remesh/interpolated_remap.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/state/state_archive.h>
 
@@ -44,7 +43,8 @@ namespace tombolo
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
                               SmoothedCells<dim> &cells, const double end_time)
       : part(part), cells(cells), places(model, part, cells, end_time),
-        rule(cells.point_state().gradients().integration_rule())
+        rule(cells.point_state().gradients().integration_rule()),
+        by_values(cells.refill().template value_remap<dim>())
   {
     if (is_conservative())
       return;
@@ -278,9 +278,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartRefill<dim>::interpolate(Model<dim> &model, const NodalVector &after,
-                                    const Cells &remapped, NodalContent<dim> &nodal,
-                                    PointValues &points)
+  void PartRefill<dim>::remap_by_values(Model<dim> &model, const NodalVector &after,
+                                        const Cells &remapped, NodalContent<dim> &nodal,
+                                        PointValues &points)
   {
     NodalState &state = model.state;
     std::vector<NodalVector *> fields(1, &state.unsmoothed_velocity);
@@ -290,10 +290,10 @@ namespace tombolo
       of_heat = nodal.temperatures(model);
       fields.push_back(&of_heat);
     }
-    interpolate_nodal_fields<dim>(remapped, state.position, after, fields);
+    by_values->remap_nodes(remapped, state.position, after, fields);
     if (model.heat)
       nodal.enthalpy = nodal.enthalpies(model, of_heat);
-    interpolate_points<dim>(remapped, state.partition(),
+    by_values->remap_points(remapped, state.partition(),
                             cells.point_state().gradients().corner_shares(), points);
   }
 
@@ -357,7 +357,7 @@ namespace tombolo
     if (is_conservative())
       remap_conservatively(model, remapped, nodal, points);
     else
-      interpolate(model, after, remapped, nodal, points);
+      remap_by_values(model, after, remapped, nodal, points);
     const std::vector<double> volumes = former_volumes(
         remapped, places.lattice(), rule, after, state.unsmoothed_velocity, clock.previous_step);
     if (!is_conservative())

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/remesh/cloud_functions.h>
-#include <tombolo/remesh/cloud_interpolation.h>
 #include <tombolo/remesh/inner_places.h>
 
+#include "plugin_interpolated_remap/cloud_interpolation.h"
 #include "remap_body.h"
 
 #include <gtest/gtest.h>

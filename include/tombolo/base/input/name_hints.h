@@ -16,14 +16,12 @@ namespace tombolo
   std::string entry_hints(const ParameterDeclaration &root, const ParameterDeclaration &section,
                           const std::string &name);
 
-  /** Sentences for a message about a value that the entry at @p path does not admit; none if there
-   * are no @p alternatives. */
-  std::string value_hints(const std::string &path, const std::string &value,
-                          const std::vector<std::string> &alternatives);
-
   /** Likewise for a section that @p parent does not have. Sections as "Part: side" exist for the
    * names that a list, here "Parts", has in the section above. */
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name);
+
+  /** Likewise for a value that @p entry does not allow. */
+  std::string value_hints(const ParameterDeclaration &entry, const std::string &value);
 
   /** The section at a path below @p root, "" for the root. "Part" stands for a section "Part:
    * NAME". Throws InputError. */

@@ -3,23 +3,20 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/smoothed/value_remap.h>
 
+#include <memory>
 #include <optional>
+#include <string>
 
 namespace tombolo
 {
-  /** How a refill carries fields over to places and points of after. */
-  enum class RefillRemap
-  {
-    conservative, ///< by integrals over the overlap of old and new cells
-    interpolation ///< by values at new places, as in Wu et al. 2015
-  };
-
   /** When the cells of a part of smoothed cells are refilled: where the deformation since the last
    * refill reaches a limit. Off unless `Refill stretch` is given. */
   class RefillSettings
   {
   public:
+    template <int dim>
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Throws InputError. */
@@ -76,10 +73,16 @@ namespace tombolo
       return has_void_cells;
     }
 
-    RefillRemap remap() const
+    /** Whether fields go over by integrals over the overlap of old and new cells. */
+    bool is_conservative() const
     {
-      return chosen_remap;
+      return remap == conservative;
     }
+
+    /** What carries fields over otherwise; null where the remap is conservative. Throws InputError.
+     */
+    template <int dim>
+    std::unique_ptr<ValueRemap<dim>> value_remap() const;
 
     /** Throws InputError for the entry that switches refills on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
@@ -95,6 +98,7 @@ namespace tombolo
     double largest_stretch = 0, smallest_ratio = 0;
     unsigned int layers = 0, steps_between_looks = 1;
     bool is_sliding = false, has_void_cells = false;
-    RefillRemap chosen_remap = RefillRemap::conservative;
+    static constexpr const char *conservative = "conservative";
+    std::string remap = conservative;
   };
 } // namespace tombolo

@@ -25,7 +25,7 @@ namespace tombolo
     /**
      * Where cells have reached a limit: places inner nodes of these cells and of layers around them
      * as in the lattice of the start, makes the present configuration the reference, and remaps
-     * velocities, heat and points as RefillSettings::remap() says. Nodes of the boundary of the
+     * velocities, heat and points conservatively or by a ValueRemap. Nodes of the boundary of the
      * part slide on it (SurfaceSlide) or stay, and those with prescribed components stay. Where
      * cells would turn over, the nodes go a part of their way. With void cells, cells are filled
      * and emptied as well. Returns whether there was a refill; masses of nodes and the partition
@@ -71,7 +71,7 @@ namespace tombolo
 
     bool is_conservative() const
     {
-      return settings().remap() == RefillRemap::conservative;
+      return by_values == nullptr;
     }
 
     const RefillSettings &settings() const
@@ -114,8 +114,8 @@ namespace tombolo
     void remap_conservatively(Model<dim> &model, Cells &remapped, NodalContent<dim> &nodal,
                               PointValues &points);
     /** Values at new places. Collective. */
-    void interpolate(Model<dim> &model, const NodalVector &after, const Cells &remapped,
-                     NodalContent<dim> &nodal, PointValues &points);
+    void remap_by_values(Model<dim> &model, const NodalVector &after, const Cells &remapped,
+                         NodalContent<dim> &nodal, PointValues &points);
     /** Gives points and nodes of cells that have moved the masses of ρ₀/J and these volumes of
      * points, times one number that keeps the sum of each. Collective. */
     void take_masses(const Cells &remapped, const std::vector<double> &volumes, PointValues &points,
@@ -125,13 +125,14 @@ namespace tombolo
     SmoothedCells<dim> &cells;
     RefillPlaces<dim> places;
     SmoothedIntegrationRule rule;
+    std::unique_ptr<ValueRemap<dim>> by_values; ///< null: the remap is conservative
     NodalVector reference;
     NodalVector settled; ///< where the last refill of each node has put it; where cells are filled
     /** Of the points, by cell; empty before the first refill. Beside J, since the volume of a
      * cell and the determinants of its points follow different means of the motion [M]. */
     std::vector<double> point_mass;
     std::vector<unsigned int> moved;
-    std::vector<double> bodies; ///< of cells; where fields are interpolated
+    std::vector<double> bodies; ///< of cells; for a ValueRemap
     unsigned long count = 0;
   };
 } // namespace tombolo

@@ -13,7 +13,7 @@ namespace tombolo
    * Refills of parts of smoothed cells (PartRefill) before the forces at t_n. Mass, momentum,
    * enthalpy and what was dissipated stay where the remap is conservative; kinetic and elastic
    * energy that it takes is accounted for as `remap loss`, and heats where heat is modelled.
-   * Interpolation keeps the mass alone: the change of momentum and angular momentum leaves as that
+   * A ValueRemap keeps the mass alone: the change of momentum and angular momentum leaves as that
    * of removed mass, the change of all mechanical energies, dissipated ones too, is `remap loss`,
    * which does not heat, and the change of heat is `eroded heat`.
    */

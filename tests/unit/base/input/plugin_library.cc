@@ -63,7 +63,8 @@ namespace
                                          "\"libnowhere.so\": there is no library"),
               0u)
         << message;
-    EXPECT_TRUE(contains(message, directory() + "/libnowhere.so\", nor \"libnowhere.so\"."));
+    EXPECT_TRUE(contains(message, directory() + "/libnowhere.so\", nor \"libnowhere.so\", nor \""));
+    EXPECT_TRUE(contains(message, "/lib/libnowhere.so\"."));
     EXPECT_TRUE(contains(loading("a.so, a.so"), "the name \"a.so\" stands twice."));
   }
 

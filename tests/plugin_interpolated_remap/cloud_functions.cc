@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/remesh/cloud_functions.h>
+#include "cloud_functions.h"
 
 #include <tombolo/approximation/convex_minimum.h>
 #include <tombolo/base/simd/vectorization.h>

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/remesh/interpolated_remap.h>
+#include "interpolated_remap.h"
+
+#include "cloud_interpolation.h"
 
 #include <tombolo/formulations/smoothed/integration_rule.h>
-#include <tombolo/remesh/cloud_interpolation.h>
+#include <tombolo/formulations/smoothed/value_remap.h>
 #include <tombolo/remesh/node_maxima.h>
 
 #include <deal.II/base/mpi.h>
@@ -266,4 +268,31 @@ namespace tombolo
   template void interpolate_points(const std::vector<RemapCell<3>> &,
                                    const std::shared_ptr<const NodePartition> &,
                                    const std::vector<std::vector<double>> &, PointValues &);
+
+  template <int dim>
+  class InterpolatedRemap : public ValueRemap<dim>
+  {
+  public:
+    static void declare_parameters(ParameterHandler &) {}
+
+    explicit InterpolatedRemap(const Section &) {}
+
+    void remap_nodes(const std::vector<RemapCell<dim>> &cells, const NodalVector &before,
+                     const NodalVector &after,
+                     const std::vector<NodalVector *> &fields) const override
+    {
+      interpolate_nodal_fields(cells, before, after, fields);
+    }
+
+    void remap_points(const std::vector<RemapCell<dim>> &cells,
+                      const std::shared_ptr<const NodePartition> &partition,
+                      const std::vector<std::vector<double>> &corner_shares,
+                      PointValues &points) const override
+    {
+      interpolate_points(cells, partition, corner_shares, points);
+    }
+  };
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(ValueRemap, InterpolatedRemap, "interpolation",
+                                  "values at new places, Wu et al. 2015, eqs (65) to (74)")
 } // namespace tombolo

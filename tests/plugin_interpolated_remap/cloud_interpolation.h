@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/remesh/cloud_functions.h>
+#include "cloud_functions.h"
 
 #include <mpi.h>
 

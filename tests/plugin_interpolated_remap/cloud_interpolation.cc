@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/remesh/cloud_interpolation.h>
+#include "cloud_interpolation.h"
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
