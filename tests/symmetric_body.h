@@ -114,7 +114,8 @@ namespace tombolo
            << material_of(method);
       if (is_coupled)
         text << "subsection Coupling\nset Bridge = " << method.bridge << "\nend\n";
-      text << "subsection Lattice filter\nset Power = " << method.filter << "\nend\n";
+      if (method.filter != std::string("0"))
+        text << "subsection Lattice filter\nset Power = " << method.filter << "\nend\n";
       return text.str();
     }
 

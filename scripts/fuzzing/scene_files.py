@@ -162,7 +162,9 @@ class Writer:
         self.section("Coupling", {"Bridge": scene["bridge"]})
         if thermal:
             self.heat()
-        self.section("Lattice filter", scene["filter"])
+        if scene["filter"]:
+            self.set("Plugin libraries", "liblattice_filter.so")
+            self.section("Lattice filter", scene["filter"])
         if scene["scaling"] is not None:
             self.scaling()
         if self.fixed_step is not None:

@@ -322,14 +322,15 @@ namespace tombolo
     return constrained_particles.take_reaction();
   }
 
-  void Bridge::remove_from_velocity(NodalVector &change, NodalState &state)
+  double Bridge::remove_from_velocity(NodalVector &change, NodalState &state)
   {
-    constrained_particles.remove_from(change);
+    const double work = constrained_particles.remove_from(change, state);
     for (unsigned int i = 0; i < change.partition()->n_owned(); ++i)
       store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(change.node(i)),
                  state.unsmoothed_velocity.node(i));
     state.unsmoothed_velocity.update_ghosts();
     momentum_is_current = velocity_is_current = false;
+    return work;
   }
 
   const NodalVector &Bridge::nodal_mass() const

@@ -197,18 +197,23 @@ namespace tombolo
     }
   }
 
-  void ConstrainedParticles::remove_from(NodalVector &change)
+  double ConstrainedParticles::remove_from(NodalVector &change, const NodalState &state)
   {
+    double work = 0;
     for (ConstrainedParticle &particle : of_rank)
       for (unsigned int c = 0; c < 3; ++c)
         if (is_prescribed(particle, c))
         {
           const double impulse =
               *split.unsmoothed_mass().node(particle.node) * change.node(particle.node)[c];
-          reaction.impulse[c] += impulse;
-          particle.reactions[c].impulse[c] += impulse;
+          const double of_impulse = impulse * state.unsmoothed_velocity.node(particle.node)[c];
+          const double *const x = state.position_of_unsmoothed().node(particle.node);
+          reaction.add(c, impulse, x, of_impulse);
+          particle.reactions[c].add(c, impulse, x, of_impulse);
+          work += of_impulse;
           change.node(particle.node)[c] = 0.;
         }
+    return work;
   }
 
   ConstraintReaction ConstrainedParticles::take_reaction()

@@ -185,7 +185,8 @@ class BitwiseRods(BitwiseCase):
     def test_coupled_rod_with_the_smoothing_of_the_paper_and_a_filter(self):
         self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
                              ["set Smoothing = affine", "set Smoothing = paper"],
-                             ["subsection Output", "subsection Lattice filter\n  set "
+                             ["subsection Output", "set Plugin libraries = liblattice_filter.so\n"
+                              "subsection Lattice filter\n  set "
                               "Power = 2\n  set Interval = 3\nend\nsubsection Output"])
         self.check("rod.prm", 4, (0.4,), 1)
         self.check("rod.prm", 4, (0.2,), 2)
@@ -289,7 +290,7 @@ class BitwiseRefills(BitwiseCase):
         self.assertIn(stretch, text)
         self.write("block.prm", text.replace(
             stretch, "    set Integration = one point\n    set Refill remap = interpolation\n" +
-            stretch) + "set Output directory = output\n")
+            stretch) + "set Plugin libraries = libinterpolated_remap.so\nset Output directory = output\n")
         self.check("block.prm", 250, (0.7,), 2)
 
     def test_smoothed_cells_that_are_refilled_beside_a_rigid_part(self):

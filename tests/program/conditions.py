@@ -41,6 +41,10 @@ def coupled(smoothing):
     return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}"]
 
 
+def lattice_filter(power):
+    return ["Plugin libraries = liblattice_filter.so", f"Lattice filter/Power = {power}"]
+
+
 def cut(name, x=1., direction=1):
     """A section of the cantilever at x; its side is where the direction points to."""
     return [f"Section: {name}/Point = {x}, 0.25, 0.25", f"Section: {name}/Normal = {direction}, 0, 0"]
@@ -122,7 +126,7 @@ class Motion(Case):
     def test_impulses_of_support_and_load_are_the_momentum_of_a_coupled_body(self):
         for smoothing in SMOOTHINGS:
             self.check_impulses(coupled(smoothing))
-        self.check_impulses([*coupled("paper"), "Lattice filter/Power = 4"])
+        self.check_impulses([*coupled("paper"), *lattice_filter(4)])
 
     def test_weight_is_the_mass_times_gravity_and_acts_in_the_middle(self):
         conditions = self.check_impulses(elements_alone())
@@ -146,7 +150,7 @@ class Motion(Case):
   set Function = 0.01; free; free
 """)
         for settings in (elements_alone(), particles_alone("paper"), particles_alone("affine"),
-                         [*coupled("paper"), "Lattice filter/Power = 4"]):
+                         [*coupled("paper"), *lattice_filter(4)]):
             output = self.finish(*settings, text=text)
             conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
             self.assertAlmostEqual(conditions["drive mean displacement x"][-1], 0.02)
@@ -218,7 +222,7 @@ class Rest(Case):
         # The shortest waves of particles do not feel the damping, which acts on smoothed velocities:
         # the lattice filter takes them.
         for smoothing, ranks in (("affine", 1), ("paper", 2), ("fe matched", 1)):
-            self.check_rest([*coupled(smoothing), "Lattice filter/Power = 1"], ranks=ranks)
+            self.check_rest([*coupled(smoothing), *lattice_filter(1)], ranks=ranks)
 
     def test_damping_slows_a_free_body_down_as_an_exponential_and_takes_its_energy(self):
         text = SCENE.replace("= wall, weight", "=\nset Initial conditions = flight")
@@ -268,7 +272,7 @@ class Sections(Case):
         for settings, ranks in ((elements_alone(), 1), (graded_elements(), 2), (coupled("affine"), 1),
                                 (coupled("paper"), 2)):
             sections, conditions, statistics = self.tables(
-                "Damping/Rate = 2.5", "End time = 40", "Lattice filter/Power = 1", *settings, *self.SECTIONS,
+                "Damping/Rate = 2.5", "End time = 40", *lattice_filter(1), *settings, *self.SECTIONS,
                 "Output/condition history/Moments about = 1, 0.25, 0.25", text=self.PUSHED, ranks=ranks)
             self.assertLess(statistics["kinetic energy"][-1], 1e-18 * statistics["elastic energy"][-1])
             load = max(map(abs, conditions.vector("push mean force", -1)))
@@ -508,7 +512,7 @@ class Ranks(Case):
     """The same on several ranks, and when resumed."""
 
     SETTINGS = ("Output/Further outputs = part history", "Output/Statistics interval = 0.3",
-                "Lattice filter/Power = 4", "Damping/Rate = if(t < 0.7, 0.3, 0)",
+                *lattice_filter(4), "Damping/Rate = if(t < 0.7, 0.3, 0)",
                 "End time = 1", *Sections.SECTIONS, "Conditions = wall, weight, push")
     TABLES = ("conditions.csv", "sections.csv", "parts.csv", "statistics.csv")
     SCENE = SCENE + """

@@ -108,8 +108,9 @@ namespace tombolo
     void positions_have_changed();
 
     /** v̂ -= @p change at owned nodes, but for prescribed components of particles, where @p change
-     * becomes zero; updates the ghosts of v̂. Collective. */
-    void remove_from_velocity(NodalVector &change, NodalState &state);
+     * becomes zero; updates the ghosts of v̂. Returns this rank's share of the work of what keeps
+     * these, which goes to take_constraint_reaction() as well. Collective. */
+    double remove_from_velocity(NodalVector &change, NodalState &state);
 
     /** What momentum_rate(), velocity_rate() and remove_from_velocity() did to keep prescribed
      * components, since the last call. */

@@ -12,8 +12,8 @@
 
 namespace tombolo
 {
-  /** Work and impulse of the reaction that smoothing and filter meet at prescribed components of
-   * particles, beyond that of m a - F; sums over this rank. */
+  /** Work and impulse of the reaction that smoothing, and what is taken from v̂, meet at prescribed
+   * components of particles, beyond that of m a - F; sums over this rank. */
   struct ConstraintReaction
   {
     double work = 0;                         ///< [M L^2/T^2]
@@ -92,8 +92,10 @@ namespace tombolo
      */
     void find_moments(NodalState &state);
 
-    /** Puts prescribed components of @p change, which is taken from v̂, to zero. */
-    void remove_from(NodalVector &change);
+    /** Puts prescribed components of @p change, which is taken from v̂, to zero, and adds the
+     * impulse that keeps them, and its work on v̂, to the reaction. Returns this work, the share of
+     * this rank [M L^2/T^2]. */
+    double remove_from(NodalVector &change, const NodalState &state);
 
     /** What restore() and remove_from() did since the last call, all particles together; theirs are
      * zero from now on. */

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/waves/reflection_case.h>
 
-#include <tombolo/physics/mechanics/lattice_filter.h>
 #include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/numbers.h>
@@ -474,7 +473,9 @@ namespace tombolo
     Model<2> model(parameters, MPI_COMM_SELF);
     SpectralEstimator<2> estimator(parameters.section("Time step").subsection("spectral"));
     largest_step = estimator.estimate(model).time_step;
-    filter_rate = lattice_filter_rate(model);
+    for (const ParticleFormulation<2> *const particles : model.particle_parts())
+      filter_rate = std::max(filter_rate, particles->material().longitudinal_wave_speed() /
+                                              particles->smallest_spacing());
     operators = std::make_unique<LinearizedOperators>(model, of_case.neighbour_reach());
   }
 
@@ -520,7 +521,7 @@ namespace tombolo
 
     const Layout layout(of_case, partial_waves, time_step);
     const Burst burst(waves, carrier, layout.burst_begin, layout.burst_length);
-    const LatticeFilterSettings &settings = of_case.filter;
+    const ReflectionCase::Filter &settings = of_case.filter;
     const BlochMotion::Filter filter{
         settings.power, settings.interval,
         std::min(1., settings.strength * filter_rate * settings.interval * time_step)};

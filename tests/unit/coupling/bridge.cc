@@ -276,13 +276,24 @@ TEST(Bridge, prescribed_components_keep_their_own_row)
   NodalVector &v_hat = model->state.unsmoothed_velocity;
   v_hat.copy_from(noise_field(*model, 9));
   const NodalVector before = noise_field(*model, 9), change = noise_field(*model, 4);
-  model->bridge->remove_from_velocity(field, model->state);
+  const double given = model->bridge->remove_from_velocity(field, model->state);
+  double impulse = 0, work = 0;
   for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
     {
       const bool is_kept = d == 0 && model->state.initial_position.node(i)[0] > 1.39;
       EXPECT_DOUBLE_EQ(v_hat.node(i)[d], before.node(i)[d] - (is_kept ? 0. : change.node(i)[d]));
+      if (is_kept)
+      {
+        impulse += *model->bridge->mass().node(i) * change.node(i)[d];
+        work += *model->bridge->mass().node(i) * change.node(i)[d] * before.node(i)[d];
+      }
     }
+  const ConstraintReaction reaction = model->bridge->take_constraint_reaction();
+  EXPECT_NEAR(given, work, 1e-13);
+  EXPECT_NEAR(reaction.work, work, 1e-13);
+  EXPECT_NEAR(reaction.impulse[0], impulse, 1e-13);
+  EXPECT_NE(work, 0.);
 }
 
 TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)

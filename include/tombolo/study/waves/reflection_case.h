@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/coupling/bridge.h>
-#include <tombolo/physics/mechanics/lattice_filter.h>
 #include <tombolo/study/waves/bloch_motion.h>
 #include <tombolo/study/waves/lattice_waves.h>
 #include <tombolo/study/waves/linearized_operators.h>
@@ -36,8 +35,16 @@ namespace tombolo
     std::string bridge = "paper";
     std::string shape_functions = "moving least squares";
     double poissons_ratio = 0;
-    LatticeFilterSettings filter; ///< the rate is not used
-    double step_factor = 0.9;     ///< of the stable step of the strip, by its spectrum
+    double step_factor = 0.9; ///< of the stable step of the strip, by its spectrum
+
+    /** v̂ ← v̂ - δ (I - ΦS)^power v̂ every few steps (doc/method.md, section 9). */
+    struct Filter
+    {
+      unsigned int power = 0;    ///< 0: no filter
+      double strength = 0;       ///< β in δ = β c Δt n / h
+      unsigned int interval = 1; ///< n
+    };
+    Filter filter;
 
     WaveType wave = WaveType::P;
     double wavelength = 20; ///< over the coarser spacing
