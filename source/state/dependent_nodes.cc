@@ -4,6 +4,8 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <utility>
 
 namespace tombolo
@@ -30,29 +32,95 @@ namespace tombolo
     return owned;
   }
 
-  AffineConstraints<double> constraints_of_dependent_nodes(const NodalVector &is_zero)
+  DependentRows::DependentRows(const NodalVector &is_zero)
   {
     const NodePartition &partition = *is_zero.partition();
     const NodePartition::DependentNodes &dependent = partition.dependent_nodes();
-    AffineConstraints<double> result;
     if (dependent.depth > 0)
     {
-      std::vector<DependentNode> rows;
+      std::vector<DependentNode> owned;
       for (std::size_t row = 0; row < dependent.node.size(); ++row)
       {
-        rows.push_back({partition.global_index(dependent.node[row]), {}});
+        owned.push_back({partition.global_index(dependent.node[row]), {}});
         for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
           if (const auto &[other, weight] = dependent.weights[k]; !(*is_zero.node(other) > 0.))
-            rows.back().weights.emplace_back(partition.global_index(other), weight);
+            owned.back().weights.emplace_back(partition.global_index(other), weight);
       }
-      for (const auto &of_rank : Utilities::MPI::all_gather(partition.communicator(), rows))
+      for (const auto &of_rank : Utilities::MPI::all_gather(partition.communicator(), owned))
         for (const DependentNode &row : of_rank)
         {
-          result.add_line(row.node);
-          result.add_entries(row.node, row.weights);
+          rows.add_line(row.node);
+          rows.add_entries(row.node, row.weights);
         }
     }
-    result.close();
+    rows.close();
+  }
+
+  bool DependentRows::is_empty() const
+  {
+    return rows.n_constraints() == 0;
+  }
+
+  bool DependentRows::depends(const types::global_dof_index node) const
+  {
+    return rows.is_constrained(node);
+  }
+
+  DependentRows::Weights DependentRows::weights(const types::global_dof_index node) const
+  {
+    return depends(node) ? *rows.get_constraint_entries(node) : Weights(1, {node, 1.});
+  }
+
+  DependentRows::Nodes DependentRows::independent(const Nodes &nodes) const
+  {
+    if (std::none_of(nodes.begin(), nodes.end(), [this](const auto node) { return depends(node); }))
+      return nodes;
+    std::set<types::global_dof_index> result;
+    for (const types::global_dof_index node : nodes)
+      for (const auto &weight : weights(node))
+        result.insert(weight.first);
+    return Nodes(result.begin(), result.end());
+  }
+
+  std::vector<double> DependentRows::condensed(const Nodes &nodes, const Nodes &independent_nodes,
+                                               const std::vector<double> &entries,
+                                               const unsigned int n_components) const
+  {
+    const std::size_t n = nodes.size() * n_components,
+                      n_independent = independent_nodes.size() * n_components;
+    std::vector<std::vector<std::pair<std::size_t, double>>> places(nodes.size());
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      for (const auto &[node, weight] : weights(nodes[k]))
+      {
+        const auto found =
+            std::lower_bound(independent_nodes.begin(), independent_nodes.end(), node);
+        places[k].emplace_back(static_cast<std::size_t>(found - independent_nodes.begin()), weight);
+      }
+    std::vector<double> result(n_independent * n_independent, 0.);
+    for (std::size_t row = 0; row < n; ++row)
+      for (const auto &[at_row, of_row] : places[row / n_components])
+        for (std::size_t column = 0; column < n; ++column)
+          for (const auto &[at_column, of_column] : places[column / n_components])
+            result[(at_row * n_components + row % n_components) * n_independent +
+                   at_column * n_components + column % n_components] +=
+                of_row * of_column * entries[row * n + column];
     return result;
+  }
+
+  void DependentRows::condense_columns(Nodes &columns, std::vector<double> &values) const
+  {
+    if (is_empty())
+      return;
+    std::map<types::global_dof_index, double> sums;
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      for (const auto &[column, weight] : weights(columns[k]))
+        sums[column] += weight * values[k];
+    columns.clear();
+    values.clear();
+    for (const auto &[column, value] : sums)
+    {
+      columns.push_back(column);
+      values.push_back(value);
+    }
   }
 } // namespace tombolo

@@ -6,6 +6,7 @@
 #include <deal.II/lac/affine_constraints.h>
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -16,8 +17,39 @@ namespace tombolo
   with_nodes_depended_on(const std::shared_ptr<const NodePartition> &partition,
                          std::vector<unsigned int> owned);
 
-  /** The rows of all dependent nodes of all ranks, closed: none refers to a dependent node. Nodes
-   * of which @p is_zero (scalar) is positive, ghosts included, are left out of the means. All ranks
-   * have the same. Collective. */
-  dealii::AffineConstraints<double> constraints_of_dependent_nodes(const NodalVector &is_zero);
+  /** The rows of all dependent nodes of all ranks, for matrices: K of all nodes becomes TᵀKT of the
+   * independent ones. All ranks have the same. */
+  class DependentRows
+  {
+  public:
+    using Nodes = std::vector<dealii::types::global_dof_index>;
+    using Weights = std::vector<std::pair<dealii::types::global_dof_index, double>>;
+
+    DependentRows() = default;
+
+    /** Nodes of which @p is_zero (scalar) is positive, ghosts included, are left out of the means.
+     * Collective. */
+    explicit DependentRows(const NodalVector &is_zero);
+
+    bool is_empty() const;
+    bool depends(dealii::types::global_dof_index node) const;
+
+    /** A node as a sum of independent ones: itself where it does not depend on others. */
+    Weights weights(dealii::types::global_dof_index node) const;
+
+    /** @p nodes where none of them depends on others; else the independent ones, ascending. */
+    Nodes independent(const Nodes &nodes) const;
+
+    /** A matrix by rows, with @p n_components rows and columns for each of @p nodes, as that of
+     * @p independent_nodes, which are independent() of them. */
+    std::vector<double> condensed(const Nodes &nodes, const Nodes &independent_nodes,
+                                  const std::vector<double> &entries,
+                                  unsigned int n_components) const;
+
+    /** Moves the columns of a row to where they act. */
+    void condense_columns(Nodes &columns, std::vector<double> &values) const;
+
+  private:
+    dealii::AffineConstraints<double> rows;
+  };
 } // namespace tombolo

@@ -35,8 +35,8 @@ namespace tombolo
            {std::pair{"Lattice filter", "liblattice_filter.so"},
             std::pair{"Refill remap = interpolation", "libinterpolated_remap.so"}})
         if (what == name)
-          return " " + in_quotes(what) + " is in a plug-in: write \"set Plugin libraries = " +
-                 library + "\".";
+          return " " + in_quotes(what) +
+                 " is in a plug-in: write \"set Plugin libraries = " + library + "\".";
       return {};
     }
   } // namespace

@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <deque>
-#include <map>
 #include <memory>
 
 namespace tombolo
@@ -435,49 +434,6 @@ namespace tombolo
       std::vector<types::global_dof_index> of_cell;
     };
 
-    /** The nodes on which others depend, with weights, and those with prescribed temperatures,
-     * which do not change, left out. */
-    class Means
-    {
-    public:
-      using Weights = std::vector<std::pair<types::global_dof_index, double>>;
-
-      explicit Means(const NodalVector &is_constrained)
-          : rows(constraints_of_dependent_nodes(is_constrained))
-      {}
-
-      bool depends(const types::global_dof_index node) const
-      {
-        return rows.is_constrained(node);
-      }
-
-      /** Those of a node; itself where it does not depend on others. */
-      Weights of(const types::global_dof_index node) const
-      {
-        return depends(node) ? *rows.get_constraint_entries(node) : Weights(1, {node, 1.});
-      }
-
-      /** Moves the columns of a row to where they act. */
-      void fold(std::vector<types::global_dof_index> &columns, std::vector<double> &values) const
-      {
-        if (rows.n_constraints() == 0)
-          return;
-        std::map<types::global_dof_index, double> folded;
-        for (std::size_t k = 0; k < columns.size(); ++k)
-          for (const auto &[column, weight] : of(columns[k]))
-            folded[column] += weight * values[k];
-        columns.clear();
-        values.clear();
-        for (const auto &[column, value] : folded)
-        {
-          columns.push_back(column);
-          values.push_back(value);
-        }
-      }
-
-    private:
-      AffineConstraints<double> rows;
-    };
   } // namespace
 
   template <int dim>
@@ -495,11 +451,11 @@ namespace tombolo
       *of_free.node(node) = 0.;
     ConductionRows<dim> rows(model, field, factor, averaging, of_free, is_constrained);
 
-    const Means means(is_constrained);
+    const DependentRows dependent(is_constrained);
     IndexSet writable = partition.owned();
     writable.add_indices(partition.ghosts());
     for (unsigned int row = 0; row < rows.n_rows(); ++row)
-      for (const auto &[node, weight] : means.of(partition.global_index(row)))
+      for (const auto &[node, weight] : dependent.weights(partition.global_index(row)))
         writable.add_index(node);
     writable.compress();
     TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), writable,
@@ -510,10 +466,10 @@ namespace tombolo
       rows.find(row);
       if (rows.columns.empty())
         continue;
-      means.fold(rows.columns, rows.values);
-      for (const auto &[node, weight] : means.of(number))
+      dependent.condense_columns(rows.columns, rows.values);
+      for (const auto &[node, weight] : dependent.weights(number))
         pattern.add_entries(node, rows.columns.begin(), rows.columns.end());
-      if (means.depends(number) && row < partition.n_owned())
+      if (dependent.depends(number) && row < partition.n_owned())
         pattern.add(number, number);
     }
     pattern.compress();
@@ -524,8 +480,8 @@ namespace tombolo
       rows.find(row);
       if (rows.columns.empty())
         continue;
-      means.fold(rows.columns, rows.values);
-      for (const auto &[node, weight] : means.of(number))
+      dependent.condense_columns(rows.columns, rows.values);
+      for (const auto &[node, weight] : dependent.weights(number))
       {
         std::vector<double> values = rows.values;
         for (double &value : values)
@@ -533,7 +489,7 @@ namespace tombolo
         matrix.add(node, static_cast<unsigned int>(values.size()), rows.columns.data(),
                    values.data());
       }
-      if (means.depends(number) && row < partition.n_owned())
+      if (dependent.depends(number) && row < partition.n_owned())
         matrix.add(number, number, 1.);
     }
     matrix.compress(VectorOperation::add);

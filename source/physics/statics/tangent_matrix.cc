@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/statics/far_nodes.h>
-#include <tombolo/state/dependent_nodes.h>
 
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
@@ -16,7 +15,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <set>
 
 namespace tombolo
 {
@@ -46,7 +44,7 @@ namespace tombolo
     rounded_forces.reinit(problem.model.state.partition(), Quantity::scalars);
     NodalVector none;
     none.reinit(problem.model.state.partition(), Quantity::scalar);
-    dependent = constraints_of_dependent_nodes(none);
+    dependent = DependentRows(none);
     find_far_constraints({});
     make_pattern({});
   }
@@ -67,7 +65,7 @@ namespace tombolo
     const auto add_nodes = [&]
     {
       columns.clear();
-      for (const types::global_dof_index node : independent(cell_nodes))
+      for (const types::global_dof_index node : dependent.independent(cell_nodes))
         for (unsigned int d = 0; d < dim; ++d)
           columns.push_back(node * dim + d);
       for (const types::global_dof_index row : columns)
@@ -106,52 +104,7 @@ namespace tombolo
   }
 
   template <int dim>
-  typename TangentMatrix<dim>::Weights
-  TangentMatrix<dim>::weights_of(const types::global_dof_index node) const
-  {
-    return dependent.is_constrained(node) ? *dependent.get_constraint_entries(node)
-                                          : Weights(1, {node, 1.});
-  }
-
-  template <int dim>
-  typename TangentMatrix<dim>::GlobalNodes
-  TangentMatrix<dim>::independent(const GlobalNodes &nodes) const
-  {
-    if (std::none_of(nodes.begin(), nodes.end(),
-                     [this](const auto node) { return dependent.is_constrained(node); }))
-      return nodes;
-    std::set<types::global_dof_index> result;
-    for (const types::global_dof_index node : nodes)
-      for (const auto &weight : weights_of(node))
-        result.insert(weight.first);
-    return GlobalNodes(result.begin(), result.end());
-  }
-
-  template <int dim>
-  std::vector<double> TangentMatrix<dim>::condensed(const GlobalNodes &nodes,
-                                                    const GlobalNodes &independent_nodes,
-                                                    const std::vector<double> &entries) const
-  {
-    const std::size_t n = nodes.size() * dim, n_independent = independent_nodes.size() * dim;
-    std::vector<std::vector<std::pair<std::size_t, double>>> weights(nodes.size());
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      for (const auto &[node, weight] : weights_of(nodes[k]))
-        weights[k].emplace_back(
-            std::lower_bound(independent_nodes.begin(), independent_nodes.end(), node) -
-                independent_nodes.begin(),
-            weight);
-    std::vector<double> result(n_independent * n_independent, 0.);
-    for (std::size_t row = 0; row < n; ++row)
-      for (const auto &[at_row, of_row] : weights[row / dim])
-        for (std::size_t column = 0; column < n; ++column)
-          for (const auto &[at_column, of_column] : weights[column / dim])
-            result[(at_row * dim + row % dim) * n_independent + at_column * dim + column % dim] +=
-                of_row * of_column * entries[row * n + column];
-    return result;
-  }
-
-  template <int dim>
-  void TangentMatrix<dim>::add_equations(const GlobalNodes &nodes,
+  void TangentMatrix<dim>::add_equations(const DependentRows::Nodes &nodes,
                                          const std::vector<double> &entries)
   {
     const auto n_rows = static_cast<unsigned int>(nodes.size()) * dim;
@@ -210,14 +163,15 @@ namespace tombolo
       absolute_row_sums.node(node)[row % dim] += sum;
       rounded_forces.node(node)[row % dim] += rounded;
     }
-    GlobalNodes nodes;
+    DependentRows::Nodes nodes;
     for (const unsigned int node : equations.nodes)
       nodes.push_back(partition.global_index(node));
-    const GlobalNodes independent_nodes = independent(nodes);
+    const DependentRows::Nodes independent_nodes = dependent.independent(nodes);
     if (independent_nodes == nodes)
       add_equations(nodes, equations.matrix);
     else
-      add_equations(independent_nodes, condensed(nodes, independent_nodes, equations.matrix));
+      add_equations(independent_nodes,
+                    dependent.condensed(nodes, independent_nodes, equations.matrix, dim));
   }
 
   template <int dim>
@@ -225,12 +179,12 @@ namespace tombolo
   TangentMatrix<dim>::find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts)
   {
     const NodePartition &partition = *problem.model.state.partition();
-    GlobalNodes nodes = nodes_of_contacts(of_contacts);
-    if (dependent.n_constraints() > 0)
+    DependentRows::Nodes nodes = nodes_of_contacts(of_contacts);
+    if (!dependent.is_empty())
     {
       for (unsigned int i = 0; i < partition.n_owned() + partition.n_ghosts(); ++i)
         nodes.push_back(partition.global_index(i));
-      nodes = independent(nodes);
+      nodes = dependent.independent(nodes);
     }
     far_constraints =
         values_of_far_nodes<unsigned int>(nodes, partition,
@@ -261,7 +215,7 @@ namespace tombolo
     std::vector<double> of_free, of_prescribed;
     typename ContactStiffness<dim>::Entries entries;
     for (const auto &entry : stiffness.entries)
-      for (const auto &[node, weight] : weights_of(entry.node))
+      for (const auto &[node, weight] : dependent.weights(entry.node))
         entries.push_back(
             {node, weight * entry.normal, weight * entry.weight, weight * entry.shift});
     for (const auto &at_row : entries)

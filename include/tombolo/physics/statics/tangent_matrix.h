@@ -3,9 +3,9 @@
 
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/physics/statics/static_problem.h>
+#include <tombolo/state/dependent_nodes.h>
 
 #include <deal.II/base/index_set.h>
-#include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/la_parallel_vector.h>
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/trilinos_precondition.h>
@@ -88,17 +88,8 @@ namespace tombolo
     void make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts);
     void add_cell(const CellEquations &equations);
     void add_contact(const ContactStiffness<dim> &stiffness);
-    using GlobalNodes = std::vector<dealii::types::global_dof_index>;
     /** Adds dim rows and columns a node, by rows of @p entries. */
-    void add_equations(const GlobalNodes &nodes, const std::vector<double> &entries);
-    /** @p nodes with those on which they depend in place of dependent ones, each once. */
-    GlobalNodes independent(const GlobalNodes &nodes) const;
-    /** Entries of @p nodes as those of independent() ones: TᵀKT. */
-    std::vector<double> condensed(const GlobalNodes &nodes, const GlobalNodes &independent_nodes,
-                                  const std::vector<double> &entries) const;
-    /** Each node as a sum of independent ones. */
-    using Weights = std::vector<std::pair<dealii::types::global_dof_index, double>>;
-    Weights weights_of(dealii::types::global_dof_index node) const;
+    void add_equations(const DependentRows::Nodes &nodes, const std::vector<double> &entries);
     /** Sets the scale of forces of the problem and what rounding does to them. Collective. */
     void find_scales();
     /** Asks other ranks which components of nodes of contacts, and of those on which others depend,
