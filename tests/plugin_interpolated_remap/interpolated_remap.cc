@@ -27,10 +27,7 @@ namespace tombolo
     template <int dim>
     Tensor<2, dim> shape_of(const RemapCell<dim> &cell)
     {
-      Point<dim> middle;
-      for (unsigned int d = 0; d < dim; ++d)
-        middle[d] = 0.5;
-      const Tensor<2, dim> jacobian = PointOfCell<dim>(middle, cell.before).jacobian;
+      const Tensor<2, dim> jacobian = PointOfCell<dim>(cell.before).jacobian;
       return jacobian * transpose(jacobian);
     }
 

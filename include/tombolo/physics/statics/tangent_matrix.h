@@ -104,7 +104,7 @@ namespace tombolo
     StaticProblem<dim> &problem;
     Solver solver;
     dealii::IndexSet owned_rows;
-    dealii::AffineConstraints<double> dependent;     ///< nodes, of all ranks
+    DependentRows dependent;
     dealii::TrilinosWrappers::SparseMatrix matrix;   ///< with rows and columns of free components
     dealii::TrilinosWrappers::SparseMatrix coupling; ///< rows free, columns prescribed
     dealii::TrilinosWrappers::PreconditionAMG multigrid;
