@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frozen_body.h"
 
-#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <gtest/gtest.h>
 

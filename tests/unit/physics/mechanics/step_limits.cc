@@ -3,6 +3,8 @@
 // stable_step.cc.
 #include "frozen_blocks.h"
 
+#include <tombolo/physics/mechanics/courant_limit.h>
+
 #include <gtest/gtest.h>
 
 using namespace tombolo;
