@@ -421,10 +421,7 @@ namespace tombolo
         text << "set Formulation = momentum consistent particle\n"
              << "subsection momentum consistent particle\nset Dilation = " << dilation
              << "\nset Smoothing = "
-             << smoothing
-             // Inside a lattice they are consistent; what ends of a strip would change does not
-             // belong to the interface.
-             << "\nset Gradient = automatic\nset Shape functions = " << shape_functions << "\n";
+             << smoothing << "\nset Shape functions = " << shape_functions << "\n";
         if (!kernel.empty())
           text << "set Kernel = " << kernel << "\n";
         text << "end\n";
