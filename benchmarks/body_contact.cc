@@ -126,7 +126,7 @@ namespace tombolo
       {
         // Of this process alone: others may run beside it.
         const std::clock_t start = std::clock();
-        bodies.contacts->add_forces(*bodies.model, bodies.clock, bodies.force);
+        bodies.contacts->act(*bodies.model, bodies.clock, bodies.force);
         return double(std::clock() - start) / CLOCKS_PER_SEC;
       };
       std::vector<double> of_steps, of_searches;

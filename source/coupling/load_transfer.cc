@@ -168,6 +168,12 @@ namespace tombolo
         store_node(load_node(force.node(node)) + load_node(loads.node(node)), force.node(node));
       return;
     }
+    add_force_of_loads(nodes, loads, force);
+  }
+
+  void LoadTransfer::add_force_of_loads(const std::vector<unsigned int> &nodes,
+                                        const NodalVector &loads, NodalVector &force)
+  {
     if (position_in_own.empty())
       find_positions_in_lists();
     for (const unsigned int node : nodes)

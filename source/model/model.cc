@@ -267,7 +267,10 @@ namespace tombolo
   void Model<dim>::notify_processes()
   {
     for (const auto &process : processes)
+    {
+      process->actions.set_partition(partition);
       process->model_changed(*this);
+    }
   }
 
   template <int dim>
@@ -326,7 +329,10 @@ namespace tombolo
   {
     bridge->smooth_velocity(state);
     for (const auto &process : processes)
+    {
       process->prepare_change(*this);
+      process->actions.begin_change(state.velocity);
+    }
   }
 
   template <int dim>

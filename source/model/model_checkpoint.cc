@@ -149,7 +149,10 @@ namespace tombolo
       refuse_other_mesh(built, model, archive);
     model.impulses.serialize(archive);
     for (const auto &process : model.processes)
+    {
       process->serialize(model, archive);
+      process->actions.serialize(archive);
+    }
   }
 
   template <int dim>

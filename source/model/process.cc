@@ -2,6 +2,7 @@
 #include <tombolo/model/process.h>
 
 #include <tombolo/base/input/section_names.h>
+#include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 
 #include <algorithm>
@@ -9,6 +10,36 @@
 namespace tombolo
 {
   using namespace dealii;
+
+  template <int dim>
+  void Process<dim>::act(Model<dim> &model, const Clock &clock, NodalVector &force)
+  {
+    actions.begin();
+    add_forces(model, clock, force);
+    actions.collect(*model.bridge, force);
+  }
+
+  template <int dim>
+  void Process<dim>::constrain(Model<dim> &model, const Clock &clock)
+  {
+    actions.begin_late();
+    constrain_acceleration(model, clock);
+    actions.collect_late(*model.bridge, model.conditions->constrained_components(), model.state);
+  }
+
+  template <int dim>
+  void Process<dim>::complete_step(Model<dim> &model, const Clock &clock)
+  {
+    after_acceleration(model, clock);
+    actions.complete_step(model.state, clock, model.impulses);
+  }
+
+  template <int dim>
+  void Process<dim>::add_energies(EnergyAccounts &accounts) const
+  {
+    account(accounts);
+    actions.account(accounts);
+  }
 
   template <int dim>
   ProcessKinds<dim> &ProcessKinds<dim>::instance()
@@ -81,6 +112,8 @@ namespace tombolo
     };
   } // namespace
 
+  template class Process<2>;
+  template class Process<3>;
   template class ProcessKinds<2>;
   template class ProcessKinds<3>;
 

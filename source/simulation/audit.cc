@@ -269,7 +269,7 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
         bytes += part.formulation->memory_consumption();
       for (const auto &process : model.processes)
-        bytes += process->memory_consumption();
+        bytes += process->memory_consumption() + process->actions.memory_consumption();
       const auto bytes_of_ranks =
           Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
       text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes, points and tools ("

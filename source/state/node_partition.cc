@@ -33,6 +33,9 @@ namespace tombolo
         std::make_shared<const Utilities::MPI::Partitioner>(owned, only_ghosts, communicator);
     vector_partitioner = std::make_shared<const Utilities::MPI::Partitioner>(
         slots_of(owned), slots_of(only_ghosts), communicator);
+    for (const auto &[begin, end] : scalar_partitioner->import_indices())
+      for (unsigned int node = begin; node < end; ++node)
+        receivers.push_back(node);
   }
 
   NodePartition::NodePartition(const IndexSet &owned, const IndexSet &ghosts, MPI_Comm communicator,
@@ -47,7 +50,11 @@ namespace tombolo
     std::sort(image_nodes.begin(), image_nodes.end());
     image_nodes.erase(std::unique(image_nodes.begin(), image_nodes.end()), image_nodes.end());
     for (const MirrorNode &image : image_nodes)
+    {
       reflected_images.push_back({local_index(image.source), planes->reflection(image.planes)});
+      if (reflected_images.back().source < n_owned())
+        receivers.push_back(reflected_images.back().source);
+    }
     for (unsigned int p = 0; p < planes->planes.size(); ++p)
       for (const types::global_dof_index node : planes->nodes_on_plane[p])
         reflected_onto_themselves.push_back({local_index(node), planes->reflection(1u << p)});
@@ -117,6 +124,11 @@ namespace tombolo
   const std::vector<NodePartition::Reflected> &NodePartition::nodes_on_planes() const
   {
     return reflected_onto_themselves;
+  }
+
+  const std::vector<unsigned int> &NodePartition::receiving_nodes() const
+  {
+    return receivers;
   }
 
   unsigned int NodePartition::n_owned() const

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Builds the heat source with an installed Tombolo, runs it and checks what it gave.
+"""Builds the heat source and the spring with an installed Tombolo, runs them and checks them.
 
 usage: check.py PREFIX SOURCE DIRECTORY MPIEXEC CMAKE
 """
@@ -30,7 +30,8 @@ def main():
 
     def run(name, file, *settings, ranks=1, options=(), succeeds=True):
         command = [f"{prefix}/bin/tombolo", "--overwrite", *options, "--set",
-                   f"Plugin libraries = {build}/libmoving_heat_source.so", "--set",
+                   f"Plugin libraries = {build}/libmoving_heat_source.so, {build}/libpoint_spring.so",
+                   "--set",
                    f"Output directory = {directory}/{name}"]
         for setting in settings:
             command += ["--set", setting]
@@ -92,6 +93,44 @@ def main():
     last = rows_of(f"{directory}/at_rest")[-1]
     expect(near(last["heat of torch"], given_in_all, given_in_all) and last["thermal work"] != 0,
            "a body at rest is not heated")
+
+    springs = ("between", "above", "inside")
+    for smoothing in ("paper", "affine"):
+        particles = "Part: particles/momentum consistent particle"
+        tables = []
+        for ranks in (1, 2):
+            name = f"spring_{smoothing}_{ranks}"
+            run(name, "spring.prm", f"{particles}/Smoothing = {smoothing}", ranks=ranks)
+            tables.append(rows_of(f"{directory}/{name}"))
+            expect(len(tables[-1]) == 6, f"{name} has {len(tables[-1])} rows, not 6")
+            for row in tables[-1]:
+                for column, most in (("energy error", 1e-5), ("momentum drift", 1e-12)):
+                    expect(abs(row[column]) <= most, f"{name}: {column} is {row[column]}")
+            last = tables[-1][-1]
+            for spring in springs:
+                expect(last[f"work of {spring}"] != 0, f"{name}: spring {spring} does no work")
+            works = sum(last[f"work of {spring}"] for spring in springs)
+            expect(near(last["external work"], 0, 1) and works > 1e-3,
+                   f"{name}: {works} is the work of all springs")
+        for one, two in zip(*tables):
+            for column, value in one.items():
+                scale = max(abs(row[column]) for row in tables[0])
+                if not any(word in column for word in CANCELLING):
+                    expect(abs(two[column] - value) <= 1e-9 * scale,
+                           f"{smoothing}: {column} is {value} on one rank, {two[column]} on two")
+        checkpoints = sorted(Path(f"{directory}/spring_{smoothing}_1/checkpoint").glob("step_*.h5"))
+        expect(len(checkpoints) > 1, f"springs: {len(checkpoints)} checkpoints")
+        run("spring_resumed", "spring.prm", f"{particles}/Smoothing = {smoothing}",
+            options=[f"--resume={checkpoints[len(checkpoints) // 2]}"])
+        expect(Path(f"{directory}/spring_resumed/statistics.csv").read_bytes() ==
+               Path(f"{directory}/spring_{smoothing}_1/statistics.csv").read_bytes(),
+               f"{smoothing}: the resumed run with springs is another one")
+    run("spring_at_rest", "spring.prm", "Time integration = quasi-static", "Conditions = hold",
+        "Condition: hold/Type = clamp", "Condition: hold/Boundary = x min", "Mesh/Refine where =")
+    for row in rows_of(f"{directory}/spring_at_rest"):
+        expect(abs(row["energy error"]) <= 1e-3,
+               f"springs on a body at rest: energy error {row['energy error']}")
+    expect(row["work of above"] > 0, "a spring does no work on a body at rest")
 
     torch = "Process: torch/moving heat source"
     for ranks, settings, words, file in (

@@ -46,6 +46,10 @@ namespace tombolo
     void add_force_at_positions(const std::vector<unsigned int> &nodes, const NodalVector &loads,
                                 NodalVector &force);
 
+    /** The same of loads, which act at the field wherever the positions of nodes are. */
+    void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
+                            NodalVector &force);
+
     /** Φ @p field at these owned nodes, the transpose of add_force_at_positions(); elsewhere @p
      * result stays. Ghosts of @p field must be current. */
     void interpolate(const std::vector<unsigned int> &nodes, const NodalVector &field,

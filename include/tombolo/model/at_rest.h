@@ -8,9 +8,9 @@ namespace tombolo
 
   /**
    * What a process is as well that knows bodies at rest (`Time integration`). Their steps ask
-   * processes for forces at trial positions (add_forces(), before and after those of parts), and
-   * for works and impulses (after_acceleration()) where the equilibrium is found; nothing else of a
-   * step is called. Other processes are refused there.
+   * processes for forces at trial positions (Process::act(), before and after those of parts), and
+   * for works and impulses (Process::complete_step()) where the equilibrium is found; nothing else
+   * of a step is called. Other processes are refused there.
    */
   class AtRest
   {

@@ -5,6 +5,7 @@
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
+#include <tombolo/model/actions.h>
 #include <tombolo/model/model_change.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -86,8 +87,9 @@ namespace tombolo
     virtual void before_part_force(std::size_t /*part*/, const NodalVector & /*force*/) {}
     virtual void after_part_force(std::size_t /*part*/, const NodalVector & /*force*/) {}
 
-    /** Adds forces at t_n to the nodal force of owned nodes [M L/T^2]. */
-    virtual void add_forces(Model<dim> &, const Clock &, NodalVector & /*force*/) {}
+    /** Gives its actions their forces at t_n. @p force has the nodal forces of the parts and of the
+     * processes before this one, at owned nodes [M L/T^2]. */
+    virtual void add_forces(Model<dim> &, const Clock &, const NodalVector & /*force*/) {}
 
     /** Adds @p factor C @p velocity to the nodal force of owned nodes, where the process adds the
      * viscous force -C v: for the stable step. Ghosts of @p velocity are current. */
@@ -102,11 +104,12 @@ namespace tombolo
       return {};
     }
 
-    /** Prescribes components of the acceleration of owned nodes at t_n; the size of the coming step
-     * is known now. */
+    /** Prescribes components of the acceleration of owned nodes at t_n, or gives forces to actions
+     * that follow it; the size of the coming step is known now. */
     virtual void constrain_acceleration(Model<dim> &, const Clock &) {}
 
-    /** Works and impulses of the step: the acceleration at t_n is complete, with its ghosts. */
+    /** Works and impulses of the step, beside those of its actions: the acceleration at t_n is
+     * complete, with its ghosts. */
     virtual void after_acceleration(Model<dim> &, const Clock &) {}
 
     /** Positions are those of t_{n+1}, velocities those of t_{n+1/2}. */
@@ -132,7 +135,7 @@ namespace tombolo
     /** Adds what add_heat() would give to owned nodes now, so that others see how hot they are. */
     virtual void add_pending_heat(NodalVector & /*heat*/) const {}
 
-    /** Adds this rank's shares of its energies and impulses. */
+    /** Adds this rank's shares of its energies and impulses, beside those of its actions. */
     virtual void account(EnergyAccounts &) const {}
 
     /** Adds this rank's shares of heat: external what add_heat() has given since the start and what
@@ -180,8 +183,24 @@ namespace tombolo
     /** The state of the parts was read, that of the nodes was not. */
     virtual void parts_were_read(Model<dim> &) {}
 
-    /** Writes to a checkpoint, or reads from it, what is kept from step to step. */
+    /** Writes to a checkpoint, or reads from it, what is kept from step to step, beside what its
+     * actions keep. */
     virtual void serialize(Model<dim> &, StateArchive &) {}
+
+    /** Its forces, made in its constructor or in initialize(). */
+    Actions actions;
+
+    /** What steps call: add_forces(), and @p force with what it has given. */
+    void act(Model<dim> &model, const Clock &clock, NodalVector &force);
+
+    /** constrain_acceleration(), and the actions that follow the acceleration. */
+    void constrain(Model<dim> &model, const Clock &clock);
+
+    /** after_acceleration(), and works and impulses of the actions. */
+    void complete_step(Model<dim> &model, const Clock &clock);
+
+    /** account(), and the works of the actions. */
+    void add_energies(EnergyAccounts &accounts) const;
   };
 
   /**

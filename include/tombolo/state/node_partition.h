@@ -110,6 +110,10 @@ namespace tombolo
     /** Owned nodes on planes, once for each plane. */
     const std::vector<Reflected> &nodes_on_planes() const;
 
+    /** Owned nodes that can receive something in NodalVector::add_to_owners(): ghosts of other
+     * ranks, and sources of images. In any order, some repeatedly. */
+    const std::vector<unsigned int> &receiving_nodes() const;
+
     const dealii::IndexSet &owned() const;
     const dealii::IndexSet &ghosts() const;
     MPI_Comm communicator() const;
@@ -129,6 +133,7 @@ namespace tombolo
     std::shared_ptr<const Symmetry> planes;
     std::vector<MirrorNode> image_nodes; // ascending
     std::vector<Reflected> reflected_images, reflected_onto_themselves;
+    std::vector<unsigned int> receivers;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> scalar_partitioner;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> vector_partitioner;
     std::shared_ptr<ExchangeCost> cost = std::make_shared<ExchangeCost>();

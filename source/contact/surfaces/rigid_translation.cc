@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/base/step_impulse.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 #include <tombolo/contact/read_vector.h>
@@ -178,10 +179,8 @@ namespace tombolo
     const double step = clock.velocity_step();
     const bool is_start = clock.step == 0;
     const Tensor<1, dim> impulse = given_impulse(clock);
-    // K_n - K_{n-1} = ½ v_{n-1/2} · (Δt_n F_n + Δt_{n-1} F_{n-1}), as the ledger has it for bodies
-    if (!is_start)
-      free->work_of_force += 0.5 * free->velocity * (impulse + free->previous_impulse);
-    free->previous_impulse = (is_start ? 2. : 1.) * impulse;
+    free->work_of_force +=
+        free->velocity * impulse_of_step(impulse, free->previous_impulse, is_start);
     free->next_velocity =
         free->velocity + free->free_directions * (impulse + step * reaction) / free->mass;
     free->kinetic_energy =

@@ -15,27 +15,26 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  Damping<dim>::Damping(LimitedFunction<dim> rate) : rate(std::move(rate))
-  {}
+  Damping<dim>::Damping(LimitedFunction<dim> rate)
+      : rate(std::move(rate)), damping(this->actions.add("damping", ActsAt::nodes))
+  {
+    damping.books("mass damping", EnergyKind::dissipated)
+        .comes_from_outside()
+        .follows_acceleration()
+        .stays_on_rank();
+  }
 
   template <int dim>
   void Damping<dim>::model_changed(Model<dim> &model)
   {
-    force.resize(model.state.partition()->n_owned());
     is_rigid.clear();
     for (unsigned int part = 0; part < model.parts.size(); ++part)
       if (rigid_cells(model.parts[part]) != nullptr)
       {
-        is_rigid.resize(force.size());
+        is_rigid.resize(model.state.partition()->n_owned());
         for (const unsigned int node : owned_nodes_of_part(model, part))
           is_rigid[node] = true;
       }
-  }
-
-  template <int dim>
-  void Damping<dim>::prepare_change(Model<dim> &model)
-  {
-    work.prepare_change(model.state.velocity);
   }
 
   template <int dim>
@@ -44,10 +43,10 @@ namespace tombolo
     const double alpha = rate.value(Point<dim>(), clock.time);
     const double step = clock.velocity_step();
     const auto &constrained = model.conditions->constrained_components();
-    NodalState &state = model.state;
-    for (unsigned int i = 0; i < force.size(); ++i)
+    const NodalState &state = model.state;
+    NodalVector &force = damping.at_all_nodes();
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
-      force[i] = {};
       if (!(*model.bridge->mass().node(i) > 0.)) // all its cells were removed
         continue;
       const double *const mass = model.bridge->nodal_mass().node(i);
@@ -55,50 +54,16 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
       {
         const double velocity = state.velocity.node(i)[d];
-        double &acceleration = state.acceleration.node(i)[d];
+        const double acceleration = state.acceleration.node(i)[d];
         if (moves_with_others || (!constrained.empty() && ((constrained[i] >> d) & 1u)))
-          force[i][d] = -alpha * mass[d] * velocity;
+          force.node(i)[d] = -alpha * mass[d] * velocity;
         else
         {
           const double damped = (acceleration - alpha * velocity) / (1. + 0.5 * alpha * step);
-          force[i][d] = mass[d] * (damped - acceleration);
-          acceleration = damped;
+          force.node(i)[d] = mass[d] * (damped - acceleration);
         }
-        state.force.node(i)[d] += force[i][d];
       }
     }
-  }
-
-  template <int dim>
-  void Damping<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
-  {
-    work.complete_step(force, model.state.velocity, clock);
-    for (unsigned int i = 0; i < force.size(); ++i)
-    {
-      Vector impulse{};
-      for (unsigned int d = 0; d < dim; ++d)
-        impulse[d] = clock.velocity_step() * force[i][d];
-      model.impulses.add(model.state.position.node(i), impulse);
-    }
-  }
-
-  template <int dim>
-  void Damping<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("mass damping", EnergyKind::dissipated, work.sum());
-  }
-
-  template <int dim>
-  std::size_t Damping<dim>::memory_consumption() const
-  {
-    return force.capacity() * sizeof(Vector) + work.memory_consumption() + is_rigid.capacity() / 8;
-  }
-
-  template <int dim>
-  void Damping<dim>::serialize(Model<dim> &model, StateArchive &archive)
-  {
-    const auto group = archive.group("damping");
-    work.serialize(archive, model.state.partition()->n_owned());
   }
 
   namespace

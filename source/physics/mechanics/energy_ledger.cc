@@ -135,7 +135,7 @@ namespace tombolo
     energies.add("external work", EnergyKind::external, 0.);
     model.impulses.account(energies);
     for (const auto &process : model.processes)
-      process->account(energies);
+      process->add_energies(energies);
     energies.sum_over_ranks(model.communicator);
 
     result.smoothed_kinetic = momenta.smoothed_kinetic;

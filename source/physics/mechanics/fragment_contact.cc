@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/fragment_contact.h>
 
-#include <tombolo/base/simd/vectorization.h>
-#include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/statics/rest_entries.h>
@@ -55,8 +53,11 @@ namespace tombolo
 
   template <int dim>
   FragmentContact<dim>::FragmentContact(const Model<dim> &model)
-      : model(model), revision_of_cells(model.revisions.cells), rubs(has_friction(model))
+      : model(model), revision_of_cells(model.revisions.cells), rubs(has_friction(model)),
+        forces(this->actions.add("contact of fragments", ActsAt::positions))
   {
+    if (!rubs)
+      forces.stays_on_rank();
     if (heats())
       pending_heat.reinit(model.state.partition(), Quantity::scalar);
   }
@@ -69,44 +70,27 @@ namespace tombolo
   }
 
   template <int dim>
-  void FragmentContact<dim>::add_forces(Model<dim> &, const Clock &clock, NodalVector &force)
+  void FragmentContact<dim>::add_forces(Model<dim> &, const Clock &clock, const NodalVector &)
   {
-    const auto &partition = model.state.partition();
-    for (NodalVector *vector : {&loads, &nodal_force})
-      if (vector->partition() != partition)
-        vector->reinit(partition);
     const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
     FragmentHeat heat;
     if (heats())
     {
-      other_heat.reinit(partition, Quantity::scalar);
+      other_heat.reinit(model.state.partition(), Quantity::scalar);
       for (const auto &process : model.processes)
         if (process.get() != this)
           process->add_pending_heat(other_heat);
       heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, &pending_heat,
               &other_heat};
     }
+    NodalVector &loads = rubs ? forces.at_all_nodes() : forces.at_touched_nodes();
     for (ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       if (revision_of_cells != model.revisions.cells)
         particles->forget_fragments();
-      particles->add_self_contact(input, model.element_mass, loads, loaded_nodes, heat);
-    }
-    if (rubs)
-    {
-      loads.add_to_owners();
-      for (unsigned int node = 0; node < partition->n_owned(); ++node)
-        if (std::any_of(loads.node(node), loads.node(node) + dim,
-                        [](const double component) { return component != 0.; }))
-          loaded_nodes.push_back(node);
+      particles->add_self_contact(input, model.element_mass, loads, forces.touched_nodes(), heat);
     }
     revision_of_cells = model.revisions.cells;
-    nodal_force.set_zero();
-    spread_loads(*model.bridge, loaded_nodes, loads, nodal_force);
-    loaded_nodes.clear();
-    nodal_force.add_to_owners();
-    for (unsigned int node = 0; node < partition->n_owned(); ++node)
-      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
   }
 
   template <int dim>

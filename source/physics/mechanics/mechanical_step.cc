@@ -26,8 +26,7 @@ namespace tombolo
     stopwatch.lap("smoothing");
     add_internal_force(clock); // (13), (5), (16), (19), (51)
     for (const auto &process : model.processes)
-      process->add_forces(model, clock, model.state.force);
-    model.state.force.condense();
+      process->act(model, clock, model.state.force);
     stopwatch.lap("loads");
     divide_by_mass(clock); // (20)
     failures.begin();
@@ -40,11 +39,11 @@ namespace tombolo
   {
     stopwatch.start();
     for (const auto &process : model.processes)
-      process->constrain_acceleration(model, clock);
+      process->constrain(model, clock);
     model.state.acceleration.distribute();
     model.impulses.begin_step();
     for (const auto &process : model.processes)
-      process->after_acceleration(model, clock);
+      process->complete_step(model, clock);
     stopwatch.lap("acceleration");
   }
 

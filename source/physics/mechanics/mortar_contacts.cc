@@ -2,10 +2,8 @@
 #include <tombolo/physics/mechanics/mortar_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/body_distance.h>
 #include <tombolo/contact/mortar_tangent.h>
-#include <tombolo/coupling/spread_loads.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -57,7 +55,8 @@ namespace tombolo
 
   template <int dim>
   MortarContacts<dim>::MortarContacts(const std::vector<Section> &sections, Model<dim> &model)
-      : has_heat(model.heat != nullptr), communicator(model.communicator)
+      : has_heat(model.heat != nullptr), communicator(model.communicator),
+        force(this->actions.add("contact between bodies", ActsAt::positions))
   {
     for (const Section &section : sections)
     {
@@ -82,8 +81,6 @@ namespace tombolo
         nodes.insert(nodes.end(), side->owned_nodes().begin(), side->owned_nodes().end());
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    loads.reinit(partition);
-    nodal_force.reinit(partition);
     const auto keep = [&](NodalVector &vector, const Quantity quantity)
     {
       if (vector.partition() == nullptr)
@@ -91,7 +88,6 @@ namespace tombolo
       else if (vector.partition() != partition)
         vector.move_to(partition);
     };
-    keep(present_force, Quantity::vector);
     if (last_position.partition() == nullptr)
     {
       last_position.reinit(partition, Quantity::position);
@@ -106,17 +102,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
+  void MortarContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
   {
     NodalHeat nodal_heat;
     if (has_heat)
       nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
                     &pending_heat, nullptr};
     for (const auto &contact : members)
-      contact->add_forces(model.state, last_position, clock, nodal_heat, loads,
+      contact->add_forces(model.state, last_position, clock, nodal_heat, force.at_touched_nodes(),
                           has_heat ? &new_heat : nullptr);
+    force.touched_nodes() = nodes;
     last_position.copy_from(model.state.position);
-    loads.add_to_owners();
     if (has_heat)
     {
       new_heat.add_to_owners();
@@ -126,19 +122,6 @@ namespace tombolo
         *new_heat.node(node) = 0.;
       }
     }
-    std::vector<unsigned int> loaded;
-    for (const unsigned int node : nodes)
-    {
-      const NodeLanes load = load_node(loads.node(node));
-      store_node(load, present_force.node(node));
-      if (load[0] != 0. || load[1] != 0. || load[2] != 0.)
-        loaded.push_back(node);
-    }
-    nodal_force.set_zero();
-    spread_loads(*model.bridge, loaded, loads, nodal_force);
-    nodal_force.add_to_owners();
-    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
-      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
   }
 
   template <int dim>
@@ -223,7 +206,7 @@ namespace tombolo
   {
     for (const auto &contact : members)
       view.body_contacts.push_back(contact.get());
-    view.body_contact_force = &present_force;
+    view.body_contact_force = &force.given();
   }
 
   template <int dim>
@@ -233,7 +216,7 @@ namespace tombolo
       contact->serialize(archive);
     const auto group = archive.group("contact between bodies");
     archive.nodal("last position", dim, last_position);
-    archive.nodal("force", dim, present_force);
+    archive.nodal("force", dim, force.at_all_nodes());
     if (has_heat)
       archive.nodal("pending heat", 1, pending_heat);
   }

@@ -35,21 +35,21 @@ namespace tombolo
   PairForces<dim>::PairForces(const Model<dim> &model, const bool limits_step_itself)
       : model(model), limits_step_itself(limits_step_itself), power(model.particle_parts().size())
   {
+    const auto add = [&](const std::string &name)
+    { return &this->actions.add(name, ActsAt::nodes).books(name, EnergyKind::artificial); };
+    bool has_viscosity = false, has_stress = false;
     for_parts_with_pairs(model,
                          [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
                          {
                            has_viscosity = has_viscosity || pairs.pair_terms().has_viscosity();
                            has_stress = has_stress || pairs.pair_terms().has_artificial_stress();
                          });
+    if (has_viscosity)
+      viscosity = add("pair viscosity");
+    if (has_stress)
+      stress = add("artificial stress");
     if (heats())
       pending_heat.reinit(model.state.partition(), Quantity::scalar);
-  }
-
-  template <int dim>
-  void PairForces<dim>::prepare_change(Model<dim> &)
-  {
-    of_viscosity.close(model.state.velocity);
-    of_stress.close(model.state.velocity);
   }
 
   template <int dim>
@@ -60,12 +60,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairForces<dim>::add_forces(Model<dim> &, const Clock &, NodalVector &force)
+  void PairForces<dim>::add_forces(Model<dim> &, const Clock &, const NodalVector &)
   {
     const NodalState &state = model.state;
-    if (has_viscosity)
+    if (viscosity != nullptr)
     {
-      of_viscosity.begin(state.partition());
+      double *const force = viscosity->at_all_nodes().data();
       rate = 0;
       for_parts_with_pairs(
           model,
@@ -76,34 +76,32 @@ namespace tombolo
               return;
             const PairRows rows = pairs.pair_rows();
             pairs.pair_terms().add_viscous_force(rows, state.position.data(), state.velocity.data(),
-                                                 of_viscosity.data(), power[number].data());
+                                                 force, power[number].data());
             if (limits_step_itself)
               rate = std::max(rate, pairs.pair_terms().viscous_rate(rows, state.position.data(),
                                                                     state.velocity.data()));
           });
-      of_viscosity.add_to(force);
       if (limits_step_itself)
         rate = Utilities::MPI::max(rate, model.communicator);
     }
-    if (!has_stress)
+    if (stress == nullptr)
       return;
-    of_stress.begin(state.partition());
+    double *const force = stress->at_all_nodes().data();
     for_parts_with_pairs(
         model,
         [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t)
         {
           if (pairs.pair_terms().has_artificial_stress())
             pairs.pair_terms().add_artificial_stress(pairs.pair_rows(), particles.points(),
-                                                     state.position.data(), of_stress.data());
+                                                     state.position.data(), force);
         });
-    of_stress.add_to(force);
   }
 
   template <int dim>
   void PairForces<dim>::apply_viscosity(const Model<dim> &, const NodalVector &velocity,
                                         const double factor, NodalVector &force)
   {
-    if (!has_viscosity)
+    if (viscosity == nullptr)
       return;
     const NodalState &state = model.state;
     if (applied.partition() != state.partition())
@@ -126,11 +124,6 @@ namespace tombolo
   template <int dim>
   void PairForces<dim>::after_acceleration(Model<dim> &, const Clock &clock)
   {
-    if (has_stress)
-      of_stress.accumulate(model.state.velocity, clock);
-    if (!has_viscosity)
-      return;
-    of_viscosity.accumulate(model.state.velocity, clock);
     if (!heats())
       return;
     for_parts_with_pairs(
@@ -160,7 +153,7 @@ namespace tombolo
   template <int dim>
   bool PairForces<dim>::heats() const
   {
-    return has_viscosity && model.heat != nullptr;
+    return viscosity != nullptr && model.heat != nullptr;
   }
 
   template <int dim>
@@ -179,15 +172,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairForces<dim>::account(EnergyAccounts &accounts) const
-  {
-    if (has_viscosity)
-      accounts.add("pair viscosity", EnergyKind::artificial, of_viscosity.taken());
-    if (has_stress)
-      accounts.add("artificial stress", EnergyKind::artificial, of_stress.taken());
-  }
-
-  template <int dim>
   void PairForces<dim>::account_heat(EnergyAccounts &accounts) const
   {
     if (!heats())
@@ -202,13 +186,13 @@ namespace tombolo
   template <int dim>
   std::string PairForces<dim>::warning() const
   {
-    if (!has_viscosity || !(model.inertia_factor > 1.))
+    if (viscosity == nullptr || !(model.inertia_factor > 1.))
       return {};
     double plastic = 0;
     for (const Part<dim> &part : model.parts)
       plastic += part.formulation->energies()["plastic dissipation"];
     plastic = ordered_sum(plastic, model.communicator);
-    const double viscous = ordered_sum(of_viscosity.taken(), model.communicator);
+    const double viscous = ordered_sum(-viscosity->work(), model.communicator);
     constexpr double tolerable = 0.05;
     if (plastic == 0. || !(viscous > tolerable * plastic))
       return {};
@@ -224,8 +208,7 @@ namespace tombolo
   template <int dim>
   std::size_t PairForces<dim>::memory_consumption() const
   {
-    std::size_t bytes = of_viscosity.memory_consumption() + of_stress.memory_consumption() +
-                        pending_heat.memory_consumption() + applied.memory_consumption();
+    std::size_t bytes = pending_heat.memory_consumption() + applied.memory_consumption();
     for (const std::vector<double> &of_part : power)
       bytes += of_part.capacity() * sizeof(double);
     return bytes;
@@ -234,14 +217,9 @@ namespace tombolo
   template <int dim>
   void PairForces<dim>::serialize(Model<dim> &, StateArchive &archive)
   {
-    const auto group = archive.group("pair forces");
-    const NodePartition &partition = *model.state.partition();
-    if (has_viscosity)
-      of_viscosity.serialize("viscosity", partition, archive);
-    if (has_stress)
-      of_stress.serialize("artificial stress", partition, archive);
     if (!heats())
       return;
+    const auto group = archive.group("pair forces");
     archive.nodal("pending heat", 1, pending_heat);
     archive.sums("heat given", {&heat_given});
   }

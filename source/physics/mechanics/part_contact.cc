@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/part_contact.h>
 
-#include <tombolo/base/simd/vectorization.h>
-#include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/state/state_archive.h>
@@ -32,7 +30,8 @@ namespace tombolo
 
   template <int dim>
   PartContact<dim>::PartContact(std::vector<PartLaw> of_parts, Model<dim> &model)
-      : laws(std::move(of_parts))
+      : laws(std::move(of_parts)),
+        forces(this->actions.add("contact between parts", ActsAt::positions).stays_on_rank())
   {
     for (PartLaw &law : laws)
     {
@@ -44,11 +43,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartContact<dim>::model_changed(Model<dim> &model)
+  void PartContact<dim>::model_changed(Model<dim> &)
   {
     is_current = false;
-    loads.reinit(model.state.partition());
-    nodal_force.reinit(model.state.partition());
   }
 
   template <int dim>
@@ -292,7 +289,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartContact<dim>::add_forces(Model<dim> &model, const Clock &, NodalVector &force)
+  void PartContact<dim>::add_forces(Model<dim> &model, const Clock &, const NodalVector &)
   {
     if (!is_current)
     {
@@ -311,20 +308,11 @@ namespace tombolo
       work += 0.5 * (particle.force + of_others) * (own.position - particle.position);
       particle.force = of_others;
       particle.position = own.position;
-      if (of_others.norm_square() == 0.)
-        continue;
-      for (unsigned int d = 0; d < dim; ++d)
-        loads.node(particle.node)[d] = of_others[d];
-      loaded_nodes.push_back(particle.node);
+      if (of_others.norm_square() != 0.)
+        forces.add_force(particle.node, of_others);
     }
     dissipated -= work + elastic - stored;
     stored = elastic;
-    nodal_force.set_zero();
-    spread_loads(*model.bridge, loaded_nodes, loads, nodal_force);
-    loaded_nodes.clear();
-    nodal_force.add_to_owners();
-    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
-      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/prescribed_motion.h>
 
+#include <tombolo/base/step_impulse.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output.h>
 
@@ -136,39 +137,31 @@ namespace tombolo
     const double velocity_step = clock.velocity_step();
     const bool is_start = clock.step == 0;
     supports.begin_step(clock.time - 0.5 * clock.previous_step);
-    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
-    // interval a force counts whole, like at any other.
-    const double as_previous = is_start ? 2. : 1.;
     if (previous_inertia.size() != nodes.size())
     {
       previous_inertia.assign(nodes.size(), {});
       previous_force.assign(nodes.size(), {});
     }
-    for_constrained(model,
-                    [&](const std::size_t k, const unsigned int d, const double velocity,
-                        const double inertial_velocity)
-                    {
-                      const unsigned int node = nodes[k];
-                      const double inertia = velocity_step *
-                                             model.bridge->nodal_mass().node(node)[d] *
-                                             state.acceleration.node(node)[d];
-                      const double force = velocity_step * state.force.node(node)[d];
-                      const unsigned int condition = condition_of(conditions, k, d);
-                      if (!is_start)
-                      {
-                        const double of_step =
-                            0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
-                                   velocity * (force + previous_force[k][d]));
-                        work += of_step;
-                        supports.add_work(condition, of_step);
-                      }
-                      previous_inertia[k][d] = as_previous * inertia;
-                      previous_force[k][d] = as_previous * force;
-                      Vector reaction{};
-                      reaction[d] = inertia - force;
-                      model.impulses.add(state.position.node(node), reaction);
-                      supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
-                    });
+    for_constrained(
+        model,
+        [&](const std::size_t k, const unsigned int d, const double velocity,
+            const double inertial_velocity)
+        {
+          const unsigned int node = nodes[k];
+          const double inertia = velocity_step * model.bridge->nodal_mass().node(node)[d] *
+                                 state.acceleration.node(node)[d];
+          const double force = velocity_step * state.force.node(node)[d];
+          const unsigned int condition = condition_of(conditions, k, d);
+          const double of_step =
+              inertial_velocity * impulse_of_step(inertia, previous_inertia[k][d], is_start) -
+              velocity * impulse_of_step(force, previous_force[k][d], is_start);
+          work += of_step;
+          supports.add_work(condition, of_step);
+          Vector reaction{};
+          reaction[d] = inertia - force;
+          model.impulses.add(state.position.node(node), reaction);
+          supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
+        });
     add_moments(model, velocity_step);
   }
 

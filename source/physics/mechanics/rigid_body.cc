@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/base/step_impulse.h>
 #include <tombolo/formulations/elements/rigid_cells.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/state/state_archive.h>
@@ -30,12 +31,6 @@ namespace tombolo
     }
 
     constexpr const char *turns_too_far = "turns too far in one step";
-
-    void add_wrench(const double factor, const Wrench &from, Wrench &to)
-    {
-      to.force += factor * from.force;
-      to.moment += factor * from.moment;
-    }
   } // namespace
 
   template <int dim>
@@ -320,16 +315,14 @@ namespace tombolo
     const bool is_start = clock.step == 0;
     const auto account = [&](const Wrench &now, Wrench &previous, double &work)
     {
-      if (!is_start)
-        work += 0.5 * (present.reference_velocity * (interval * now.force + previous.force) +
-                       present.spin * (interval * now.moment + previous.moment));
-      previous = {};
-      // Δt_0 is half a step; as the beginning of the first interval a force counts whole.
-      add_wrench(is_start ? 2. * interval : interval, now, previous);
+      const Vector force = impulse_of_step(interval * now.force, previous.force, is_start);
+      const Vector moment = impulse_of_step(interval * now.moment, previous.moment, is_start);
+      work += present.reference_velocity * force + present.spin * moment;
     };
     account(reaction, previous_reaction, drive_work);
     account(given, previous_given, force_work);
-    add_wrench(interval, reaction, impulse);
+    impulse.force += interval * reaction.force;
+    impulse.moment += interval * reaction.moment;
 
     beyond_nodes_energy = kinetic_energy_of_rotation(clock, initial.second - initial.nodal_second);
     rotation_energy = kinetic_energy_of_rotation(clock, initial.second);

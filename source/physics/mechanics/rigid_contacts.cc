@@ -2,11 +2,9 @@
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/face_contact.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/contact/surface_section.h>
-#include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
@@ -27,8 +25,10 @@ namespace tombolo
 
   template <int dim>
   RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, Model<dim> &model)
-      : communicator(model.communicator), has_heat(model.heat != nullptr)
+      : communicator(model.communicator), has_heat(model.heat != nullptr),
+        force(this->actions.add("contact", ActsAt::positions))
   {
+    force.comes_from_outside().stays_on_rank();
     const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
     const bool needs_volume =
         has_heat || std::any_of(sections.begin(), sections.end(),
@@ -43,8 +43,13 @@ namespace tombolo
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
-    if (!kinematic.empty())
-      solver = std::make_unique<KinematicSolver<dim>>(kinematic, model);
+    if (kinematic.empty())
+      return;
+    solver = std::make_unique<KinematicSolver<dim>>(kinematic, model);
+    kinematic_force = &this->actions.add("kinematic contact", ActsAt::positions)
+                           .comes_from_outside()
+                           .follows_acceleration()
+                           .stays_on_rank();
   }
 
   template <int dim>
@@ -81,10 +86,6 @@ namespace tombolo
     take_faces_of_full_cells(members, model);
     for (const auto &contact : members)
       contact->set_partition(model.state.partition());
-    loads.reinit(model.state.partition());
-    nodal_force.reinit(model.state.partition());
-    if (solver)
-      kinematic_force.reinit(model.state.partition());
     revision_of_stencils = model.revisions.stencils;
     find_isolated_nodes(members, model);
   }
@@ -146,8 +147,8 @@ namespace tombolo
                     nullptr};
     if (shares_heat(model))
     {
-      nodal_heat.pending =
-          sum_of_contacts(loads, &SurfaceContact<dim>::add_pending_heat, pending_heat);
+      nodal_heat.pending = sum_of_contacts(model.state.position,
+                                           &SurfaceContact<dim>::add_pending_heat, pending_heat);
       for (const auto &process : model.processes)
         if (process.get() != this)
           process->add_pending_heat(pending_heat);
@@ -162,15 +163,15 @@ namespace tombolo
       return;
     NodalHeat nodal_heat = present_heat(model);
     if (shares_heat(model))
-      nodal_heat.exposure = sum_of_contacts(loads, &SurfaceContact<dim>::add_exposure, exposure);
+      nodal_heat.exposure =
+          sum_of_contacts(model.state.position, &SurfaceContact<dim>::add_exposure, exposure);
     for (const auto &contact : members)
       contact->exchange_heat(nodal_heat);
   }
 
   template <int dim>
-  void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
+  void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
   {
-    nodes_in_contact.clear();
     if (revision_of_stencils != model.revisions.stencils)
       find_isolated_nodes(members, model);
     revision_of_stencils = model.revisions.stencils;
@@ -178,14 +179,10 @@ namespace tombolo
       yield_stress->update(model, members);
     const NodalHeat nodal_heat = present_heat(model);
     for (const auto &contact : members)
-      contact->add_forces(model.state, clock, loads, nodes_in_contact, nodal_heat);
+      contact->add_forces(model.state, clock, force.at_touched_nodes(), force.touched_nodes(),
+                          nodal_heat);
     if (!solver)
       exchange_heat(model);
-    nodal_force.set_zero();
-    spread_loads(*model.bridge, nodes_in_contact, loads, nodal_force);
-    nodal_force.add_to_owners();
-    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
-      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
   }
 
   template <int dim>
@@ -193,38 +190,22 @@ namespace tombolo
   {
     if (!solver)
       return;
-    nodes_in_contact.clear();
-    solver->solve(model, clock, present_heat(model), loads, nodes_in_contact);
+    solver->solve(model, clock, present_heat(model), kinematic_force->at_touched_nodes(),
+                  kinematic_force->touched_nodes());
     exchange_heat(model);
-    kinematic_force.set_zero();
-    spread_loads(*model.bridge, nodes_in_contact, loads, kinematic_force);
-    kinematic_force.add_to_owners();
-    const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
-    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double of_contacts = kinematic_force.node(node)[d];
-        nodal_force.node(node)[d] += of_contacts;
-        model.state.force.node(node)[d] += of_contacts;
-        if (constrained.empty() || !((constrained[node] >> d) & 1u))
-          model.state.acceleration.node(node)[d] +=
-              of_contacts / model.bridge->nodal_mass().node(node)[d];
-      }
   }
 
   template <int dim>
-  void RigidContacts<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  void RigidContacts<dim>::after_acceleration(Model<dim> &, const Clock &clock)
   {
     for (const auto &contact : members)
       contact->complete_step(clock);
-    const double velocity_step = clock.velocity_step();
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-    {
-      std::array<double, 3> impulse;
-      for (unsigned int d = 0; d < 3; ++d)
-        impulse[d] = velocity_step * nodal_force.node(i)[d];
-      model.impulses.add(model.state.position.node(i), impulse);
-    }
+  }
+
+  template <int dim>
+  Tensor<1, 3> RigidContacts<dim>::nodal_force(const unsigned int node) const
+  {
+    return force.nodal_force(node) + (solver ? kinematic_force->nodal_force(node) : Tensor<1, 3>());
   }
 
   template <int dim>

@@ -48,7 +48,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void SectionForces<dim>::add_forces(Model<dim> &, const Clock &, NodalVector &force)
+  void SectionForces<dim>::add_forces(Model<dim> &, const Clock &, const NodalVector &force)
   {
     for (BodySection<dim> &member : members)
       member.take_internal_force(force, model.state.position);

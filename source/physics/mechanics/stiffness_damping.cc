@@ -16,20 +16,16 @@ namespace tombolo
 
   template <int dim>
   StiffnessDamping<dim>::StiffnessDamping(const double factor, const bool limits_step_itself)
-      : factor(factor), limits_step_itself(limits_step_itself)
-  {}
+      : factor(factor), limits_step_itself(limits_step_itself),
+        damping(this->actions.add("stiffness damping", ActsAt::nodes))
+  {
+    damping.books("stiffness damping", EnergyKind::dissipated).stays_on_rank();
+  }
 
   template <int dim>
   void StiffnessDamping<dim>::model_changed(Model<dim> &model)
   {
     stiffness_force.reinit(model.state.partition());
-    force.resize(model.state.partition()->n_owned());
-  }
-
-  template <int dim>
-  void StiffnessDamping<dim>::prepare_change(Model<dim> &model)
-  {
-    work.prepare_change(model.state.velocity);
   }
 
   template <int dim>
@@ -45,15 +41,13 @@ namespace tombolo
   }
 
   template <int dim>
-  void StiffnessDamping<dim>::add_forces(Model<dim> &model, const Clock &, NodalVector &total)
+  void StiffnessDamping<dim>::add_forces(Model<dim> &model, const Clock &, const NodalVector &)
   {
-    apply_stiffness(model, model.state.velocity, stiffness_force);
-    for (unsigned int i = 0; i < force.size(); ++i)
+    NodalVector &force = damping.at_all_nodes();
+    apply_stiffness(model, model.state.velocity, force);
+    for (unsigned int i = 0; i < force.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
-      {
-        force[i][d] = -factor * stiffness_force.node(i)[d];
-        total.node(i)[d] += force[i][d];
-      }
+        force.node(i)[d] *= -factor;
   }
 
   template <int dim>
@@ -61,15 +55,9 @@ namespace tombolo
                                               const double multiple, NodalVector &total)
   {
     apply_stiffness(model, velocity, stiffness_force);
-    for (unsigned int i = 0; i < force.size(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         total.node(i)[d] += multiple * factor * stiffness_force.node(i)[d];
-  }
-
-  template <int dim>
-  void StiffnessDamping<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
-  {
-    work.complete_step(force, model.state.velocity, clock);
   }
 
   template <int dim>
@@ -83,23 +71,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void StiffnessDamping<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("stiffness damping", EnergyKind::dissipated, work.sum());
-  }
-
-  template <int dim>
   std::size_t StiffnessDamping<dim>::memory_consumption() const
   {
-    return force.capacity() * sizeof(Vector) + work.memory_consumption() +
-           stiffness_force.memory_consumption();
-  }
-
-  template <int dim>
-  void StiffnessDamping<dim>::serialize(Model<dim> &model, StateArchive &archive)
-  {
-    const auto group = archive.group("stiffness damping");
-    work.serialize(archive, model.state.partition()->n_owned());
+    return stiffness_force.memory_consumption();
   }
 
   namespace

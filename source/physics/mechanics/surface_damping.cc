@@ -41,7 +41,9 @@ namespace tombolo
 
   template <int dim>
   SurfaceDamping<dim>::SurfaceDamping(const double coefficient, const Model<dim> &model)
+      : damping(this->actions.add("surface damping", ActsAt::nodes))
   {
+    damping.books("surface damping", EnergyKind::artificial);
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       const Material &material = particles->material();
@@ -66,8 +68,7 @@ namespace tombolo
   void SurfaceDamping<dim>::model_changed(Model<dim> &model)
   {
     const auto &partition = model.state.partition();
-    for (NodalVector *const vector : {&damping, &viscous_force})
-      vector->reinit(partition);
+    viscous_force.reinit(partition);
     NodalVector mark;
     mark.reinit(partition, Quantity::scalar);
     local.clear();
@@ -85,18 +86,12 @@ namespace tombolo
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (*mark.node(i) > 0.)
         touched.push_back(i);
-    previous_impulse.resize(touched.size());
   }
 
   template <int dim>
-  void SurfaceDamping<dim>::find_forces(const NodalVector &position, const NodalVector &velocity,
-                                        NodalVector &result) const
+  void SurfaceDamping<dim>::add_to(const NodalVector &position, const NodalVector &velocity,
+                                   NodalVector &result) const
   {
-    for (const unsigned int node : touched)
-      std::fill_n(result.node(node), node_stride, 0.);
-    for (const auto &nodes : local)
-      for (const unsigned int node : nodes)
-        std::fill_n(result.node(node), node_stride, 0.);
     for (std::size_t f = 0; f < fibres.size(); ++f)
     {
       const auto &[i, a, b] = local[f];
@@ -110,67 +105,33 @@ namespace tombolo
         result.node(b)[d] -= force * inner.direction[d];
       }
     }
-    result.add_to_owners();
   }
 
   template <int dim>
-  void SurfaceDamping<dim>::add_forces(Model<dim> &model, const Clock &, NodalVector &force)
+  void SurfaceDamping<dim>::add_forces(Model<dim> &model, const Clock &, const NodalVector &)
   {
-    find_forces(model.state.position, model.state.velocity, damping);
-    for (const unsigned int node : touched)
-      for (unsigned int d = 0; d < dim; ++d)
-        force.node(node)[d] += damping.node(node)[d];
+    damping.touched_nodes() = touched;
+    add_to(model.state.position, model.state.velocity, damping.at_touched_nodes());
   }
 
   template <int dim>
   void SurfaceDamping<dim>::apply_viscosity(const Model<dim> &model, const NodalVector &velocity,
                                             const double factor, NodalVector &force)
   {
-    find_forces(model.state.position, velocity, viscous_force);
+    for (const unsigned int node : touched)
+      std::fill_n(viscous_force.node(node), node_stride, 0.);
+    add_to(model.state.position, velocity, viscous_force);
+    viscous_force.add_to_owners();
     for (const unsigned int node : touched)
       for (unsigned int d = 0; d < dim; ++d)
         force.node(node)[d] -= factor * viscous_force.node(node)[d];
   }
 
   template <int dim>
-  void SurfaceDamping<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
-  {
-    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
-    // interval a force counts whole, like at any other.
-    const bool is_start = clock.step == 0;
-    const double step = clock.velocity_step();
-    for (std::size_t k = 0; k < touched.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double impulse = step * damping.node(touched[k])[d];
-        if (!is_start)
-          dissipated -=
-              0.5 * model.state.velocity.node(touched[k])[d] * (impulse + previous_impulse[k][d]);
-        previous_impulse[k][d] = (is_start ? 2. : 1.) * impulse;
-      }
-  }
-
-  template <int dim>
-  void SurfaceDamping<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("surface damping", EnergyKind::artificial, dissipated);
-  }
-
-  template <int dim>
   std::size_t SurfaceDamping<dim>::memory_consumption() const
   {
     return fibres.capacity() * sizeof(Fibre) + local.capacity() * sizeof(local[0]) +
-           touched.capacity() * sizeof(unsigned int) +
-           previous_impulse.capacity() * sizeof(Vector) + damping.memory_consumption() +
-           viscous_force.memory_consumption();
-  }
-
-  template <int dim>
-  void SurfaceDamping<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("surface damping");
-    archive.sums("dissipated", {&dissipated});
-    archive.nodal("previous impulse", touched, previous_impulse);
+           touched.capacity() * sizeof(unsigned int) + viscous_force.memory_consumption();
   }
 
   namespace

@@ -21,11 +21,6 @@ namespace tombolo
       const PairInteractions<dim> *const pairs = pair_interactions(particles);
       return pairs != nullptr && pairs->pair_terms().has_xsph();
     }
-
-    bool is_zero(const double *const vector)
-    {
-      return vector[0] == 0. && vector[1] == 0. && vector[2] == 0.;
-    }
   } // namespace
 
   template <int dim>
@@ -45,7 +40,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Xsph<dim>::add_forces(Model<dim> &, const Clock &, NodalVector &force)
+  void Xsph<dim>::add_forces(Model<dim> &, const Clock &, const NodalVector &force)
   {
     other_force.copy_from(force);
   }
@@ -86,7 +81,7 @@ namespace tombolo
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
       if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
-          (contacts != nullptr && !is_zero(contacts->force().node(i))))
+          (contacts != nullptr && contacts->nodal_force(i).norm_square() != 0.))
         continue;
       const double scale = clock.next_step / *mass.node(i);
       const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];

@@ -21,7 +21,7 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
         energies.add(part.formulation->energies());
       for (const auto &process : model.processes)
-        process->account(energies);
+        process->add_energies(energies);
       for (unsigned int i = 0; i < n_owned; ++i)
       {
         const double mass = *model.bridge->mass().node(i);

@@ -120,7 +120,7 @@ namespace tombolo
     {
       EnergyAccounts accounts;
       for (const auto &process : model.processes)
-        process->account(accounts);
+        process->add_energies(accounts);
       accounts.sum_over_ranks(model.communicator);
       const bool counts = Utilities::MPI::this_mpi_process(model.communicator) == 0;
       return counts ? accounts.sum_of(EnergyKind::stored) : 0.;

@@ -111,7 +111,7 @@ namespace tombolo
     force.reinit(model.state.partition());
     for (const auto &process : model.processes)
       if (dynamic_cast<const StaticProcess<dim> *>(process.get()) != nullptr)
-        process->add_forces(model, clock, force);
+        process->act(model, clock, force);
     std::vector<ContactStiffness<dim>> result = stiffness(clock);
     restart_trial();
     return result;

@@ -132,11 +132,10 @@ namespace tombolo
     {
       if (!acts_at_rest(*process))
         continue;
-      process->add_forces(model, clock, model.state.force);
+      process->act(model, clock, model.state.force);
       if (failure.empty())
         failure = process->failure();
     }
-    model.state.force.condense();
     return failure;
   }
 

@@ -344,7 +344,7 @@ namespace tombolo
     model.impulses.begin_step();
     for (const auto &process : model.processes)
       if (acts_at_rest(*process))
-        process->after_acceleration(model, half);
+        process->complete_step(model, half);
   }
 
   template <int dim>

@@ -420,8 +420,8 @@ namespace tombolo
       {
         text << "set Formulation = momentum consistent particle\n"
              << "subsection momentum consistent particle\nset Dilation = " << dilation
-             << "\nset Smoothing = "
-             << smoothing << "\nset Shape functions = " << shape_functions << "\n";
+             << "\nset Smoothing = " << smoothing << "\nset Shape functions = " << shape_functions
+             << "\n";
         if (!kernel.empty())
           text << "set Kernel = " << kernel << "\n";
         text << "end\n";

@@ -173,7 +173,7 @@ namespace tombolo
           force.set_zero();
           for (const auto &process : model.processes)
             if (dynamic_cast<const StaticProcess<3> *>(process.get()) != nullptr)
-              process->add_forces(model, clock, force);
+              process->act(model, clock, force);
         }
 
         std::vector<double> forces(const std::set<Place> &places) const

@@ -586,7 +586,7 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
         for (unsigned int step = 0; step < 12; ++step)
         {
           clock.advance();
-          contacts.add_forces(model, clock, model.state.force);
+          contacts.act(model, clock, model.state.force);
           heat.reinit(model.state.partition(), Quantity::scalar);
           for (const auto &contact : contacts.contacts())
             contact->add_pending_heat(heat);

@@ -303,13 +303,13 @@ TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
       "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
       "set Function = 1; 2 + x; 3\nend\n"));
   auto &loads = *model->find_process<Loads<3>>();
-  loads.add_forces(*model, Clock(), model->state.force);
+  loads.act(*model, Clock(), model->state.force);
   double given[3] = {0, 0, 0}, taken[3] = {0, 0, 0};
   for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
     {
-      given[d] += loads.at_positions().node(i)[d];
-      taken[d] += loads.nodal_force().node(i)[d];
+      given[d] += loads.action().given().node(i)[d];
+      taken[d] += loads.action().nodal_force(i)[d];
     }
   for (unsigned int d = 0; d < 3; ++d)
   {
@@ -339,10 +339,10 @@ TEST(Bridge, contact_forces_keep_their_sum_in_nodal_forces)
     Clock clock;
     clock.step = 1;
     clock.previous_step = clock.stable_step = 0.1;
-    contacts.add_forces(*model, clock, model->state.force);
+    contacts.act(*model, clock, model->state.force);
     double taken = 0;
     for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-      taken += contacts.force().node(i)[1];
+      taken += contacts.nodal_force(i)[1];
     const double given = contacts.balance().force[1];
     EXPECT_NEAR(dealii::Utilities::MPI::sum(taken, MPI_COMM_WORLD), given, 1e-13 * given);
     EXPECT_GT(given, 0.1);

@@ -3,8 +3,6 @@
 
 #include <tombolo/model/process.h>
 
-#include <vector>
-
 namespace tombolo
 {
   /** Contact between fragments of particle parts: bodies that no chain of bonds connects push each
@@ -14,7 +12,7 @@ namespace tombolo
   class FragmentContact : public Process<dim>
   {
   public:
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void model_changed(Model<dim> &model) override;
     double stable_fraction(double stable_step) const override;
     bool heats() const override;
@@ -33,8 +31,6 @@ namespace tombolo
     bool rubs;                // some part does, or conducts
     NodalVector pending_heat; // scalar; empty where nothing heats
     NodalVector other_heat;   // what other processes have not given yet
-    NodalVector loads;        // at positions [M L/T^2]
-    NodalVector nodal_force;  // Φᵀ loads
-    std::vector<unsigned int> loaded_nodes;
+    Action &forces;
   };
 } // namespace tombolo

@@ -31,7 +31,7 @@ namespace tombolo
     {
       return false;
     }
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     double stable_fraction(double stable_step) const override;
     bool heats() const override;
@@ -63,11 +63,9 @@ namespace tombolo
     bool has_heat;
     MPI_Comm communicator;
     std::vector<std::unique_ptr<MortarContact<dim>>> members;
-    std::vector<unsigned int> nodes;    ///< owned, on faces of any contact
-    NodalVector last_position;          ///< at t_{n-1}; empty before the first step
-    NodalVector loads;                  ///< at positions [M L/T^2]
-    NodalVector present_force;          ///< the loads at owned nodes, for pictures
-    NodalVector nodal_force;            ///< Φᵀ loads
+    std::vector<unsigned int> nodes; ///< owned, on faces of any contact
+    NodalVector last_position;       ///< at t_{n-1}; empty before the first step
+    Action &force;
     NodalVector new_heat, pending_heat; ///< scalar, of this step, until add_heat()
     /** The same at the start of a static step; empty in explicit ones. */
     NodalVector committed_position, committed_heat;

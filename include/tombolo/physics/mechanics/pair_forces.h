@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/model/process.h>
-#include <tombolo/physics/mechanics/force_work.h>
 
 #include <string>
 #include <vector>
@@ -26,9 +25,8 @@ namespace tombolo
     /** Where the estimate of the step does not see the forces, @p limits_step_itself. */
     PairForces(const Model<dim> &model, bool limits_step_itself);
 
-    void prepare_change(Model<dim> &model) override;
     void model_changed(Model<dim> &model) override;
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
                          NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
@@ -36,7 +34,6 @@ namespace tombolo
     bool heats() const override;
     void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
     void add_pending_heat(NodalVector &heat) const override;
-    void account(EnergyAccounts &accounts) const override;
     void account_heat(EnergyAccounts &accounts) const override;
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
@@ -48,13 +45,12 @@ namespace tombolo
 
   private:
     const Model<dim> &model;
-    bool has_viscosity = false, has_stress = false;
     bool limits_step_itself;
     double rate = 0; // of the viscosity over all ranks, where it limits the step [1/T]
-    ForceWork of_viscosity, of_stress;
-    std::vector<std::vector<double>> power; // of the viscosity, by particle part and row
-    NodalVector pending_heat;               // scalar; empty where nothing heats
-    NodalVector applied;                    // buffer of apply_viscosity()
-    double heat_given = 0;                  // this rank's share
+    Action *viscosity = nullptr, *stress = nullptr; // null: no part has it
+    std::vector<std::vector<double>> power;         // of the viscosity, by particle part and row
+    NodalVector pending_heat;                       // scalar; empty where nothing heats
+    NodalVector applied;                            // buffer of apply_viscosity()
+    double heat_given = 0;                          // this rank's share
   };
 } // namespace tombolo

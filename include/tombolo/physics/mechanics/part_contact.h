@@ -43,7 +43,7 @@ namespace tombolo
     PartContact(std::vector<PartLaw> laws, Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     double stable_fraction(double stable_step) const override;
     void account(EnergyAccounts &accounts) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
@@ -98,7 +98,6 @@ namespace tombolo
     std::vector<Particle> particles;
     bool is_current = false; ///< whether particles and spheres are those of the model
     double stored = 0, dissipated = 0;
-    NodalVector loads, nodal_force;
-    std::vector<unsigned int> loaded_nodes;
+    Action &forces;
   };
 } // namespace tombolo

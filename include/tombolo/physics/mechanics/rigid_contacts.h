@@ -41,7 +41,7 @@ namespace tombolo
     void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
                       NodalVector &position, NodalVector &is_bound) const override;
     bool follows_placed_nodes() const override;
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
@@ -78,10 +78,8 @@ namespace tombolo
     void find_depths(const NodalVector &position, const std::vector<unsigned int> &nodes,
                      double time, std::vector<double> &depths) const override;
 
-    const NodalVector &force() const ///< nodal force of owned nodes [M L/T^2]
-    {
-      return nodal_force;
-    }
+    /** On an owned node [M L/T^2]. */
+    dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
 
     /** The sum of all contacts over all ranks; the largest penetration. Collective. */
     ContactBalance balance() const;
@@ -106,10 +104,8 @@ namespace tombolo
     std::vector<std::unique_ptr<SurfaceContact<dim>>> members;
     std::map<std::size_t, Corridor<dim>> corridors; ///< of members that have one
     std::unique_ptr<KinematicSolver<dim>> solver;   ///< null where no contact is kinematic
-    NodalVector loads;                              ///< at positions [M L/T^2]
-    NodalVector nodal_force;                        ///< Φᵀ loads
-    NodalVector kinematic_force;                    ///< the same of kinematic contacts; else empty
-    std::vector<unsigned int> nodes_in_contact;     // buffer
+    Action &force;
+    Action *kinematic_force = nullptr; ///< where a contact is kinematic
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;
     std::unique_ptr<NodalYieldStress<dim>> yield_stress; ///< null where no contact needs it

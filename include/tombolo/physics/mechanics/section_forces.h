@@ -24,7 +24,7 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void before_part_force(std::size_t part, const NodalVector &force) override;
     void after_part_force(std::size_t part, const NodalVector &force) override;
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
     std::vector<std::string> remarks() const override;

@@ -38,38 +38,31 @@ namespace tombolo
     bool has_fibres() const;
 
     void model_changed(Model<dim> &model) override;
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
                          NodalVector &force) override;
-    void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    void account(EnergyAccounts &accounts) const override;
     std::size_t memory_consumption() const override;
     /** Nothing has a rate. */
     bool acts_at_rest() const override
     {
       return false;
     }
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
-    using Vector = std::array<double, 3>;
-
     struct Fibre
     {
       std::array<dealii::types::global_dof_index, 3> node;
       double viscosity; ///< η V [M L^2/T]
     };
 
-    /** @p result = -C @p velocity at @p position, at owned nodes. Collective. */
-    void find_forces(const NodalVector &position, const NodalVector &velocity,
-                     NodalVector &result) const;
+    /** Adds -C @p velocity at @p position to local nodes. */
+    void add_to(const NodalVector &position, const NodalVector &velocity,
+                NodalVector &result) const;
 
     std::vector<Fibre> fibres;
     std::vector<std::array<unsigned int, 3>> local; ///< nodes of each fibre
-    std::vector<unsigned int> touched;    ///< owned nodes of fibres of any rank, ascending
-    NodalVector damping;                  ///< the force at t_n [M L/T^2]
-    NodalVector viscous_force;            ///< of apply_viscosity()
-    std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} of touched nodes
-    double dissipated = 0;                ///< this rank's share [M L^2/T^2]
+    std::vector<unsigned int> touched; ///< owned nodes of fibres of any rank, ascending
+    NodalVector viscous_force;         ///< buffer of apply_viscosity()
+    Action &damping;
   };
 } // namespace tombolo

@@ -19,7 +19,7 @@ namespace tombolo
   {
   public:
     void model_changed(Model<dim> &model) override;
-    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;

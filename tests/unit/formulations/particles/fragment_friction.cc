@@ -78,7 +78,7 @@ namespace
     {
       body.model->update_stencils();
       force.reinit(body.model->state.partition());
-      process->add_forces(*body.model, clock, force);
+      process->act(*body.model, clock, force);
     }
 
     /** Force and moment about the origin, of the right half or of all. */
@@ -353,7 +353,7 @@ TEST(FragmentFriction, keeps_the_linear_momentum_of_debris)
         { return from[0] > 6.5 && from[1] > 3.5 ? Point<2>(4. + slide, 4. + height) : from; });
     body.model->update_stencils();
     force.reinit(body.model->state.partition());
-    process->add_forces(*body.model, Clock(), force);
+    process->act(*body.model, Clock(), force);
   };
   evaluate(2., 0.);
   evaluate(0.5, 0.);

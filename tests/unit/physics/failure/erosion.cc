@@ -628,10 +628,10 @@ namespace tombolo
       const auto total = [&]()
       {
         Model<3> &model = *body.model;
-        loads.add_forces(model, Clock(), model.state.force);
+        loads.act(model, Clock(), model.state.force);
         double force = 0;
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-          force += loads.nodal_force().node(i)[1];
+          force += loads.action().nodal_force(i)[1];
         return ErodingBody::sum(force);
       };
       body.strain();
@@ -644,7 +644,7 @@ namespace tombolo
       for (unsigned int i = 0; i < mass.partition()->n_owned(); ++i)
         if (*mass.node(i) == 0.)
         {
-          EXPECT_EQ(loads.nodal_force().node(i)[1], 0.);
+          EXPECT_EQ(loads.action().nodal_force(i)[1], 0.);
         }
     }
 

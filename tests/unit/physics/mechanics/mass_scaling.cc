@@ -198,7 +198,7 @@ TEST(Scaling, weight_and_heat_capacity_are_those_of_the_true_mass)
     step.evaluate(Clock());
     double weight = 0;
     for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
-      weight += body.model->find_process<Loads<3>>()->at_positions().node(i)[2];
+      weight += body.model->find_process<Loads<3>>()->action().given().node(i)[2];
     EXPECT_NEAR(dealii::Utilities::MPI::sum(weight, MPI_COMM_WORLD), -3. * 22., 1e-9);
     EXPECT_NEAR(sum(body.model->heat->bridge.mass()), 7. * 22., 1e-9);
     EXPECT_GT(sum(body.model->state.mass), 1.5 * 22. + 0.5);

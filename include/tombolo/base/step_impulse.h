@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace tombolo
+{
+  /**
+   * The impulse of a force in the step from t_{n-1} to t_n, ½ (Δt_{n-1} f_{n-1} + Δt_n f_n): times
+   * v_{n-1/2} it is the work that the kinetic energy ½ v_{n-1/2} · m v_{n+1/2} takes up. @p impulse
+   * is Δt_n f_n, and @p previous, which is Δt_{n-1} f_{n-1}, becomes that of the next step.
+   * @p is_start says that t_n is the start, to which no step leads.
+   */
+  template <typename Impulse>
+  Impulse impulse_of_step(const Impulse &impulse, Impulse &previous, const bool is_start)
+  {
+    const Impulse result = is_start ? Impulse() : 0.5 * (impulse + previous);
+    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
+    // interval a force counts whole, like at any other.
+    previous = is_start ? 2. * impulse : impulse;
+    return result;
+  }
+} // namespace tombolo

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/energy_accounts.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/tensor.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class Bridge;
+  class ImpulseAccount;
+  class NodalState;
+  class StateArchive;
+  struct Clock;
+
+  /** Forces, or impulses, at some owned nodes, ascending. */
+  struct NodalForces
+  {
+    std::vector<unsigned int> nodes;
+    std::vector<dealii::Tensor<1, 3>> forces;
+
+    void clear();
+    std::size_t memory_consumption() const;
+  };
+
+  /** What @p vector has at these owned nodes, ascending, without zeros. */
+  void take_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
+                   NodalForces &result);
+
+  /** The work of forces on the motion of their nodes from step to step (impulse_of_step()). */
+  class StepWork
+  {
+  public:
+    /** Adds the work of the forces at t_{n-1} in the coming step, with the @p velocity of the rows
+     * and masses as they are. */
+    void begin_change(const NodalVector &velocity, double &work);
+
+    /** Adds the work of the step that ends at t_n, or what of it is left. */
+    void complete_step(const NodalForces &forces, const NodalVector &velocity, const Clock &clock,
+                       double &work);
+
+    std::size_t memory_consumption() const;
+
+    /** Writes or reads one dataset of nodes, of which this rank owns @p n_owned. Collective. */
+    void serialize(const std::string &name, unsigned int n_owned, StateArchive &archive);
+
+  private:
+    NodalForces previous; ///< Δt_{n-1} f_{n-1}
+  };
+
+  /** Where forces act. */
+  enum class ActsAt
+  {
+    nodes,    ///< on the nodal velocities themselves
+    loads,    ///< on the field Φ x, as tractions and body forces do
+    positions ///< at the positions of the nodes, wherever the smoothing has these
+  };
+
+  /**
+   * The forces of one source at t_n. It is made once, by Actions::add(). In each step the process
+   * gives its forces at local nodes; all else is done here: forces at ghosts, at images in planes
+   * of symmetry and at hanging nodes go to the nodes that move, forces at positions and loads
+   * become nodal forces by Φᵀ, their work and their impulse are booked, with the first half of a
+   * step before rows or masses change, and go through checkpoints.
+   *
+   * It costs what its nodes cost, and one pass over the nodes of the rank where forces are spread
+   * by Φᵀ or nodes hang.
+   */
+  class Action
+  {
+  public:
+    Action(std::string name, ActsAt place);
+
+    /** Books the work under the name @p energy: what it has done where the kind is external, and
+     * what it has taken otherwise. Without it the process accounts for its energies itself. */
+    Action &books(const std::string &energy, EnergyKind kind);
+
+    /** Its impulse comes from outside: momentum is not kept without it. */
+    Action &comes_from_outside();
+
+    /** It is added while accelerations are constrained, where the size of the coming step is
+     * known, and accelerates what no condition prescribes. */
+    Action &follows_acceleration();
+
+    /** Forces are given at owned nodes only, so that ranks have nothing to exchange. */
+    Action &stays_on_rank();
+
+    /** Adds a force [M L/T^2] at a local node: owned, a ghost or an image. */
+    template <int dim>
+    void add_force(const unsigned int node, const dealii::Tensor<1, dim> &force)
+    {
+      double *const sum = values.node(node);
+      if (sum[0] == 0. && sum[1] == 0. && sum[2] == 0.)
+        touched.push_back(node);
+      for (unsigned int d = 0; d < dim; ++d)
+        sum[d] += force[d];
+    }
+
+    /** The forces at local nodes for loops, zero at first: to be given at any of them, or only at
+     * those that the loop adds to touched_nodes(), in any order. */
+    NodalVector &at_all_nodes();
+    NodalVector &at_touched_nodes();
+    std::vector<unsigned int> &touched_nodes();
+
+    /** The forces as they were given, at owned nodes, until those of the next step. */
+    const NodalVector &given() const;
+
+    /** The nodal forces. */
+    const NodalForces &nodal_forces() const;
+    dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
+
+    /** The work of this rank since the start [M L^2/T^2]. */
+    double work() const;
+
+  private:
+    friend class Actions;
+
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void begin();
+    void collect(Bridge &bridge, NodalVector &buffer, NodalVector &total);
+    void find_given();
+    void spread(Bridge &bridge, NodalVector &buffer);
+    void serialize(StateArchive &archive);
+
+    std::string name, energy;
+    ActsAt place;
+    EnergyKind kind = EnergyKind::external;
+    bool is_from_outside = false, is_late = false, is_on_rank = false;
+    NodalVector values;
+    std::vector<unsigned int> touched; ///< local nodes that have values
+    bool is_anywhere = false;          ///< any node can have
+    NodalForces of_nodes;
+    StepWork work_of_steps;
+    double sum_of_work = 0;
+  };
+
+  /** The actions of a process. All functions are collective. */
+  class Actions
+  {
+  public:
+    /** Makes one. The name is that in checkpoints, and no other action of the scene has it. The
+     * result lives as long as this. */
+    Action &add(const std::string &name, ActsAt place);
+
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Forgets the forces of the step before; then the process gives those of now. */
+    void begin();
+
+    /** Adds their nodal forces to @p total at owned nodes. */
+    void collect(Bridge &bridge, NodalVector &total);
+
+    /** The same of actions that follow the acceleration, which they change as well, except for the
+     * components that @p constrained has as bits. */
+    void begin_late();
+    void collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
+                      NodalState &state);
+
+    /** Rows, nodes or masses are about to change. */
+    void begin_change(const NodalVector &velocity);
+
+    /** Books the step that ends at t_n. */
+    void complete_step(const NodalState &state, const Clock &clock, ImpulseAccount &impulses);
+
+    void account(EnergyAccounts &accounts) const;
+    void serialize(StateArchive &archive);
+    std::size_t memory_consumption() const;
+
+  private:
+    std::deque<Action> all;
+    NodalVector buffer; ///< zero between uses
+  };
+} // namespace tombolo

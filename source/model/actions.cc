@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/actions.h>
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/step_impulse.h>
+#include <tombolo/coupling/bridge.h>
+#include <tombolo/model/impulse_account.h>
+#include <tombolo/state/nodal_state.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    void take_force(const NodalVector &vector, const unsigned int node, NodalForces &result)
+    {
+      const double *const f = vector.node(node);
+      if (f[0] == 0. && f[1] == 0. && f[2] == 0.)
+        return;
+      result.nodes.push_back(node);
+      result.forces.push_back(Tensor<1, 3>({f[0], f[1], f[2]}));
+    }
+
+    void take_all_forces(const NodalVector &vector, NodalForces &result)
+    {
+      result.clear();
+      for (unsigned int node = 0; node < vector.partition()->n_owned(); ++node)
+        take_force(vector, node, result);
+    }
+  } // namespace
+
+  void NodalForces::clear()
+  {
+    nodes.clear();
+    forces.clear();
+  }
+
+  std::size_t NodalForces::memory_consumption() const
+  {
+    return nodes.capacity() * sizeof(nodes[0]) + forces.capacity() * sizeof(forces[0]);
+  }
+
+  void take_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
+                   NodalForces &result)
+  {
+    result.clear();
+    for (const unsigned int node : nodes)
+      take_force(vector, node, result);
+  }
+
+  void StepWork::begin_change(const NodalVector &velocity, double &work)
+  {
+    for (std::size_t k = 0; k < previous.nodes.size(); ++k)
+      for (unsigned int d = 0; d < 3; ++d)
+        work += 0.5 * velocity.node(previous.nodes[k])[d] * previous.forces[k][d];
+    previous.clear();
+  }
+
+  void StepWork::complete_step(const NodalForces &forces, const NodalVector &velocity,
+                               const Clock &clock, double &work)
+  {
+    NodalForces now;
+    now.nodes.reserve(previous.nodes.capacity());
+    now.forces.reserve(previous.forces.capacity());
+    std::size_t before = 0;
+    const auto add = [&](const unsigned int node, const Tensor<1, 3> &force, Tensor<1, 3> impulse)
+    {
+      const Tensor<1, 3> of_step =
+          impulse_of_step(clock.velocity_step() * force, impulse, clock.step == 0);
+      for (unsigned int d = 0; d < 3; ++d)
+        work += velocity.node(node)[d] * of_step[d];
+      if (impulse.norm_square() == 0.)
+        return;
+      now.nodes.push_back(node);
+      now.forces.push_back(impulse);
+    };
+    const auto add_before = [&](const unsigned int end)
+    {
+      for (; before < previous.nodes.size() && previous.nodes[before] < end; ++before)
+        add(previous.nodes[before], Tensor<1, 3>(), previous.forces[before]);
+    };
+    for (std::size_t k = 0; k < forces.nodes.size(); ++k)
+    {
+      const unsigned int node = forces.nodes[k];
+      add_before(node);
+      const bool is_known = before < previous.nodes.size() && previous.nodes[before] == node;
+      add(node, forces.forces[k], is_known ? previous.forces[before] : Tensor<1, 3>());
+      before += is_known ? 1 : 0;
+    }
+    add_before(numbers::invalid_unsigned_int);
+    std::swap(previous, now);
+  }
+
+  std::size_t StepWork::memory_consumption() const
+  {
+    return previous.memory_consumption();
+  }
+
+  void StepWork::serialize(const std::string &name, const unsigned int n_owned,
+                           StateArchive &archive)
+  {
+    std::vector<std::array<double, 3>> impulses;
+    for (const Tensor<1, 3> &impulse : previous.forces)
+      impulses.push_back({{impulse[0], impulse[1], impulse[2]}});
+    if (!archive.is_reading())
+    {
+      archive.nodal(name, previous.nodes, impulses);
+      return;
+    }
+    std::vector<unsigned int> all(n_owned);
+    std::iota(all.begin(), all.end(), 0u);
+    archive.nodal(name, all, impulses);
+    previous.clear();
+    for (const unsigned int node : all)
+      if (const Tensor<1, 3> impulse({impulses[node][0], impulses[node][1], impulses[node][2]});
+          impulse.norm_square() != 0.)
+      {
+        previous.nodes.push_back(node);
+        previous.forces.push_back(impulse);
+      }
+  }
+
+  Action::Action(std::string name, const ActsAt place) : name(std::move(name)), place(place) {}
+
+  Action &Action::books(const std::string &of_work, const EnergyKind of_kind)
+  {
+    energy = of_work;
+    kind = of_kind;
+    return *this;
+  }
+
+  Action &Action::comes_from_outside()
+  {
+    is_from_outside = true;
+    return *this;
+  }
+
+  Action &Action::follows_acceleration()
+  {
+    is_late = true;
+    return *this;
+  }
+
+  Action &Action::stays_on_rank()
+  {
+    is_on_rank = true;
+    return *this;
+  }
+
+  NodalVector &Action::at_all_nodes()
+  {
+    is_anywhere = true;
+    return values;
+  }
+
+  NodalVector &Action::at_touched_nodes()
+  {
+    return values;
+  }
+
+  std::vector<unsigned int> &Action::touched_nodes()
+  {
+    return touched;
+  }
+
+  const NodalVector &Action::given() const
+  {
+    return values;
+  }
+
+  const NodalForces &Action::nodal_forces() const
+  {
+    return of_nodes;
+  }
+
+  Tensor<1, 3> Action::nodal_force(const unsigned int node) const
+  {
+    const auto place_in_list = std::lower_bound(of_nodes.nodes.begin(), of_nodes.nodes.end(), node);
+    return place_in_list != of_nodes.nodes.end() && *place_in_list == node
+               ? of_nodes.forces[std::size_t(place_in_list - of_nodes.nodes.begin())]
+               : Tensor<1, 3>();
+  }
+
+  double Action::work() const
+  {
+    return sum_of_work;
+  }
+
+  void Action::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (values.partition() == nullptr)
+      values.reinit(partition);
+    else if (values.partition() != partition)
+    {
+      values.move_to(partition);
+      is_anywhere = true; // ghosts have values, too
+    }
+  }
+
+  void Action::begin()
+  {
+    if (is_anywhere)
+      values.set_zero();
+    for (const unsigned int node : touched)
+      std::fill_n(values.node(node), node_stride, 0.);
+    is_anywhere = false;
+    touched.clear();
+    of_nodes.clear();
+  }
+
+  void Action::find_given()
+  {
+    const NodePartition &partition = *values.partition();
+    constexpr std::size_t few = 4; // a sorted list costs more than some nodes that have nothing
+    is_anywhere = is_anywhere || few * touched.size() > partition.n_owned();
+    if (is_anywhere)
+    {
+      take_all_forces(values, of_nodes);
+      return;
+    }
+    if (!is_on_rank)
+      touched.insert(touched.end(), partition.receiving_nodes().begin(),
+                     partition.receiving_nodes().end());
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    touched.erase(std::lower_bound(touched.begin(), touched.end(), partition.n_owned()),
+                  touched.end()); // cleared by their owners
+    take_forces(values, touched, of_nodes);
+  }
+
+  void Action::spread(Bridge &bridge, NodalVector &buffer)
+  {
+    if (buffer.partition() != values.partition())
+      buffer.reinit(values.partition());
+    LoadTransfer &transfer = bridge.load_transfer();
+    if (place == ActsAt::loads)
+      transfer.add_force_of_loads(of_nodes.nodes, values, buffer);
+    else
+      transfer.add_force_at_positions(of_nodes.nodes, values, buffer);
+    if (bridge.has_particles())
+    {
+      buffer.add_to_owners();
+      take_all_forces(buffer, of_nodes);
+    }
+    else
+    {
+      const std::vector<unsigned int> nodes = of_nodes.nodes;
+      take_forces(buffer, nodes, of_nodes);
+    }
+    for (const unsigned int node : of_nodes.nodes)
+      std::fill_n(buffer.node(node), node_stride, 0.);
+  }
+
+  void Action::collect(Bridge &bridge, NodalVector &buffer, NodalVector &total)
+  {
+    if (!is_on_rank)
+      values.add_to_owners();
+    values.condense();
+    is_anywhere = is_anywhere || values.partition()->dependent_nodes().depth > 0;
+    find_given();
+    if (place != ActsAt::nodes)
+      spread(bridge, buffer);
+    for (std::size_t k = 0; k < of_nodes.nodes.size(); ++k)
+      for (unsigned int d = 0; d < 3; ++d)
+        total.node(of_nodes.nodes[k])[d] += of_nodes.forces[k][d];
+  }
+
+  void Action::serialize(StateArchive &archive)
+  {
+    if (energy.empty())
+      return;
+    const auto group = archive.group(name);
+    archive.sums("work", {&sum_of_work});
+    work_of_steps.serialize("previous impulse", values.partition()->n_owned(), archive);
+  }
+
+  Action &Actions::add(const std::string &name, const ActsAt place)
+  {
+    return all.emplace_back(name, place);
+  }
+
+  void Actions::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    for (Action &action : all)
+      action.set_partition(partition);
+  }
+
+  void Actions::begin()
+  {
+    for (Action &action : all)
+      if (!action.is_late)
+        action.begin();
+  }
+
+  void Actions::collect(Bridge &bridge, NodalVector &total)
+  {
+    for (Action &action : all)
+      if (!action.is_late)
+        action.collect(bridge, buffer, total);
+  }
+
+  void Actions::begin_late()
+  {
+    for (Action &action : all)
+      if (action.is_late)
+        action.begin();
+  }
+
+  void Actions::collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
+                             NodalState &state)
+  {
+    for (Action &action : all)
+    {
+      if (!action.is_late)
+        continue;
+      action.collect(bridge, buffer, state.force);
+      const NodalForces &now = action.nodal_forces();
+      for (std::size_t k = 0; k < now.nodes.size(); ++k)
+        for (unsigned int d = 0; d < 3; ++d)
+          if (constrained.empty() || !((constrained[now.nodes[k]] >> d) & 1u))
+            state.acceleration.node(now.nodes[k])[d] +=
+                now.forces[k][d] / bridge.nodal_mass().node(now.nodes[k])[d];
+    }
+  }
+
+  void Actions::begin_change(const NodalVector &velocity)
+  {
+    for (Action &action : all)
+      action.work_of_steps.begin_change(velocity, action.sum_of_work);
+  }
+
+  void Actions::complete_step(const NodalState &state, const Clock &clock, ImpulseAccount &impulses)
+  {
+    for (Action &action : all)
+    {
+      const NodalForces &now = action.nodal_forces();
+      if (!action.energy.empty())
+        action.work_of_steps.complete_step(now, state.velocity, clock, action.sum_of_work);
+      for (std::size_t k = 0; action.is_from_outside && k < now.nodes.size(); ++k)
+      {
+        const Tensor<1, 3> impulse = clock.velocity_step() * now.forces[k];
+        impulses.add(state.position.node(now.nodes[k]), {{impulse[0], impulse[1], impulse[2]}});
+      }
+    }
+  }
+
+  void Actions::account(EnergyAccounts &accounts) const
+  {
+    for (const Action &action : all)
+      if (!action.energy.empty())
+        accounts.add(action.energy, action.kind,
+                     is_held(action.kind) ? -action.sum_of_work : action.sum_of_work);
+  }
+
+  void Actions::serialize(StateArchive &archive)
+  {
+    for (Action &action : all)
+      action.serialize(archive);
+  }
+
+  std::size_t Actions::memory_consumption() const
+  {
+    std::size_t bytes = buffer.memory_consumption();
+    for (const Action &action : all)
+      bytes += action.values.memory_consumption() + action.touched.capacity() * sizeof(unsigned) +
+               action.of_nodes.memory_consumption() + action.work_of_steps.memory_consumption();
+    return bytes;
+  }
+} // namespace tombolo
