@@ -242,6 +242,15 @@ namespace tombolo
     return rows;
   }
 
+  void add_nodes_depended_on(const std::optional<std::vector<DependentNode>> &dependent_nodes,
+                             IndexSet &result)
+  {
+    if (dependent_nodes)
+      for (const DependentNode &row : *dependent_nodes)
+        for (const auto &[node, weight] : row.weights)
+          result.add_index(node);
+  }
+
   template void refuse_unfit_gradings<2>(const Mesh<2> &, const PartCells<2> &,
                                          const std::vector<Part<2>> &,
                                          const std::vector<Section> &);

@@ -46,8 +46,7 @@ namespace tombolo
       if (!is_symmetry(section))
         (ThermalConditions<dim>::is_thermal(section) ? thermal_sections : mechanical_sections)
             .push_back(section);
-    symmetry = find_symmetry(parameters, mesh, *nodes);
-    nodes->set_symmetry(symmetry);
+    nodes->set_symmetry(find_symmetry(parameters, mesh, *nodes));
     conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
 
     const Physics<dim> physics(parts, part_sections);
@@ -123,7 +122,7 @@ namespace tombolo
       setup.bodies = bodies.get();
       setup.material = part.material;
       setup.communicator = communicator;
-      setup.symmetry = symmetry;
+      setup.symmetry = nodes->symmetry();
       setup.heat = has_heat ? part.heat : nullptr;
       setup.has_mechanics = has_mechanics;
       setup.source = part.source;
@@ -205,13 +204,10 @@ namespace tombolo
     required.add_indices(conditions->required_nodes());
     if (heat)
       required.add_indices(heat->required_nodes());
-    if (dependent_nodes)
-      for (const DependentNode &row : *dependent_nodes)
-        for (const auto &[node, weight] : row.weights)
-          required.add_index(node);
+    add_nodes_depended_on(dependent_nodes, required);
     required.compress();
-    const auto next =
-        std::make_shared<NodePartition>(nodes->owned(), required, communicator, symmetry, images);
+    const auto next = std::make_shared<NodePartition>(nodes->owned(), required, communicator,
+                                                      nodes->symmetry(), images);
     if (partition != nullptr)
       next->continue_counting(*partition);
     if (dependent_nodes)

@@ -282,10 +282,10 @@ namespace tombolo
     template <int dim>
     void print_symmetry(const Model<dim> &model, std::ostream &text)
     {
-      if (model.symmetry == nullptr)
+      if (model.nodes->symmetry() == nullptr)
         return;
       text << "  planes of symmetry";
-      for (const SymmetryPlane &plane : model.symmetry->planes)
+      for (const SymmetryPlane &plane : model.nodes->symmetry()->planes)
         text << " "
              << "xyz"[plane.axis] << " = " << plane.coordinate;
       text << ", images of particles "

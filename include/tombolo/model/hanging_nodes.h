@@ -24,4 +24,8 @@ namespace tombolo
   std::optional<std::vector<DependentNode>>
   find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                      const PartCells<dim> &part_cells, const std::vector<Part<dim>> &parts);
+
+  /** Adds the nodes on which some @p dependent_nodes depend. */
+  void add_nodes_depended_on(const std::optional<std::vector<DependentNode>> &dependent_nodes,
+                             dealii::IndexSet &result);
 } // namespace tombolo

@@ -127,7 +127,6 @@ namespace tombolo
     std::unique_ptr<Nodes<dim>> nodes;
     std::vector<Part<dim>> parts;
     bool has_mechanics = true; ///< false where no material has stresses: a scene of heat alone
-    std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
     std::unique_ptr<MechanicalConditions<dim>> conditions;
     std::optional<std::vector<DependentNode>> dependent_nodes; ///< owned; none on any rank
     NodalState state;

@@ -125,17 +125,17 @@ namespace tombolo
                                      const Model<dim> &model,
                                      const std::vector<unsigned int> &nodes)
     {
-      if (model.symmetry == nullptr)
+      if (model.nodes->symmetry() == nullptr)
         return;
-      for (std::size_t p = 0; p < model.symmetry->planes.size(); ++p)
+      for (std::size_t p = 0; p < model.nodes->symmetry()->planes.size(); ++p)
       {
         std::vector<unsigned int> on_plane;
-        for (const types::global_dof_index node : model.symmetry->nodes_on_plane[p])
+        for (const types::global_dof_index node : model.nodes->symmetry()->nodes_on_plane[p])
           on_plane.push_back(model.state.partition()->local_index(node));
         std::sort(on_plane.begin(), on_plane.end());
         if (!share_a_node(nodes, on_plane, model.communicator))
           continue;
-        const unsigned int axis = model.symmetry->planes[p].axis;
+        const unsigned int axis = model.nodes->symmetry()->planes[p].axis;
         if (motion.is_free(axis))
           section.subsection("rigid").fail(
               "Displacement", std::string("the part lies on a plane of symmetry normal to ") +

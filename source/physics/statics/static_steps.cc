@@ -179,7 +179,8 @@ namespace tombolo
   void StaticSteps<dim>::refuse_unfit_model(const Parameters &parameters)
   {
     for (const Part<dim> &part : model.parts) // what they know only now
-      refuse_unfit_part(parameters.section("Part: " + part.name), part, model.symmetry != nullptr);
+      refuse_unfit_part(parameters.section("Part: " + part.name), part,
+                        model.nodes->symmetry() != nullptr);
     for (const auto &process : model.processes)
       if (dynamic_cast<const AtRest *>(process.get()) == nullptr)
         parameters.fail(integration_entry,
