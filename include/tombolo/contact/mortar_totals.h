@@ -31,7 +31,10 @@ namespace tombolo
     {
       std::vector<double *> result{&friction, &damping, &conducted};
       for (unsigned int d = 0; d < dim; ++d)
-        result.insert(result.end(), {&impulse[d], &force[d]});
+      {
+        result.push_back(&impulse[d]);
+        result.push_back(&force[d]);
+      }
       return result;
     }
   };

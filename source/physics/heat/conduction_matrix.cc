@@ -458,8 +458,9 @@ namespace tombolo
       for (const auto &[node, weight] : dependent.weights(partition.global_index(row)))
         writable.add_index(node);
     writable.compress();
+    constexpr unsigned int entries_per_row = 0; // unknown; they are allocated as they come
     TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), writable,
-                                              partition.communicator());
+                                              partition.communicator(), entries_per_row);
     for (unsigned int row = 0; row < rows.n_rows(); ++row)
     {
       const types::global_dof_index number = partition.global_index(row);

@@ -7,6 +7,7 @@
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
 
+#include <Amesos.h>
 #include <Epetra_MultiVector.h>
 #include <Teuchos_ParameterList.hpp>
 
@@ -59,8 +60,9 @@ namespace tombolo
     for (const auto &item : far_constraints)
       nodes.add_index(item.first);
     const IndexSet writable = rows_of<dim>(nodes);
+    constexpr unsigned int entries_per_row = 0; // unknown; they are allocated as they come
     TrilinosWrappers::SparsityPattern pattern(owned_rows, owned_rows, writable,
-                                              partition.communicator());
+                                              partition.communicator(), entries_per_row);
     std::vector<types::global_dof_index> cell_nodes, columns;
     const auto add_nodes = [&]
     {
@@ -420,8 +422,10 @@ namespace tombolo
         if (factorization == nullptr)
         {
           using Direct = TrilinosWrappers::SolverDirect;
+          // MUMPS is the faster one; every Trilinos has KLU.
+          const char *const name = Amesos().Query("Amesos_Mumps") ? "Amesos_Mumps" : "Amesos_Klu";
           factorization = std::make_unique<Direct>(control_of_factorization,
-                                                   Direct::AdditionalData(false, "Amesos_Mumps"));
+                                                   Direct::AdditionalData(false, name));
           factorization->initialize(matrix);
         }
         factorization->solve(solution, right_hand_side);
