@@ -85,7 +85,7 @@ class Setup(Case):
     def test_what_hinders_apt_is_said_with_what_is_missing(self):
         for says, sentence in (
                 ("E: Failed to fetch x Could not resolve y", "is there a network, and does the mirror"),
-                ("E: Unable to locate package libdeal.ii-dev", "has no package of a name above; Debian 12 and 13"),
+                ("E: Unable to locate package libdeal.ii-dev", "has no package of a name above; those that Tombolo needs"),
                 ("E: You don't have enough free space in z", "the disk is full: please make room"),
                 ("E: dpkg was interrupted", "apt-get could not install")):
             status, said = self.with_apt(says, 100)
