@@ -16,9 +16,11 @@
 #include <nlohmann/json.hpp>
 
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 using namespace tombolo;
@@ -103,6 +105,15 @@ namespace
     return command;
   }
 
+  /** Whether the scripts stand beside the program, as commands. */
+  bool is_installed()
+  {
+    namespace fs = std::filesystem;
+    std::error_code code;
+    return fs::exists(fs::read_symlink("/proc/self/exe", code).parent_path() / "tombolo-report",
+                      code);
+  }
+
   template <int dim>
   int simulate(const Parameters &parameters, const CommandLine &command_line, const bool resumes,
                Log &log)
@@ -113,6 +124,8 @@ namespace
                                              "newest one of the output directory")
             : "";
     const std::string directory = parameters.section("").get("Output directory");
+    if (!command_line.has("--dry-run"))
+      refuse_running_run(parameters);
     if (!command_line.has("--overwrite") && !command_line.has("--dry-run") &&
         !(resumes && is_checkpoint_of(checkpoint, directory, MPI_COMM_WORLD)))
     {
@@ -139,8 +152,9 @@ namespace
       log.print("Interrupted; the results up to here are complete." + advice);
     else if (result == RunResult::terminated)
       log.print("Terminated; the results up to here are complete." + advice);
-    log.print("Results: " + directory + ". To look at them: scripts/report " +
-              shell_word(directory) + " (one page), scripts/plot " + shell_word(directory) +
+    const std::string scripts = is_installed() ? "tombolo-" : "scripts/";
+    log.print("Results: " + directory + ". To look at them: " + scripts + "report " +
+              shell_word(directory) + " (one page), " + scripts + "plot " + shell_word(directory) +
               " (pictures).");
     return result == RunResult::interrupted  ? 128 + SIGINT
            : result == RunResult::terminated ? 128 + SIGTERM

@@ -56,8 +56,8 @@ class Report:
             yield from ("", "# Not understood, with the line in the keyword file:")
         for section, lines, reason in self.left_out:
             if section.name.startswith("CONTACT"):
-                yield ("# Contact here is with rigid surfaces (section \"Contact: NAME\") and between fragments of "
-                       "a part of particles (Self-contact, without friction).")
+                yield ("# Contact here is with rigid surfaces (section \"Contact: NAME\"), between bodies (\"Body contact: "
+                       "NAME\"), and between fragments of a part of particles (Self-contact, without friction).")
             yield f"#   {section.line.place}: *{section.keyword}" + (f": {reason}" if reason else "")
             if section.name.startswith("ELEMENT"):
                 yield f"#     {len(lines)} cards"
@@ -70,7 +70,10 @@ class Report:
         """Lines for the terminal."""
         keywords = list(self.keywords())
         n = len(self.left_out)
-        yield (f"{n} keyword{'s were' if n != 1 else ' was'} not understood" +
-               (", at the end of the file as comments: " + ", ".join(keywords) if keywords else ""))
+        if n == 0:
+            yield "all keywords were understood"
+        else:
+            yield (f"{n} keyword{'s were' if n != 1 else ' was'} not understood" +
+                   ", at the end of the file as comments: " + ", ".join(keywords))
         yield from (f"*{section.keyword}: {reason}" for section, _, reason in self.left_out if reason)
         yield from self.all_notes()

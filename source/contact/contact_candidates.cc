@@ -136,7 +136,8 @@ namespace tombolo
                 << nodes.persistent_ids()[candidates[k]] << " at (" << x[0];
         for (unsigned int d = 1; d < dim; ++d)
           message << ", " << x[d];
-        message << ") is " << -gap[k] << " behind it. Move the surface or the body.";
+        message << ") is " << -gap[k] << " behind it. Move the surface or the body."
+                << " The normal of a plane points to the side where bodies may be.";
         failure = message.str();
       }
     // Of all ranks, the one with the deepest node reports it.

@@ -2,6 +2,7 @@
 #include <tombolo/simulation/advice.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/materials/yield_strength.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
@@ -106,6 +107,29 @@ namespace tombolo
                    short_number(compression) + " m/s (P) and " + short_number(shear) +
                    " m/s (S) by `Unit labels`, in solids it is 100 to 10000: are density, modulus, "
                    "length and time in units that belong together?");
+      }
+    }
+
+    /** Of scenes with units: numbers without them may have any ratio. */
+    template <int dim>
+    void warn_of_yield_stresses(const Model<dim> &model, const UnitLabels &labels, Log &log)
+    {
+      constexpr double largest_strain = 0.1;
+      if (!in_si(labels.label("L")) || !in_si(labels.label("T")))
+        return;
+      for (const Part<dim> &part : model.parts)
+      {
+        const auto *const strength = dynamic_cast<const YieldStrength *>(part.material.get());
+        if (strength == nullptr)
+          continue;
+        const double bulk = part.material->bulk_modulus(), shear = part.material->shear_modulus();
+        const double modulus = 9. * bulk * shear / (3. * bulk + shear);
+        const double yield = strength->slow_yield_stress(0., 0.);
+        if (yield > largest_strain * modulus)
+          log.warn("Part \"" + part.name + "\" yields at " + short_number(yield) + ", " +
+                   short_number(yield / modulus) +
+                   " times its Young's modulus, where metals yield below 0.02 times theirs: are "
+                   "both in the same unit of stress?");
       }
     }
 
@@ -358,7 +382,10 @@ namespace tombolo
                 " times before the end. If the process is that slow, `Scaling/Process time factor` "
                 "divides the steps, as long as the kinetic energy stays below 5 %: the thrust of a "
                 "drill was 898, 901 and 894 N with factors of 500, 1000 and 2000 (doc/choosing.md, "
-                "Forming).");
+                "Forming)." +
+                (model.heat ? " If only heat matters, `Model = heat conductor` of the material has "
+                              "no waves."
+                            : ""));
     }
   } // namespace
 
@@ -389,6 +416,7 @@ namespace tombolo
     const bool at_rest = StaticSteps<dim>::are_chosen(parameters);
     if (!at_rest)
       warn_of_wave_speeds(model, UnitLabels(parameters.section("")), log);
+    warn_of_yield_stresses(model, UnitLabels(parameters.section("")), log);
     warn_of_conflicts(model, end_time, log);
     warn_of_idle_contacts(model, end_time, log);
     if (!at_rest)

@@ -381,13 +381,17 @@ namespace tombolo
     for (const auto &process : model.processes)
       process->describe(model, text);
     const double n_steps = print_steps(model, step_size, thermal_step, statics, end_time, text);
-    print_contact_stiffness(model, step_size.limit().time_step, text);
+    if (statics == nullptr) // at rest springs do not follow from a step
+      print_contact_stiffness(model, step_size.limit().time_step, text);
     const auto bytes_of_ranks = print_memory(model, counts.nodes, text);
     print_symmetry(model, text);
     print_ranks(model, bytes_of_ranks, text);
     if (statics == nullptr)
       text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));
-    log.print(text.str());
+    std::string audit = text.str();
+    if (audit.back() == '\n')
+      audit.pop_back();
+    log.print(audit);
     warn_of_bodies(model, log);
     for (const std::string &remark : model.mesh.remarks)
       log.warn(remark);

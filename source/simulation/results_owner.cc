@@ -9,11 +9,14 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <ostream>
 #include <system_error>
+#include <unistd.h>
 
 namespace tombolo
 {
@@ -76,7 +79,48 @@ namespace tombolo
              (title.empty() ? "" : " (" + title + ")") +
              ". Name another directory, or replace them with --overwrite.";
     }
+    /** A lock of a whole file. It belongs to the process, and goes with it. */
+    struct flock whole_file()
+    {
+      struct flock lock = {};
+      lock.l_type = F_WRLCK;
+      lock.l_whence = SEEK_SET;
+      return lock;
+    }
+
+    bool is_held_by_another(const fs::path &path)
+    {
+      const int file = open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+      if (file < 0)
+        return false;
+      struct flock lock = whole_file();
+      const bool is_known = fcntl(file, F_GETLK, &lock) == 0;
+      close(file);
+      return is_known && lock.l_type != F_UNLCK;
+    }
   } // namespace
+
+  void refuse_running_run(const Parameters &parameters)
+  {
+    const MPI_Comm communicator = parameters.communicator();
+    const std::string directory = parameters.section("").get("Output directory");
+    const bool is_held = Utilities::MPI::this_mpi_process(communicator) == 0 &&
+                         is_held_by_another(fs::path(directory) / owner_file);
+    if (Utilities::MPI::broadcast(communicator, is_held, 0))
+      parameters.fail("Output directory", "another run writes there now. Name another directory, "
+                                          "or wait for its end.");
+  }
+
+  void hold_results(const OutputDirectory &directory)
+  {
+    if (Utilities::MPI::this_mpi_process(directory.communicator()) != 0)
+      return;
+    // Open until the process ends: closing the file would give up the lock.
+    const int file = open(directory.file(owner_file).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    struct flock lock = whole_file();
+    if (file >= 0)
+      fcntl(file, F_SETLK, &lock);
+  }
 
   void refuse_results_of_another_file(const Parameters &parameters)
   {

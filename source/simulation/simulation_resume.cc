@@ -33,7 +33,6 @@ namespace tombolo
     archive("wall seconds", wall_seconds);
     if (archive.is_reading())
       seconds.before_resumption = wall_seconds;
-
     // In another directory, where their files are not, all outputs start anew.
     if (!archive.is_reading() || resumption.continues_files)
       outputs.serialize(archive);
@@ -112,6 +111,7 @@ namespace tombolo
       directory->remove_earlier_results();
       write_owner_of_results(parameters, *directory);
     }
+    hold_results(*directory);
     const UnitLabels unit_labels(parameters.section(""));
     statistics.open(*directory, unit_labels);
     directory->write_parameters(parameters);

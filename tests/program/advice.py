@@ -183,6 +183,15 @@ class Warnings(command_line.Case):
             options = ("--set", "Unit labels = " + labels, "--set", density % rho, "--set", modulus % young)
             self.assertEqual(self.dry_run(options=options if labels else options[2:]).count(piece), count, labels)
 
+    def test_a_yield_stress_above_what_metals_have(self):
+        plastic = ["set Model = elastic\n  subsection elastic", "set Model = j2 plasticity\n  subsection j2 plasticity\n    set Flow "
+                   "stress = linear hardening\n    subsection linear hardening\n      set Yield stress = %g\n      set Hardening "
+                   "modulus = 0\n    end"]
+        for labels, stress, count in (("length: mm, time: s", 0.9, 0), ("length: mm, time: s", 11, 1), ("", 11, 0)):
+            options = ("--set", "Unit labels = " + labels) if labels else ()
+            printed = self.dry_run([plastic[0], plastic[1] % (10 * stress)], options=options)
+            self.assertEqual(printed.count('Warning: Part "left" yields at '), count, printed)
+
     def test_a_scene_with_an_exact_solution_gets_no_advice(self):
         smoothing = ["set Smoothing = affine", "set Smoothing = paper"]
         exact = ["subsection Output", "subsection Exact solution\n  set Velocity = 0; 0\nend\nsubsection Output"]

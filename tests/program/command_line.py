@@ -128,6 +128,12 @@ class Options(Case):
                                                       "--set", "End time = 2", exits=1))
         self.assertIn("--set needs an argument", self.run_program("rod.prm", "--set", exits=1))
 
+    def test_implicit_is_no_mistyped_explicit(self):
+        self.write_rod("case.prm", "output")
+        printed = self.run_program("--validate", "case.prm", "--set", "Time integration = implicit", exits=1)
+        self.assertIn('allowed is one of "explicit"', printed)
+        self.assertNotIn("Did you mean", printed)
+
     def test_a_wrong_command_line_is_refused_once(self):
         for options, message in ((("--validat", "rod.prm"), "Did you mean --validate?"),
                                  (("--dryrun", "rod.prm"), "Did you mean --dry-run?"),
@@ -249,6 +255,8 @@ class Signals(Case):
                 except FileNotFoundError:
                     pass
                 time.sleep(0.05)
+            for options in ((), ("--overwrite",), ("--resume",)):
+                self.assertIn("another run writes there now", self.run_program(*options, "long.prm", exits=1))
             process.send_signal(number)
             printed = process.communicate()[0].decode(errors="replace")
         finally:

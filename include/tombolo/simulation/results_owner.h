@@ -17,6 +17,14 @@ namespace tombolo
    * end there: what would be removed can be resumed. Collective. */
   void refuse_unfinished_run(const Parameters &parameters);
 
+  /** Throws an InputError about `Output directory` where another process writes there now: its
+   * rank 0 holds a lock of `run.json`. Collective. */
+  void refuse_running_run(const Parameters &parameters);
+
+  /** Locks `run.json` until this process ends; does nothing where the file system has no locks.
+   * Collective. */
+  void hold_results(const OutputDirectory &directory);
+
   /** Writes `run.json`: to which parameter file the results in @p directory belong. Collective. */
   void write_owner_of_results(const Parameters &parameters, const OutputDirectory &directory);
 

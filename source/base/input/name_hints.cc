@@ -47,6 +47,16 @@ namespace tombolo
     return nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?";
   }
 
+  std::string nearest_section(const std::string &name, const ParameterDeclaration &parent)
+  {
+    const auto names = parent.section_names();
+    for (const std::string &candidate : names)
+      if (const std::size_t colon = candidate.find(": ");
+          colon != std::string::npos && candidate.substr(colon + 2) == name)
+        return candidate;
+    return nearest_name(name, names);
+  }
+
   std::string entry_hints(const ParameterDeclaration &root, const ParameterDeclaration &section,
                           const std::string &name)
   {
@@ -84,7 +94,8 @@ namespace tombolo
       return " " + in_quotes(name) + " is an entry: write \"set " + name + " = ...\".";
     if (const std::string library = library_hint(name); !library.empty())
       return library;
-    std::string hints = did_you_mean(name, parent.section_names());
+    const std::string nearest = nearest_section(name, parent);
+    std::string hints = nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?";
     const std::size_t colon = name.find(':');
     if (colon != std::string::npos)
     {

@@ -300,10 +300,15 @@ namespace tombolo
                                            std::vector<std::string> &sections,
                                            std::vector<unsigned int> &opened)
   {
+    if (text.front() == '*' || text.front() == '$')
+      throw InputError(to_string(location) + ": " + in_quotes(text) +
+                       " begins no parameter file but a deck or a mesh. A mesh is named in a "
+                       "parameter file, as \"Mesh/file/File\"; scripts/import_keyword writes a "
+                       "parameter file of a deck of LS-DYNA.");
     const std::string nearest = nearest_name(keyword, {"set", "subsection", "end", "include"});
     const bool has_value = text.find('=') != std::string::npos;
     std::string hint;
-    if (!nearest.empty())
+    if (!nearest.empty() && !(nearest == "end" && has_value))
       hint = " Did you mean \"" + nearest + "\"?";
     else if (has_value)
       hint = " Did you mean " + in_quotes("set " + text) + "?";

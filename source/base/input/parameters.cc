@@ -177,7 +177,7 @@ namespace tombolo
                      "." + section_hints(*parent, name));
       if (is_listed && setting(list) == nullptr)
         mistakes.mark_meant(list);
-      if (const std::string nearest = nearest_name(name, parent->section_names()); !nearest.empty())
+      if (const std::string nearest = nearest_section(name, *parent); !nearest.empty())
         mistakes.mark_meant(joined_path(parent->path, nearest));
       return;
     }

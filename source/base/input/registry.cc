@@ -40,6 +40,14 @@ namespace tombolo
       return last[b.size()];
     }
 
+    /** "implicit" is no mistyped "explicit". */
+    bool are_opposites(const std::string &a, const std::string &b)
+    {
+      const auto begin = [](const std::string &text) { return text.substr(0, 2); };
+      return a.size() > 4 && b.size() == a.size() && a.substr(2) == b.substr(2) &&
+             ((begin(a) == "im" && begin(b) == "ex") || (begin(a) == "ex" && begin(b) == "im"));
+    }
+
     std::vector<PluginDescription> &all_plugins()
     {
       static std::vector<PluginDescription> plugins;
@@ -63,7 +71,7 @@ namespace tombolo
     std::string nearest;
     std::size_t smallest = (name.size() + 1) / 2;
     for (const auto &candidate : candidates)
-      if (candidate.size() <= longest)
+      if (candidate.size() <= longest && !are_opposites(simplified_name, simplified(candidate)))
       {
         const std::size_t distance = edit_distance(simplified_name, simplified(candidate));
         if (distance < smallest)

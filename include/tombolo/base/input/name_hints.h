@@ -16,6 +16,10 @@ namespace tombolo
   std::string entry_hints(const ParameterDeclaration &root, const ParameterDeclaration &section,
                           const std::string &name);
 
+  /** The section of @p parent that @p name means perhaps: the nearest name, or "Part: side" for
+   * "side"; empty if there is none. */
+  std::string nearest_section(const std::string &name, const ParameterDeclaration &parent);
+
   /** Likewise for a section that @p parent does not have. Sections as "Part: side" exist for the
    * names that a list, here "Parts", has in the section above. */
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name);
