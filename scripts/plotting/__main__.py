@@ -71,11 +71,19 @@ def chosen_fields(wanted, default, results):
     return result
 
 
+def moves(results, times):
+    """Whether anything has a velocity: bodies at rest have none."""
+    return any(grid.has("velocity") and grid.samples("velocity")[1].any()
+               for time in times for grid in results.grids_at(time).values())
+
+
 def draw_all(arguments):
     """Writes all pictures; their paths."""
     results = Results(arguments.directory)
     if not results.files and not any(results.table(name) for name, _, _ in PICTURES_OF_TABLES):
-        raise PlotError(f"{arguments.directory} has neither solution.pvd nor tables to draw")
+        stages = sorted(str(file.parent) for file in arguments.directory.glob("*/statistics.csv"))
+        raise PlotError(f"{arguments.directory} has neither solution.pvd nor tables to draw" +
+                        (f"; directories in it have: {', '.join(stages)}" if stages else ""))
     pictures = arguments.output or arguments.directory / "pictures"
     pictures.mkdir(parents=True, exist_ok=True)
     written = []
@@ -88,6 +96,8 @@ def draw_all(arguments):
         over_axis = chosen_fields(arguments.profiles, [along, temperature], results)
         in_colour = chosen_fields(arguments.fields,
                                   [along, "velocity", "displacement", temperature], results)
+        if not arguments.fields and not moves(results, times):
+            in_colour = [field for field in in_colour if field.array != "velocity"]
         for field in over_axis:
             written.append(profile.draw_profiles(results, field, axis, times,
                                                  pictures / f"profile_{field.file_name}.png"))

@@ -89,7 +89,10 @@ def particle_shapes(grid, magnify=1):
     """Symmetric matrices A (n, 3, 3) of the ellipsoids c + A s, |s| = 1, which have the particles' volumes."""
     start = grid.initial_points()
     share = numpy.pi**-0.5 if dimension_of(start) == 2 else (4 / 3 * numpy.pi)**(-1 / 3)
-    return share * particle_sizes(grid)[:, None, None] * stretches(start, start + magnify * (grid.points - start))
+    shapes = stretches(start, start + magnify * (grid.points - start))
+    if "broken bonds" in grid.point_data:  # what has no bond left has no shape
+        shapes[grid.point_data["broken bonds"].reshape(-1) >= 1] = numpy.eye(3)
+    return share * particle_sizes(grid)[:, None, None] * shapes
 
 
 def outlines(shapes, matrix):

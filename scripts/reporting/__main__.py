@@ -60,8 +60,7 @@ def main(texts=None):
         for one in [target, *(stage / "report.html" for stage in stages)]:
             check_target(one, arguments.overwrite)
         if stages:
-            pages = make_stage_reports(stages, arguments.cut, arguments.fields)
-            pages[-1] = (target, *pages[-1][1:])
+            pages = make_stage_reports(stages, target, arguments.cut, arguments.fields)
         else:
             pages = [(target, *make_report(arguments.directory, arguments.cut, arguments.fields))]
         for path, text, _ in pages:

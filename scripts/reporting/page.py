@@ -49,12 +49,13 @@ class Page:
         data = embedded("chart-numbers", self.charts) + (embedded("view-data", self.view) if self.view else "")
         programs = "".join(f"<script>\n{(WEB / name).read_text('utf-8')}</script>\n"
                            for name in ("charts.js", "drawing.js", "viewer.js"))
+        nav = f'<nav aria-label="Sections"><div>{links}</div></nav>\n' if len(self.sections) > 1 else ""
         return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
                 f'<meta name="generator" content="{GENERATOR}">\n'
                 f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
                 f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
                 f"<title>{escape(self.title)}</title>\n<style>\n{(WEB / 'report.css').read_text('utf-8')}</style>\n"
-                f"</head>\n<body>\n{self.head}<nav aria-label=\"Sections\"><div>{links}</div></nav>\n"
+                f"</head>\n<body>\n{self.head}{nav}"
                 f"<main>{body}</main>\n{self.foot}{data}{programs}</body>\n</html>\n")
 
 

@@ -9,8 +9,8 @@ from .bodies import Bodies
 from .run_files import RunFiles
 
 
-def make_report(directory, cut=None, fields=None):
-    """The text of the page and the notices in it."""
+def make_report(directory, cut=None, fields=None, place=""):
+    """The text of the page and the notices in it. A place, as HTML, says of what it is a part."""
     run = RunFiles(directory)
     report = page.Page(run.title())
     bodies = Bodies(run, cut, fields)
@@ -24,7 +24,7 @@ def make_report(directory, cut=None, fields=None):
     report.add("asked", "What was asked", asked_html(run))
     report.add("audit", "Audit and costs", audit_html(run))
     # Last: reading the pictures may have found damage.
-    report.head = head_html(run)
+    report.head = head_html(run, place)
     report.foot = foot_html(run)
     return report.text(), run.notices
 
@@ -199,7 +199,7 @@ def is_number(text):
         return False
 
 
-def head_html(run):
+def head_html(run, place):
     summary = run.summary
     versions = summary.get("versions") if isinstance(summary.get("versions"), dict) else {}
     facts = []
@@ -212,7 +212,7 @@ def head_html(run):
             facts.append(text.format(summary[key]))
     kind = {"finished": "finished", "stopped": "stopped"}.get(run.state, "")
     spans = "".join(f"<span>{escape(fact)}</span>" for fact in facts)
-    return (f'<header><div><h1>{escape(run.title())}</h1><p class="facts"><span class="state {kind}">{escape(run.state)}</span>'
+    return (f'<header><div><h1>{escape(run.title())}</h1>{place}<p class="facts"><span class="state {kind}">{escape(run.state)}</span>'
             f"{spans}</p>{page.notices_html(run.notices)}{page.tiles_html(tiles(run))}</div></header>\n")
 
 

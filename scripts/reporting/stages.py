@@ -2,7 +2,9 @@
 """The report of a scene with stages: a page a stage, and one that leads to them."""
 
 import json
+import os
 from html import escape
+from urllib.parse import quote
 
 from . import page
 from .report import make_report, tiles
@@ -24,18 +26,25 @@ def stages_of(directory):
     return []
 
 
-def make_stage_reports(stages, cut, fields):
-    """[(path of the page, its text, its notices), ...] of the stages, the page that leads to them last."""
+def address(page_there, page_here):
+    return escape(quote(os.path.relpath(page_there, page_here.parent)))
+
+
+def make_stage_reports(stages, target, cut, fields):
+    """[(path of the page, its text, its notices), ...] of the stages, the page that leads to them, the target, last."""
     pages, rows = [], []
     for number, stage in enumerate(stages, 1):
-        text, notices = make_report(stage, cut, fields)
-        pages.append((stage / "report.html", text, notices))
+        path, name = stage / "report.html", escape(stage.name)
+        place = (f'<p class="facts"><span>Stage {number} of {len(stages)}: {name}</span>'
+                 f'<a href="{address(target, path)}">all stages</a></p>')
+        text, notices = make_report(stage, cut, fields, place)
+        pages.append((path, text, notices))
         run = RunFiles(stage)
         state = escape(run.state)
-        rows.append(f'<h3>{number}. <a href="{escape(stage.name)}/report.html">{escape(stage.name)}</a>, {state}</h3>'
+        rows.append(f'<h3>{number}. <a href="{address(path, target)}">{name}</a>, {state}</h3>'
                     f"{page.notices_html(notices)}{page.tiles_html(tiles(run))}")
     front = page.Page(run.title())
     front.head = f'<header><div><h1>{escape(run.title())}</h1><p class="facts">{len(stages)} stages</p></div></header>\n'
     front.add("stages", "Stages", "".join(rows))
     front.foot = "<footer>Written by scripts/report. Each stage has a page of its own in its directory.</footer>\n"
-    return pages + [(stages[0].parent / "report.html", front.text(), [])]
+    return pages + [(target, front.text(), [])]

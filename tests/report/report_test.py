@@ -141,7 +141,12 @@ class WholeRun(unittest.TestCase):
             front = Reader((scene / "report.html").read_text("utf-8"))
             self.assertEqual([address for address in front.addresses if "#" not in address],
                              ["bend/report.html", "release/report.html"])
-            self.assertIn("3 cells of <the mesh> are turned.", Reader((scene / "bend/report.html").read_text("utf-8")).text)
+            bend = Reader((scene / "bend/report.html").read_text("utf-8"))
+            self.assertIn("3 cells of <the mesh> are turned.", bend.text)
+            self.assertIn("Stage 1 of 2: bend", bend.text)
+            self.assertIn("../report.html", bend.addresses)
+            self.assertEqual(run_report(scene, "--output", scene / "all stages.html").returncode, 0)
+            self.assertIn("../all%20stages.html", Reader((scene / "bend/report.html").read_text("utf-8")).addresses)
             (scene / "bend/report.html").write_text("mine", "utf-8")
             self.assertIn("exists and is no report", run_report(scene).stderr)
 

@@ -95,7 +95,8 @@ namespace tombolo
                                                      const Tensor<1, dim> &) const
   {
     const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
-    const std::vector<RigidProfile::Place> outline = profile.outline(numbers::PI / 18);
+    const std::vector<RigidProfile::Place> outline =
+        profile.outline(numbers::PI / (dim == 2 ? 180 : 18));
     FacetList<dim> result;
     if constexpr (dim == 2)
     {
