@@ -15,8 +15,22 @@ die()
   exit 1
 }
 
-# usage_of SCRIPT: prints the comment at the head of the script.
-usage_of() { awk 'NR > 1 && /^#/ { sub(/^# ?/, ""); print; next } NR > 1 { exit }' "$1"; }
+# usage_of SCRIPT: prints the comment at the head of the script, with the names that an installed
+# Tombolo gives to its commands.
+usage_of()
+{
+  awk -v is_installed="$([[ -x $tombolo_root/scripts/setup ]] || echo 1)" '
+    NR > 1 && /^#/ {
+      sub(/^# ?/, "")
+      if (is_installed && gsub(/scripts\//, "tombolo-")) {
+        gsub(/tombolo-import_/, "tombolo-import-")
+        gsub(/tombolo-plot_/, "tombolo-plot-")
+      }
+      print
+      next
+    }
+    NR > 1 { exit }' "$1"
+}
 
 # nproc obeys OMP_NUM_THREADS, which is one here.
 tombolo_cores=$(env -u OMP_NUM_THREADS nproc)

@@ -3,6 +3,7 @@
 
 import argparse
 import difflib
+import signal
 import sys
 from pathlib import Path
 
@@ -128,4 +129,5 @@ def main():
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as other commands: a reader may have enough
     main()

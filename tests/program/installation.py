@@ -59,7 +59,7 @@ class Installation(unittest.TestCase):
 
     def test_commands_explain_themselves(self):
         for name in ("tombolo-plot", "tombolo-report", "tombolo-plot-reflection", "tombolo-import-keyword", "tombolo-study", "tombolo-submit"):
-            self.assertIn("usage:", self.works(name, "--help"))
+            self.assertIn(f"usage: {name} ", self.works(name, "--help"))
         refused = run(self.commands / "tombolo-plot", "nowhere", cwd=self.work)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("there is no directory nowhere", refused.stderr)
@@ -71,7 +71,10 @@ class Installation(unittest.TestCase):
         script = self.prefix / "share/bash-completion/completions/tombolo"
         asked = f"""source '{script}'; COMP_WORDS=('{self.commands / "tombolo"}' "$@"); COMP_CWORD=$#; _tombolo
                     printf '%s\\n' "${{COMPREPLY[@]}}" """
-        for words, expected in ((("--res",), "--resume"), (("--set", "safety"), '"Time step/Safety factor = ')):
+        rod = str(self.prefix / "share/tombolo/parameter_files/elastic_wave/coupled.prm")
+        for words, expected in ((("--res",), "--resume"), (("--set", "safety"), '"Time step/Safety factor = '),
+                                ((rod, "--set", "Part: steel side/hexahedron/Hourglass lim"),
+                                 '"Part: steel side/hexahedron/Hourglass limit = ')):
             found = run("bash", "-c", asked, "bash", *words).stdout.splitlines()
             self.assertIn(expected, found)
 
