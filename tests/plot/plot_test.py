@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import traceback
+import types
 import unittest
 from pathlib import Path
 
@@ -169,6 +170,33 @@ class PlotTest(unittest.TestCase):
         now = start.copy()
         now[62] += [0, 0, 100]
         numpy.testing.assert_allclose(particle_shapes.stretches(start, now), numpy.tile(numpy.eye(3), (125, 1, 1)), atol=1e-12)
+
+    def test_a_particle_without_a_bond_is_a_ball(self):
+        start = numpy.array(list(numpy.ndindex(5, 5, 5)), dtype=float)
+        bonds = numpy.zeros(125)
+        bonds[62] = 1
+        grid = types.SimpleNamespace(points=start * [2, 0.5, 1], initial_points=lambda: start,
+                                     point_data={"volume": numpy.ones(125), "broken bonds": bonds})
+        shapes = particle_shapes.particle_shapes(grid) / particle_shapes.particle_shapes(grid)[62, 0, 0]
+        numpy.testing.assert_allclose(shapes[62], numpy.eye(3), atol=1e-12)
+        numpy.testing.assert_allclose(shapes[63], numpy.diag([2, 0.5, 1]), atol=1e-12)
+
+    def test_bodies_at_rest_have_no_picture_of_velocities(self):
+        class Still(results.Results):
+            def grids_at(self, time):
+                grids = super().grids_at(time)
+                for grid in grids.values():
+                    grid.point_data["velocity"][:] = 0
+                return grids
+
+        self.assertTrue(plotting_main.moves(results.Results(self.rod), [6]))
+        self.assertFalse(plotting_main.moves(Still(self.rod), [6]))
+
+    def test_a_directory_of_stages_names_them(self):
+        with tempfile.TemporaryDirectory() as directory:
+            (Path(directory) / "bend").mkdir()
+            (Path(directory) / "bend/statistics.csv").write_text("time\n", "utf-8")
+            self.assertIn(f"directories in it have: {directory}/bend", plot(directory).stderr)
 
     def test_an_ellipsoid_is_the_ellipse_of_its_farthest_points(self):
         shape = numpy.array([[2, 0.3, 0.1], [0.3, 1, -0.2], [0.1, -0.2, 0.7]])
