@@ -14,6 +14,7 @@ MAXIMUM_BYTES = 9_000_000  # before base64, which adds a third
 PARTICLE_BYTES = 12  # of the place and the shape
 # Bodies fly out of the box of the view; this many of its sizes beyond it, they are left out.
 REACH = 1.0
+LINE_WIDTH = 0.005  # of tools in two dimensions, of the size of the bodies
 
 
 def packed(values, kind):
@@ -72,6 +73,15 @@ def thinned(shot, n_kept):
     shot.particle_step = step
 
 
+def ribbons(lines, width):
+    """Triangles (2n, 3, 3) of the lines (n, 2, 3) of tools in two dimensions."""
+    begin, end = lines[:, 0], lines[:, 1]
+    along = end - begin
+    length = numpy.maximum(numpy.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+    side = width / 2 * numpy.cross([0, 0, 1], along / length)
+    return numpy.stack([begin + side, begin - side, end - side, begin + side, end - side, end + side], axis=1).reshape(-1, 3, 3)
+
+
 class Packer:
     """Makes the frames one after the other; what is as in the frame before refers to it."""
 
@@ -106,8 +116,9 @@ class Packer:
         tails, tips = self.bodies.arrows(shot)
         frame["arrows"] = packed(place.of(numpy.hstack([tails, tips]).reshape(-1, 3)), "<u2")
         triangles = shot.tool_points[shot.tool_faces] if len(shot.tool_faces) else numpy.zeros((0, 3, 3))
-        if triangles.shape[1] == 2:  # lines of two dimensions
-            triangles = triangles[:, [0, 1, 1]]
+        if triangles.shape[1] == 2:
+            seen = place.inside(triangles.reshape(-1, 3)).reshape(-1, 2).any(axis=1)
+            triangles = ribbons(triangles[seen], LINE_WIDTH * self.bodies.size)
         self.once(frame, number, "tools", packed(place.of(triangles.reshape(-1, 3)), "<u2"))
         return frame
 

@@ -178,6 +178,11 @@ class WholeRun(unittest.TestCase):
         values = numpy.concatenate([seen.snapshot(time).values("displacement") for time in seen.times])
         numpy.testing.assert_allclose([seen.fields[0].low, seen.fields[0].high], numpy.percentile(values, (1, 99)))
 
+    def test_tools_in_two_dimensions_are_ribbons(self):
+        triangles = frames.ribbons(numpy.array([[[0, 0, 0], [3, 4, 0]], [[1, 1, 0], [1, 1, 0.0]]]), 0.1)
+        areas = numpy.linalg.norm(numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) / 2
+        numpy.testing.assert_allclose(areas, [0.25, 0.25, 0, 0], atol=1e-12)
+
     def test_pictures_show_body_force_and_tool(self):
         images = re.findall(r'<img src="data:image/png;base64,([^"]+)"', self.page)
         self.assertEqual(len(images), pictures.MAXIMUM_FIELDS * 4)
