@@ -135,6 +135,7 @@ namespace tombolo
       EXPECT_EQ(nearest_name("Densty", names), "Density");
       EXPECT_EQ(nearest_name("density", names), "Density");
       EXPECT_EQ(nearest_name("Dnesity", names), "Density");
+      EXPECT_EQ(nearest_name("implicit", {"explicit", "quasi-static"}), "");
       EXPECT_EQ(nearest_name("YOUNGS_MODULUS", names), "Young's modulus");
       EXPECT_EQ(nearest_name("Poisson ratio", names), "Poisson's ratio");
     }
