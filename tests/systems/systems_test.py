@@ -54,8 +54,8 @@ class Setup(Case):
                                     f'*mold) ;; *) {"printf installed" if installed else ":"};; esac\n')
         return self.setup()
 
-    def setup(self):
-        return self.run_with(str(self.bin), ROOT / "scripts/setup")
+    def setup(self, *options):
+        return self.run_with(str(self.bin), ROOT / "scripts/setup", *options)
 
     def calls(self):
         path = self.directory / "calls"
@@ -81,6 +81,14 @@ class Setup(Case):
         (self.directory / "calls").unlink()
         self.assertEqual(self.with_apt(installed=True, linker="-fuse-ld=mold"), (0, ""))
         self.assertEqual(self.calls(), [])
+
+    def test_a_run_needs_nothing_that_draws(self):
+        for options, draws in (((), True), (("--program",), False)):
+            self.with_apt()
+            self.setup(*options)
+            last = self.calls()[-1]
+            self.assertIn("libdeal.ii-dev", last)
+            self.assertEqual("python3-vtk9" in last, draws, last)
 
     def test_what_hinders_apt_is_said_with_what_is_missing(self):
         for says, sentence in (
