@@ -3,7 +3,6 @@
 
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/model/checkpoint.h>
-#include <tombolo/model/continued_state.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
@@ -80,8 +79,7 @@ namespace tombolo
       serialize_clock(earlier, archive);
       clock.stable_step = earlier.stable_step > 0. ? earlier.stable_step : courant;
       for (const auto &process : model.processes)
-        if (auto *const continued = dynamic_cast<ContinuedState<dim> *>(process.get()))
-          continued->continue_state(model, archive);
+        process->continue_state(model, archive);
       const double interval = 1e-3 * courant; // short beside a step
       model.conditions->prescribe_initial_velocity(model.state, 0., interval);
       throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/mesh_transfer.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
@@ -44,7 +43,7 @@ namespace tombolo
     void follow_division(const Model<dim> &model, StateArchive &archive, const Clock &clock)
     {
       for (const auto &process : model.processes)
-        dynamic_cast<FollowsDivisions<dim> &>(*process).follow_division(model, archive, clock);
+        process->follow_division(model, archive, clock);
     }
 
     template <int dim>

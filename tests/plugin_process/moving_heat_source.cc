@@ -3,7 +3,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/model/at_rest.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
@@ -29,7 +28,7 @@ namespace tombolo
    * doc/add_a_process.md walks through it.
    */
   template <int dim>
-  class MovingHeatSource : public Process<dim>, public AtRest
+  class MovingHeatSource : public Process<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -60,9 +59,9 @@ namespace tombolo
     }
 
     /** Bodies at rest may be heated. */
-    bool acts_at_rest() const override
+    typename Process<dim>::AtRest at_rest() const override
     {
-      return false;
+      return Process<dim>::AtRest::is_idle;
     }
 
     bool heats() const override

@@ -2,8 +2,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/read_vector.h>
-#include <tombolo/model/at_rest.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 
@@ -28,7 +26,7 @@ namespace tombolo
    * the spring at x_e(t). doc/add_a_process.md walks through it.
    */
   template <int dim>
-  class PointSpring : public Process<dim>, public AtRest, public FollowsDivisions<dim>
+  class PointSpring : public Process<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)

@@ -90,7 +90,7 @@ namespace tombolo
       NodeHistory::place(candidates, before, state.position, histories);
     }
 
-    /** See FollowsDivisions. */
+    /** See Process. */
     virtual void follow_division(const NodalState &state, StateArchive &archive, const Clock &)
     {
       NodeHistory::follow_division(archive, contact_name, candidates, state.position, histories);

@@ -115,6 +115,39 @@ namespace tombolo
     /** Positions are those of t_{n+1}, velocities those of t_{n+1/2}. */
     virtual void after_motion(Model<dim> &, const Clock &) {}
 
+    /** What steps of bodies at rest (`Time integration`) may do with it. They ask for forces at
+     * trial positions (act(), before and after those of parts), and for works and impulses
+     * (complete_step()) where the equilibrium is found; nothing else of a step is called. */
+    enum class AtRest
+    {
+      acts,
+      is_idle,   ///< it is there with its accounts and columns only, as what resists motion
+      is_refused ///< they do not know it, and the scene is refused
+    };
+    virtual AtRest at_rest() const
+    {
+      return AtRest::acts;
+    }
+
+    /** Whether its state belongs to the cells as they are: scenes are refused that divide cells in
+     * the run. Otherwise serialize() takes its state over to a mesh with other cells: sums over
+     * ranks stay, values of nodes that both meshes have stay, and new nodes begin with zero
+     * (StateArchive::nodal()). */
+    virtual bool keeps_one_mesh() const
+    {
+      return false;
+    }
+
+    /** Where it does not, after serialize() of all processes, for the archive that is written and
+     * for the one that is read: fields of all nodes, of which new nodes get the mean of those
+     * between which they lie, and what follows from them on the new mesh. */
+    virtual void follow_division(const Model<dim> &, StateArchive &, const Clock &) {}
+
+    /** Takes from the archive of another run, from the end of which this one starts (`Initial
+     * state`), what fits to this one. The model has the state of its nodes and points; balances
+     * begin at zero. */
+    virtual void continue_state(Model<dim> &, StateArchive &) {}
+
     /** The fraction of @p stable_step, the limit of the step of the bodies [T], at which they are
      * stable together with the process. The same on all ranks. */
     virtual double stable_fraction(double /*stable_step*/) const

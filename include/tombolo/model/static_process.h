@@ -3,7 +3,6 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/contact/contact_stiffness.h>
-#include <tombolo/model/at_rest.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <vector>
@@ -23,9 +22,11 @@ namespace tombolo
    * in `previous_step` the length of the step, zero at the start of the run.
    */
   template <int dim>
-  class StaticProcess : public AtRest
+  class StaticProcess
   {
   public:
+    virtual ~StaticProcess() = default;
+
     /** From now on its steps are static: nothing resists rates, and what is apart by less than @p
      * tolerance [L] touches. */
     virtual void become_static(double tolerance) = 0;

@@ -189,7 +189,7 @@ namespace tombolo
   {
     count_cells(model);
     for (const auto &process : model.processes)
-      if (dynamic_cast<const FollowsDivisions<dim> *>(process.get()) == nullptr)
+      if (process->keeps_one_mesh())
         section.fail("Criterion",
                      "the scene has what keeps a state of one mesh (" +
                          words_of_type(typeid(*process)) +

@@ -5,7 +5,6 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/model/at_rest.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -107,7 +106,7 @@ namespace tombolo
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
       for (const auto &process : model.processes)
-        if (acts_at_rest(*process))
+        if (process->at_rest() == Process<dim>::AtRest::acts)
           process->before_part_force(number, force);
       std::string of_part;
       try
@@ -123,14 +122,14 @@ namespace tombolo
       if (!of_part.empty() && failure.empty())
         failure = "part \"" + part.name + "\": " + of_part;
       for (const auto &process : model.processes)
-        if (acts_at_rest(*process))
+        if (process->at_rest() == Process<dim>::AtRest::acts)
           process->after_part_force(number, force);
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
     const Clock clock = process_clock();
     for (const auto &process : model.processes)
     {
-      if (!acts_at_rest(*process))
+      if (process->at_rest() != Process<dim>::AtRest::acts)
         continue;
       process->act(model, clock, model.state.force);
       if (failure.empty())

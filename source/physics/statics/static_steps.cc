@@ -7,7 +7,6 @@
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/mesh/symmetry_planes.h>
-#include <tombolo/model/at_rest.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/physics/statics/rigid_modes.h>
@@ -182,10 +181,10 @@ namespace tombolo
       refuse_unfit_part(parameters.section("Part: " + part.name), part,
                         model.nodes->symmetry() != nullptr);
     for (const auto &process : model.processes)
-      if (dynamic_cast<const AtRest *>(process.get()) == nullptr)
+      if (process->at_rest() == Process<dim>::AtRest::is_refused)
         parameters.fail(integration_entry,
                         "the scene has the process \"" + words_of_type(typeid(*process)) +
-                            "\", which does not know such steps (it is no `AtRest`). Take out "
+                            "\", which such steps do not know. Take out "
                             "the entry that asks for it, or use `explicit` steps.");
     const std::string free =
         free_rigid_modes(model, problem.constrained(), problem.contacts.stiffness_at_start());
@@ -344,7 +343,7 @@ namespace tombolo
     half.next_step = next;
     model.impulses.begin_step();
     for (const auto &process : model.processes)
-      if (acts_at_rest(*process))
+      if (process->at_rest() == Process<dim>::AtRest::acts)
         process->complete_step(model, half);
   }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/formulations/particles/particle_formulation.h>
-#include <tombolo/model/at_rest.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/failure/momentum_redistribution.h>
 
@@ -16,7 +15,7 @@ namespace tombolo
    * isolated particles to those that they leave (MomentumRedistribution), and counts.
    */
   template <int dim>
-  class BondFailureProcess : public Process<dim>, public AtRest
+  class BondFailureProcess : public Process<dim>
   {
   public:
     explicit BondFailureProcess(Model<dim> &model);
@@ -24,9 +23,9 @@ namespace tombolo
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     /** Bonds stay those of the start. */
-    bool acts_at_rest() const override
+    typename Process<dim>::AtRest at_rest() const override
     {
-      return false;
+      return Process<dim>::AtRest::is_idle;
     }
 
     /** Over parts and ranks; the criterion of the first part that has one. Collective. */

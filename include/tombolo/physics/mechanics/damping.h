@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/boundary/limited_function.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 
 #include <vector>
@@ -17,7 +16,7 @@ namespace tombolo
    * v is that of half a step before.
    */
   template <int dim>
-  class Damping : public Process<dim>, public FollowsDivisions<dim>
+  class Damping : public Process<dim>
   {
   public:
     /** @p rate is α, a function of time [1/T]. */

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 
 #include <string>
@@ -16,7 +15,7 @@ namespace tombolo
    * prescribed displacements tell the strain.
    */
   template <int dim>
-  class ElasticStrain : public Process<dim>, public FollowsDivisions<dim>
+  class ElasticStrain : public Process<dim>
   {
   public:
     /** A part and the change of its section that gives its stress an energy. */

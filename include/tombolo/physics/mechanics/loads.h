@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/at_rest.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
 
@@ -19,7 +17,7 @@ namespace tombolo
    * positions on their velocity Φ v: what all do together is that of Φᵀ f on v.
    */
   template <int dim>
-  class Loads : public Process<dim>, public FollowsDivisions<dim>, public AtRest
+  class Loads : public Process<dim>
   {
   public:
     explicit Loads(const Model<dim> &model);

@@ -25,6 +25,14 @@ namespace tombolo
      * InputError where the target does nothing, or would take too much. Collective. */
     MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model);
 
+    bool keeps_one_mesh() const override
+    {
+      return true;
+    }
+    typename Process<dim>::AtRest at_rest() const override
+    {
+      return Process<dim>::AtRest::is_refused;
+    }
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;

@@ -3,7 +3,6 @@
 
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/mesh/bodies.h>
-#include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/static_process.h>
 
@@ -20,13 +19,17 @@ namespace tombolo
    * the bodies get the heat of friction and exchange heat.
    */
   template <int dim>
-  class MortarContacts : public Process<dim>, public ContinuedState<dim>, public StaticProcess<dim>
+  class MortarContacts : public Process<dim>, public StaticProcess<dim>
   {
   public:
     /** Throws InputError. Collective. */
     MortarContacts(const std::vector<Section> &sections, Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
+    bool keeps_one_mesh() const override
+    {
+      return true;
+    }
     bool follows_placed_nodes() const override
     {
       return false;

@@ -42,6 +42,14 @@ namespace tombolo
     /** @p laws have the entries of the parts; the other numbers are found. Collective. */
     PartContact(std::vector<PartLaw> laws, Model<dim> &model);
 
+    bool keeps_one_mesh() const override
+    {
+      return true;
+    }
+    typename Process<dim>::AtRest at_rest() const override
+    {
+      return Process<dim>::AtRest::is_refused;
+    }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     double stable_fraction(double stable_step) const override;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/at_rest.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
 
@@ -22,7 +20,7 @@ namespace tombolo
    * further moment: ConstrainedParticles::find_moments().
    */
   template <int dim>
-  class PrescribedMotion : public Process<dim>, public FollowsDivisions<dim>, public AtRest
+  class PrescribedMotion : public Process<dim>
   {
   public:
     explicit PrescribedMotion(const Model<dim> &model);

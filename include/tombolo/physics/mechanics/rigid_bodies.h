@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
 
@@ -22,13 +21,21 @@ namespace tombolo
    * and of a momentum that is prescribed, is booked with that of the remap.
    */
   template <int dim>
-  class RigidBodies : public Process<dim>, public ContinuedState<dim>
+  class RigidBodies : public Process<dim>
   {
   public:
     /** Collects the rigid parts, gives their nodes the velocity at the start. Throws InputError.
      * Collective. */
     RigidBodies(const Parameters &parameters, Model<dim> &model);
 
+    bool keeps_one_mesh() const override
+    {
+      return true;
+    }
+    typename Process<dim>::AtRest at_rest() const override
+    {
+      return Process<dim>::AtRest::is_refused;
+    }
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void model_changed(Model<dim> &model) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/continued_state.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/gap_source.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/static_process.h>
@@ -25,11 +23,7 @@ namespace tombolo
    * tools; all contacts see the same heat of a node, whatever their order.
    */
   template <int dim>
-  class RigidContacts : public Process<dim>,
-                        public ContinuedState<dim>,
-                        public StaticProcess<dim>,
-                        public FollowsDivisions<dim>,
-                        public GapSource
+  class RigidContacts : public Process<dim>, public StaticProcess<dim>, public GapSource
   {
   public:
     /** Throws InputError. Collective. */

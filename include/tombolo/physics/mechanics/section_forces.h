@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/at_rest.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/model/process.h>
 #include <tombolo/output/section_balance.h>
@@ -16,7 +14,7 @@ namespace tombolo
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
    * forces which it sees are those of the material alone. */
   template <int dim>
-  class SectionForces : public Process<dim>, public FollowsDivisions<dim>, public AtRest
+  class SectionForces : public Process<dim>
   {
   public:
     SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/at_rest.h>
 #include <tombolo/model/process.h>
 
 namespace tombolo
@@ -15,7 +14,7 @@ namespace tombolo
    * dissipation where bonds break, else as that of the renewal.
    */
   template <int dim>
-  class StencilRenewal : public Process<dim>, public AtRest
+  class StencilRenewal : public Process<dim>
   {
   public:
     /** @p breaks: whether bonds can break; @p renews: whether kernels are renewed now and then.
@@ -25,9 +24,9 @@ namespace tombolo
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     /** Rows stay those of the start. */
-    bool acts_at_rest() const override
+    typename Process<dim>::AtRest at_rest() const override
     {
-      return false;
+      return Process<dim>::AtRest::is_idle;
     }
     void prepare_change(Model<dim> &model) override;
     void model_changed(Model<dim> &model) override;

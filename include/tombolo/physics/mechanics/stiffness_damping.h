@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 
 namespace tombolo
@@ -17,7 +16,7 @@ namespace tombolo
    * itself.
    */
   template <int dim>
-  class StiffnessDamping : public Process<dim>, public FollowsDivisions<dim>
+  class StiffnessDamping : public Process<dim>
   {
   public:
     /** @p factor is β [T]. Where the estimate of the step does not see the force, @p

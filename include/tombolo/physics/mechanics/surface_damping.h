@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/at_rest.h>
 #include <tombolo/model/process.h>
 
 #include <array>
@@ -29,7 +28,7 @@ namespace tombolo
    * yield stress. b is the entry `Coefficient` of the section `Surface damping`.
    */
   template <int dim>
-  class SurfaceDamping : public Process<dim>, public AtRest
+  class SurfaceDamping : public Process<dim>
   {
   public:
     SurfaceDamping(double coefficient, const Model<dim> &model);
@@ -43,9 +42,9 @@ namespace tombolo
                          NodalVector &force) override;
     std::size_t memory_consumption() const override;
     /** Nothing has a rate. */
-    bool acts_at_rest() const override
+    typename Process<dim>::AtRest at_rest() const override
     {
-      return false;
+      return Process<dim>::AtRest::is_idle;
     }
 
   private:

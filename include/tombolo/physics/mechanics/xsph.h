@@ -18,6 +18,14 @@ namespace tombolo
   class Xsph : public Process<dim>
   {
   public:
+    bool keeps_one_mesh() const override
+    {
+      return true;
+    }
+    typename Process<dim>::AtRest at_rest() const override
+    {
+      return Process<dim>::AtRest::is_refused;
+    }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;

@@ -4,7 +4,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/cell_divisions.h>
-#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/remeshing/model_content.h>
 #include <tombolo/physics/remeshing/refinement_criterion.h>
@@ -25,7 +24,7 @@ namespace tombolo
    * that of the file, from which levels count.
    */
   template <int dim>
-  class AdaptiveRefinement : public Process<dim>, public FollowsDivisions<dim>
+  class AdaptiveRefinement : public Process<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
