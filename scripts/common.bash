@@ -50,6 +50,19 @@ print(*(name for name in sys.argv[1:] if find_spec(name) is None))' "$@")
     die "$tombolo_python has no $missing; on Debian: apt-get install python3-numpy python3-matplotlib python3-vtk9 python3-h5py"
 }
 
+# plugins_of ARGUMENT...: the targets of plug-in libraries of the project that files among the arguments
+# name.
+plugins_of()
+{
+  local argument name
+  for argument in "$@"; do
+    [[ ! -f $argument ]] || grep -ohE '\blib[a-z_]+\.so\b' "$argument" || true
+  done | sort -u | while read -r name; do
+    name=${name#lib}
+    [[ ! -d $tombolo_root/tests/plugin_${name%.so} ]] || echo "${name%.so}"
+  done
+}
+
 # One job per core, but not more than one per two gigabytes of memory: a translation unit of
 # deal.II takes more than one.
 parallel_jobs()

@@ -3,5 +3,4 @@
 add_library(lattice_filter MODULE ${CMAKE_CURRENT_LIST_DIR}/lattice_filter.cc)
 tombolo_setup_target(lattice_filter)
 target_link_libraries(lattice_filter tombolo)
-add_dependencies(tombolo_program lattice_filter)
 target_sources(test_physics PRIVATE ${CMAKE_CURRENT_LIST_DIR}/lattice_filter.cc)
