@@ -117,7 +117,7 @@ namespace tombolo
             reversed |= 1u << axis;
             ++n_reversed;
           }
-        const std::vector<unsigned int> was = cell.vertices;
+        const auto was = cell.vertices;
         for (unsigned int corner = 0; corner < 8; ++corner)
         {
           // An odd number of reversed axes would turn the cell inside out: x and y change places.
