@@ -222,37 +222,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double PairTerms<dim>::viscous_rate(const PairRows &rows, const double *position,
-                                      const double *velocity) const
-  {
-    const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
-    Lanes own[dim], own_velocity[dim], other[dim];
-    double largest = 0;
-    const Stencils &shape = *rows.shape;
-    for (unsigned int row = 0; row < shape.n_particles(); ++row)
-    {
-      const unsigned int particle = shape.particle_node[row];
-      const unsigned int n_neighbours = shape.row(row).size;
-      spread_node(position, particle, own);
-      spread_node(velocity, particle, own_velocity);
-      Lanes sum = 0.;
-      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
-      {
-        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-        gather_nodes(velocity, pairs.node, other);
-        for (unsigned int d = 0; d < dim; ++d)
-          other[d] -= own_velocity[d];
-        const Lanes distance = pairs.squared + least;
-        const Lanes mu = h * min(pairs.along_offset(other), Lanes(0.)) / distance;
-        sum += pairs.weight * (alpha_c - 2. * quadratic * mu) * pairs.squared / distance;
-      }
-      largest = std::max(largest, sum_of_lanes(sum));
-    }
-    // Two halves of each pair, and its two ends (Gershgorin).
-    return 2. * h * largest;
-  }
-
-  template <int dim>
   void PairTerms<dim>::add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
                                              const double *position, double *force) const
   {

@@ -11,7 +11,6 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 namespace tombolo
@@ -32,8 +31,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  PairForces<dim>::PairForces(const Model<dim> &model, const bool limits_step_itself)
-      : model(model), limits_step_itself(limits_step_itself), power(model.particle_parts().size())
+  PairForces<dim>::PairForces(const Model<dim> &model)
+      : model(model), power(model.particle_parts().size())
   {
     const auto add = [&](const std::string &name)
     { return &this->actions.add(name, ActsAt::nodes).books(name, EnergyKind::artificial); };
@@ -66,7 +65,6 @@ namespace tombolo
     if (viscosity != nullptr)
     {
       double *const force = viscosity->at_all_nodes().data();
-      rate = 0;
       for_parts_with_pairs(
           model,
           [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t number)
@@ -74,15 +72,10 @@ namespace tombolo
             power[number].assign(particles.particle_nodes().size(), 0.);
             if (!pairs.pair_terms().has_viscosity())
               return;
-            const PairRows rows = pairs.pair_rows();
-            pairs.pair_terms().add_viscous_force(rows, state.position.data(), state.velocity.data(),
-                                                 force, power[number].data());
-            if (limits_step_itself)
-              rate = std::max(rate, pairs.pair_terms().viscous_rate(rows, state.position.data(),
-                                                                    state.velocity.data()));
+            pairs.pair_terms().add_viscous_force(pairs.pair_rows(), state.position.data(),
+                                                 state.velocity.data(), force,
+                                                 power[number].data());
           });
-      if (limits_step_itself)
-        rate = Utilities::MPI::max(rate, model.communicator);
     }
     if (stress == nullptr)
       return;
@@ -138,16 +131,6 @@ namespace tombolo
             heat_given += heat;
           }
         });
-  }
-
-  template <int dim>
-  double PairForces<dim>::stable_fraction(const double stable_step) const
-  {
-    if (!limits_step_itself || rate == 0.)
-      return 1.;
-    const double damping = 0.25 * rate * stable_step;
-    constexpr double margin = 0.85; // such an estimate has none of its own
-    return margin / (std::sqrt(1. + damping * damping) + damping);
   }
 
   template <int dim>
@@ -239,8 +222,7 @@ namespace tombolo
                                    "it acts in kernels that follow a motion");
       }
 
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
       {
         bool has_forces = false;
         for_parts_with_pairs(
@@ -252,8 +234,7 @@ namespace tombolo
             });
         if (!model.has_mechanics || !has_forces)
           return nullptr;
-        const bool sees_forces = parameters.raw("Time step/Estimator", "spectral") == "spectral";
-        return std::make_unique<PairForces<dim>>(model, !sees_forces);
+        return std::make_unique<PairForces<dim>>(model);
       }
     };
   } // namespace

@@ -7,7 +7,6 @@
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
-#include <cmath>
 #include <limits>
 
 namespace tombolo
@@ -15,9 +14,8 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  StiffnessDamping<dim>::StiffnessDamping(const double factor, const bool limits_step_itself)
-      : factor(factor), limits_step_itself(limits_step_itself),
-        damping(this->actions.add("stiffness damping", ActsAt::nodes))
+  StiffnessDamping<dim>::StiffnessDamping(const double factor)
+      : factor(factor), damping(this->actions.add("stiffness damping", ActsAt::nodes))
   {
     damping.books("stiffness damping", EnergyKind::dissipated).stays_on_rank();
   }
@@ -58,16 +56,6 @@ namespace tombolo
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         total.node(i)[d] += multiple * factor * stiffness_force.node(i)[d];
-  }
-
-  template <int dim>
-  double StiffnessDamping<dim>::stable_fraction(const double stable_step) const
-  {
-    if (!limits_step_itself)
-      return 1.;
-    const double ratio = factor / stable_step;
-    constexpr double margin = 0.85; // such an estimate has none of its own
-    return margin / (std::sqrt(1. + ratio * ratio) + ratio);
   }
 
   template <int dim>
@@ -119,8 +107,7 @@ namespace tombolo
         const double factor = parameters.section("Damping").get_double(factor_entry);
         if (!model.has_mechanics || factor == 0.)
           return nullptr;
-        const bool sees_forces = parameters.raw("Time step/Estimator", "spectral") == "spectral";
-        return std::make_unique<StiffnessDamping<dim>>(factor, !sees_forces);
+        return std::make_unique<StiffnessDamping<dim>>(factor);
       }
     };
   } // namespace

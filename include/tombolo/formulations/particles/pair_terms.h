@@ -78,9 +78,6 @@ namespace tombolo
     void apply_viscosity(const PairRows &rows, const double *position, const double *velocity,
                          const double *direction, double factor, double *force) const;
 
-    /** A bound of the eigenvalues of M⁻¹C of apply_viscosity() over the rows [1/T]. */
-    double viscous_rate(const PairRows &rows, const double *position, const double *velocity) const;
-
     /** Adds the forces of the artificial stress. @p points have the stresses of the rows. */
     void add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
                                const double *position, double *force) const;

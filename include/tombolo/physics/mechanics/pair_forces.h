@@ -15,22 +15,19 @@ namespace tombolo
    * viscosity takes heats the particles: half of a pair each, by the velocities of t_{n-1/2} over
    * Δt_n.
    *
-   * The spectral estimate sees the viscosity of all pairs. Other estimates do not: then the stable
-   * step becomes shorter by √(1 + ξ²) - ξ, where ξ is a bound of its damping ratio at the step.
+   * The estimate of the step sees the viscosity of all pairs.
    */
   template <int dim>
   class PairForces : public Process<dim>
   {
   public:
-    /** Where the estimate of the step does not see the forces, @p limits_step_itself. */
-    PairForces(const Model<dim> &model, bool limits_step_itself);
+    explicit PairForces(const Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
                          NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    double stable_fraction(double stable_step) const override;
     bool heats() const override;
     void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
     void add_pending_heat(NodalVector &heat) const override;
@@ -45,8 +42,6 @@ namespace tombolo
 
   private:
     const Model<dim> &model;
-    bool limits_step_itself;
-    double rate = 0; // of the viscosity over all ranks, where it limits the step [1/T]
     Action *viscosity = nullptr, *stress = nullptr; // null: no part has it
     std::vector<std::vector<double>> power;         // of the viscosity, by particle part and row
     NodalVector pending_heat;                       // scalar; empty where nothing heats

@@ -19,15 +19,13 @@ namespace tombolo
   class StiffnessDamping : public Process<dim>
   {
   public:
-    /** @p factor is β [T]. Where the estimate of the step does not see the force, @p
-     * limits_step_itself. */
-    StiffnessDamping(double factor, bool limits_step_itself);
+    /** @p factor is β [T]. */
+    explicit StiffnessDamping(double factor);
 
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
                          NodalVector &force) override;
-    double stable_fraction(double stable_step) const override;
     std::size_t memory_consumption() const override;
 
   private:
@@ -35,7 +33,6 @@ namespace tombolo
     void apply_stiffness(const Model<dim> &model, const NodalVector &velocity, NodalVector &result);
 
     double factor;
-    bool limits_step_itself;
     NodalVector stiffness_force; ///< buffer of apply_viscosity()
     Action &damping;
   };

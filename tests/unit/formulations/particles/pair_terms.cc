@@ -203,9 +203,6 @@ namespace
     apply(b, of_b);
     EXPECT_NEAR(cloud.dot(a, of_b), cloud.dot(b, of_a), 1e-12 * cloud.dot(a, of_a));
     EXPECT_GT(cloud.dot(a, of_a), 0.);
-    EXPECT_LT(cloud.dot(a, of_a) / 3. / (2. * cloud.dot(a, a)),
-              cloud.terms.viscous_rate(cloud.pairs.rows(), cloud.cloud.position.data(),
-                                       cloud.velocity.data()));
 
     // All pairs approach in a contraction, and the tangent is the derivative of the force.
     std::vector<double> contraction = cloud.zero(), image = cloud.zero();
