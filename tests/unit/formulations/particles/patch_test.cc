@@ -135,7 +135,7 @@ TEST(PatchTest, tells_what_forces_a_uniform_pressure_makes_that_its_tractions_do
         Choice{least_squares, "none", "xz"}, Choice{averages, "affine"},
         Choice{averages, "affine", "xyz"}, Choice{averages, "none", "xz"}})
     expect_defect_of_pressure<3>(choice);
-  for (const std::string &planes : {"", "x", "xy"})
+  for (const std::string planes : {"", "x", "xy"})
     for (const std::string &functions : {least_squares, averages})
       expect_defect_of_pressure<2>({functions, "affine", planes});
 }
