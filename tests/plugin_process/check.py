@@ -104,13 +104,13 @@ def main():
             tables.append(rows_of(f"{directory}/{name}"))
             expect(len(tables[-1]) == 6, f"{name} has {len(tables[-1])} rows, not 6")
             for row in tables[-1]:
-                for column, most in (("energy error", 1e-5), ("momentum drift", 1e-12)):
+                for column, most in (("energy error", 2e-5), ("momentum drift", 1e-12)):
                     expect(abs(row[column]) <= most, f"{name}: {column} is {row[column]}")
             last = tables[-1][-1]
             for spring in springs:
                 expect(last[f"work of {spring}"] != 0, f"{name}: spring {spring} does no work")
             works = sum(last[f"work of {spring}"] for spring in springs)
-            expect(near(last["external work"], 0, 1) and works > 1e-3,
+            expect(near(last["external work"], 0, 1) and works > 1e-7,
                    f"{name}: {works} is the work of all springs")
         for one, two in zip(*tables):
             for column, value in one.items():
@@ -125,12 +125,13 @@ def main():
         expect(Path(f"{directory}/spring_resumed/statistics.csv").read_bytes() ==
                Path(f"{directory}/spring_{smoothing}_1/statistics.csv").read_bytes(),
                f"{smoothing}: the resumed run with springs is another one")
-    run("spring_at_rest", "spring.prm", "Time integration = quasi-static", "Conditions = hold",
-        "Condition: hold/Type = clamp", "Condition: hold/Boundary = x min", "Mesh/Refine where =")
+    run("spring_at_rest", "spring.prm", "Time integration = quasi-static", "Mesh/Refine where =",
+        "Statics/quasi-static/Max iterations = 200",
+        "Condition: plane/Type = clamp", "Condition: plane/Boundary = x min")
     for row in rows_of(f"{directory}/spring_at_rest"):
-        expect(abs(row["energy error"]) <= 1e-3,
+        expect(abs(row["energy error"]) <= 1e-4,
                f"springs on a body at rest: energy error {row['energy error']}")
-    expect(row["work of above"] > 0, "a spring does no work on a body at rest")
+    expect(row["work of above"] != 0, "a spring does no work on a body at rest")
 
     torch = "Process: torch/moving heat source"
     for ranks, settings, words, file in (
