@@ -110,7 +110,7 @@ class Installation(unittest.TestCase):
     def test_the_look_at_the_processor_uses_no_extension(self):
         text = run("objdump", "-d", "--no-show-raw-insn", PROGRAM).stdout
         for name in ("refuse_unsuitable_processor", "__cpu_indicator_init"):
-            match = re.search(rf"^\S+ <[^>]*{name}[^>]*>:\n(.*?)\n\n", text, re.S | re.M)
+            match = re.search(rf"^\S+ <[^>]*{name}[^>]*>:\n(.*?)(?:\n\n|\Z)", text, re.S | re.M)
             self.assertIsNotNone(match, name)
             self.assertGreater(match.group(1).count("\n"), 20)
             self.assertIsNone(re.search(r"\t(v[a-z0-9]+) .*%[xyz]mm", match.group(1)), name)
