@@ -13,8 +13,8 @@ where there is one. --list prints the list as it is now.
 """
 
 import re
-import sys
-from pathlib import Path
+
+import checking
 
 FOREIGN_NAMES = "tests/layers/foreign_names.txt"
 HEADER = """\
@@ -55,28 +55,23 @@ def code_of(text):
 
 def foreign_names(root):
     """{(feature, file): the first line with a name of the feature}, and the number of files."""
-    result, n_files = {}, 0
-    for path in sorted(path for directory in ("include", "source") for path in (root / directory).rglob("*")
-                       if path.suffix in (".h", ".cc")):
-        n_files += 1
-        name, code = path.relative_to(root).as_posix(), code_of(path.read_text(encoding="utf-8"))
+    result, files = {}, checking.files_of(root, ("include", "source"))
+    for relative in files:
+        name, code = relative.as_posix(), code_of((root / relative).read_text(encoding="utf-8"))
         for feature, (names, own) in FEATURES.items():
             found = None if re.search(own, name) else re.search(names, code)
             if found:
                 result[feature, name] = code.count("\n", 0, found.start()) + 1
-    return result, n_files
+    return result, len(files)
 
 
 def listed_names(root):
     """The pairs of the list; none where there is no list."""
-    path = root / FOREIGN_NAMES
     pairs = []
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        if line.strip() and not line.startswith("#"):
-            feature, name = line.split()
-            if feature not in FEATURES or (feature, name) in pairs:
-                raise ValueError(f"{FOREIGN_NAMES}: {line}")
-            pairs.append((feature, name))
+    for (feature, name), line in checking.rows_of_list(root, FOREIGN_NAMES):
+        if feature not in FEATURES or (feature, name) in pairs:
+            raise ValueError(f"{FOREIGN_NAMES}: {line}")
+        pairs.append((feature, name))
     return pairs
 
 
@@ -92,19 +87,9 @@ def check(root):
     return violations, n_files
 
 
-def main():
-    arguments = [argument for argument in sys.argv[1:] if argument != "--list"]
-    if len(arguments) != 1:
-        sys.exit(__doc__)
-    root = Path(arguments[0])
-    if "--list" in sys.argv[1:]:
-        print(HEADER + "\n".join(f"{feature} {name}" for feature, name in sorted(foreign_names(root)[0])))
-        return
-    violations, n_files = check(root)
-    print("\n".join(violations + [f"{n_files} files, {len(violations)} violations"]))
-    # An empty project would satisfy the rule.
-    sys.exit(1 if violations or n_files == 0 else 0)
+def print_list(root):
+    print(HEADER + "\n".join(f"{feature} {name}" for feature, name in sorted(foreign_names(root)[0])))
 
 
 if __name__ == "__main__":
-    main()
+    checking.main(__doc__, check, "--list", print_list)

@@ -2,22 +2,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Proves that check_features.py can fail."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import check_features
+import small_project
 
 
 class CheckFeaturesTest(unittest.TestCase):
     def violations(self, files):
-        with tempfile.TemporaryDirectory() as directory:
-            root = Path(directory)
-            for name, text in files.items():
-                path = root / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(text, encoding="utf-8")
-            return check_features.check(root)[0]
+        return small_project.violations(check_features.check, files)
 
     def test_a_feature_may_be_named_in_its_own_files(self):
         self.assertEqual(self.violations({"source/contact/mortar_contact.cc": "MortarContact contact;\n",

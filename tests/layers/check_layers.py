@@ -24,9 +24,8 @@ be removed. --offenders prints this list as it is now, the largest first.
 
 import collections
 import re
-import sys
-from pathlib import Path
 
+import checking
 import outline
 
 BELOW_FORMULATIONS = {"base", "mesh", "state", "approximation", "materials"}
@@ -188,14 +187,11 @@ class Sizes:
 
 def read_known_offenders(root):
     """{(kind, name): number} of the list; empty where there is none."""
-    path = root / KNOWN_OFFENDERS
     known = {}
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        if line.strip() and not line.startswith("#"):
-            kind, name, number = line.split()
-            if kind not in CAPS or (kind, name) in known:
-                raise ValueError(f"{KNOWN_OFFENDERS}: {line}")
-            known[kind, name] = int(number)
+    for (kind, name, number), line in checking.rows_of_list(root, KNOWN_OFFENDERS):
+        if kind not in CAPS or (kind, name) in known:
+            raise ValueError(f"{KNOWN_OFFENDERS}: {line}")
+        known[kind, name] = int(number)
     return known
 
 
@@ -212,8 +208,7 @@ def check_sizes(sizes, known):
 
 def files_of(root):
     """The files to check, relative to the project."""
-    return [path.relative_to(root) for directory in ("include", "source", "applications")
-            for path in sorted((root / directory).rglob("*")) if path.suffix in (".h", ".cc")]
+    return checking.files_of(root, ("include", "source", "applications"))
 
 
 def read_outlines(root, violations):
@@ -242,19 +237,5 @@ def print_offenders(root):
             print(*key, offenders[key])
 
 
-def main():
-    arguments = [argument for argument in sys.argv[1:] if argument != "--offenders"]
-    if len(arguments) != 1:
-        sys.exit(__doc__)
-    root = Path(arguments[0])
-    if "--offenders" in sys.argv[1:]:
-        print_offenders(root)
-        return
-    violations, n_files = check(root)
-    print("\n".join(violations + [f"{n_files} files, {len(violations)} violations"]))
-    # An empty project would satisfy every rule.
-    sys.exit(1 if violations or n_files == 0 else 0)
-
-
 if __name__ == "__main__":
-    main()
+    checking.main(__doc__, check, "--offenders", print_offenders)

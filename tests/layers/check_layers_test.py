@@ -2,13 +2,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Proves that check_layers.py can fail: one small project per rule, each wrong in one place."""
 
-import tempfile
 import textwrap
 import unittest
-from pathlib import Path
 
 import check_layers
 import outline
+import small_project
 
 
 def function(name, n_lines):
@@ -22,13 +21,7 @@ def members(n):
 
 class CheckLayersTest(unittest.TestCase):
     def violations(self, files):
-        with tempfile.TemporaryDirectory() as directory:
-            root = Path(directory)
-            for name, text in files.items():
-                path = root / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(text, encoding="utf-8")
-            return check_layers.check(root)[0]
+        return small_project.violations(check_layers.check, files)
 
     def assert_only(self, files, expected):
         found = self.violations(files)
