@@ -73,8 +73,12 @@ namespace tombolo
       for (const types::global_dof_index row : columns)
         pattern.add_entries(row, columns.begin(), columns.end());
     };
-    for (const types::global_dof_index row : owned_rows)
-      pattern.add(row, row);
+    for (const unsigned int node : partition.dependent_nodes().node)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const types::global_dof_index row = partition.global_index(node) * dim + d;
+        pattern.add(row, row);
+      }
     for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
     {
       if (!cell->is_locally_owned())
