@@ -36,12 +36,12 @@ def draw_bars(directory, path):
         for part in ("left", "right"):
             right.plot(parts["time"], parts[f"{part} momentum x"], line, color=colour)
         time, impulse = table["time"], -table["joint impulse x"]
-        touching = time[table["joint nodes"] > 0]
+        mean_time = (numpy.diff(impulse) * (time[1:] + time[:-1]) / 2).sum() / impulse[-1]
         middle = (time > begin + 15) & (time < begin + 85)
         mean = numpy.polyfit(time[middle], impulse[middle], 1)[0]
         rows += [(f"two bars, {label}: impulse", impulse[-1], momentum),
                  (f"two bars, {label}: force", mean, force),
-                 (f"two bars, {label}: time of contact", touching[-1] - touching[0], 2 * length)]
+                 (f"two bars, {label}: time of contact", 2 * (mean_time - begin), 2 * length)]
     # A wave of a constant force turns the momentum linearly.
     times = [0, begin, begin + 2 * length, 260]
     for ends in ((1, 1, 0, 0), (0, 0, 1, 1)):

@@ -28,10 +28,15 @@ namespace tombolo
     void soften(const MaterialBatch &batch, const unsigned int i, const double shear,
                 const double increment, const double slope, const MaterialTangent &tangent)
     {
+      constexpr double round_off = 1e-12;
       double s[6];
       const double squared = deviator_of(batch, i, s);
       const double flow = std::sqrt(squared), trial = flow + 3. * shear * increment;
       const double kept = flow / trial;
+      // A point that stands on the yield surface flows or not by its last digit. Unloading begins
+      // there, and must not begin without the elastic stiffness.
+      if (1. - kept <= round_off)
+        return;
       for (unsigned int row = 0; row < 6; ++row)
         for (unsigned int column = 0; column < 6; ++column)
           tangent[6 * row + column][i] -=

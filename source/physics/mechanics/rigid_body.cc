@@ -389,6 +389,8 @@ namespace tombolo
     vector("angular impulse", impulse.moment);
     archive("work of the drive", drive_work);
     archive("work of given forces", force_work);
+    if (!archive.is_reading() || archive.has("energy beyond nodes"))
+      archive("energy beyond nodes", beyond_nodes_energy);
   }
 
   template <int dim>
