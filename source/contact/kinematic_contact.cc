@@ -65,28 +65,38 @@ namespace tombolo
     const bool has_mass = this->surface->translation().has_mass();
     const Tensor<1, dim> free_motion =
         has_mass ? this->surface->translation().free_motion(clock) : Tensor<1, dim>();
-    this->find_gaps(predicted, candidates, end, this->gap);
+    if (has_mass)
+      find_places_from_mass(predicted, free_motion);
+    const NodalVector &places = has_mass ? places_from_mass : predicted;
+    this->find_gaps(places, candidates, end, this->gap);
     this->find_surroundings(state);
     constraints.clear();
     double largest = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k)
     {
       const unsigned int node = candidates[k];
-      if (*state.mass.node(node) == 0. || !(this->gap[k] < free_motion.norm()))
+      if (*state.mass.node(node) == 0. || !(this->gap[k] < 0.))
         continue;
-      const auto place = vector_of<dim>(predicted.node(node));
-      if (has_mass)
-        this->gap[k] -= surface.normal(place, end) * free_motion;
-      if (!(this->gap[k] < 0.))
-        continue;
+      const auto place = vector_of<dim>(places.node(node));
       const Tensor<1, dim> motion = place - vector_of<dim>(state.position.node(node)) -
-                                    surface.motion(place, clock.time, end) - free_motion;
+                                    surface.motion(place, clock.time, end);
       add_constraint(k, place, motion, mass, constrained.empty() ? 0u : constrained[node], clock,
                      nodal_heat);
       if (!constraints.empty() && constraints.back().candidate == k)
         largest = std::max(largest, -this->gap[k]);
     }
     return largest;
+  }
+
+  template <int dim>
+  void KinematicContact<dim>::find_places_from_mass(const NodalVector &predicted,
+                                                    const Tensor<1, dim> &free_motion)
+  {
+    if (places_from_mass.partition() != predicted.partition())
+      places_from_mass.reinit(predicted.partition(), predicted.quantity());
+    for (const unsigned int node : this->candidates)
+      for (unsigned int d = 0; d < dim; ++d)
+        places_from_mass.node(node)[d] = predicted.node(node)[d] - free_motion[d];
   }
 
   template <int dim>

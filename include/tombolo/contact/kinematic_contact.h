@@ -101,6 +101,10 @@ namespace tombolo
     NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;
 
+    /** Where candidates will be, from a surface with a mass that goes on by @p free_motion. */
+    void find_places_from_mass(const NodalVector &predicted,
+                               const dealii::Tensor<1, dim> &free_motion);
+
     /** Appends a constraint of a candidate behind the surface unless its node is held. */
     void add_constraint(std::size_t candidate, const dealii::Tensor<1, dim> &place,
                         const dealii::Tensor<1, dim> &motion, const NodalVector &mass,
@@ -114,6 +118,7 @@ namespace tombolo
     dealii::Tensor<1, dim> response_of_surface() const;
 
     std::vector<Constraint> constraints;
+    NodalVector places_from_mass; ///< of candidates, where the surface has a mass
     std::vector<dealii::Tensor<1, dim>> normal_forces; ///< N n of each candidate at t_n
     double loss_of_tool = 0; ///< of t_0, accounted for in the next step [M L^2/T^2]
     double deepest = 0;      ///< of the nodes in contact at t_n, on this rank [L]
