@@ -1,231 +1,165 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/output/contact_history.h>
+#include <tombolo/output/history.h>
 
 #include <tombolo/contact/mean_and_largest.h>
 
-#include <tombolo/output/balance_rows.h>
-
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
-
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
+  /**
+   * What surfaces and bodies do to each other: `contact.csv`, with the mean force on the bodies
+   * since the row before, the impulse since the start, the mean torque about the surface's
+   * reference point since the row before, heat, stored energy, the work of the surface's motion and
+   * its mean power since the row before, nodes in contact, penetration, the position of the
+   * reference point of each contact; the velocity of a surface with a mass; in scenes with heat
+   * what bodies and tool have got of it, conducted heat and the temperature of the tool where there
+   * are, mean and largest temperature of the nodes in contact. Of a contact between bodies the
+   * force is that on the slave, conducted heat is what has entered the slave, and there is no
+   * surface. Part of every scene that has contacts.
+   */
+  template <int dim>
+  class ContactHistory : public BalanceHistory<dim, ContactBalance>
   {
-    constexpr const char *axes[3] = {"x", "y", "z"};
-    /** In two dimensions torques are about z alone. */
-    template <int dim>
-    constexpr unsigned int first_torque = dim == 2 ? 2 : 0;
+  public:
+    explicit ContactHistory(const Section &section)
+        : BalanceHistory<dim, ContactBalance>(
+              "contact.csv", section.get_unsigned("Steps between rows"),
+              {"works at row", &ContactBalance::work, "contacts"},
+              {"contact", {&ContactBalance::friction, &ContactBalance::damping}})
+    {}
 
-    template <int dim>
-    std::vector<ContactBalance> balances(const OutputView<dim> &view)
+    static void declare_parameters(dealii::ParameterHandler &handler)
+    {
+      History<dim>::declare_interval(handler, "contact.csv");
+    }
+
+    void serialize(StateArchive &archive) override
+    {
+      archive("time of row", time_of_row);
+      archive("largest penetration", largest_penetration);
+      archive("time of work", time_of_work);
+      BalanceHistory<dim, ContactBalance>::serialize(archive);
+    }
+
+  private:
+    std::vector<ContactBalance> balances(const OutputView<dim> &view) const override
     {
       std::vector<ContactBalance> result;
       for (const SurfaceContact<dim> *contact : view.contacts)
+      {
         result.push_back(contact->balance(view.nodes->communicator()));
+        result.back().name = contact->name();
+      }
       for (const MortarContact<dim> *contact : view.body_contacts)
+      {
         result.push_back(contact->balance());
+        result.back().name = contact->name();
+      }
       return result;
     }
 
-    /** Until which impulses are summed: the middle of the coming step. */
-    template <int dim>
-    double time_of_impulse(const OutputView<dim> &view)
+    void begin(const OutputView<dim> &view) override
     {
-      return view.time + 0.5 * view.time_step;
-    }
-  } // namespace
-
-  template <int dim>
-  void ContactHistory<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    handler.declare_entry("Steps between rows", "10", Patterns::Integer(1, 1000000000),
-                          "contact.csv has a row every so many steps.");
-  }
-
-  template <int dim>
-  ContactHistory<dim>::ContactHistory(const Section &section)
-      : steps_between(section.get_unsigned("Steps between rows"))
-  {}
-
-  template <int dim>
-  void ContactHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
-                                  const UnitLabels &unit_labels)
-  {
-    for (const SurfaceContact<dim> *contact : view.contacts)
-      names.push_back(contact->name());
-    for (const MortarContact<dim> *contact : view.body_contacts)
-      names.push_back(contact->name());
-    at_output.resize(names.size());
-    if (!table.is_continued())
-    {
-      last.resize(names.size());
-      largest_penetration.assign(names.size(), 0.);
+      BalanceHistory<dim, ContactBalance>::begin(view);
+      if (this->table.is_continued())
+        return;
+      largest_penetration.assign(this->last.size(), 0.);
       time_of_row = time_of_work = view.time;
     }
-    add_row(view, balances(view));
-    table.open(directory, unit_labels);
-  }
 
-  template <int dim>
-  void ContactHistory<dim>::serialize(StateArchive &archive)
-  {
-    table.serialize(archive);
-    archive("time of row", time_of_row);
-    archive("largest penetration", largest_penetration);
-    archive("time of work", time_of_work);
-    serialize_last_row(archive, "works at row", &ContactBalance::work, "contacts", last);
-    serialize_at_output(archive, {&ContactBalance::friction, &ContactBalance::damping}, at_output);
-  }
-
-  template <int dim>
-  void ContactHistory<dim>::after_step(const OutputView<dim> &view)
-  {
-    if (!view.has_row(steps_between))
-      return;
-    const std::vector<ContactBalance> now = balances(view);
-    add_row(view, now);
-    table.write_row();
-    time_of_row = time_of_impulse(view);
-    time_of_work = view.time;
-    last = now;
-    for (std::size_t k = 0; k < names.size(); ++k)
-      largest_penetration[k] = std::max(largest_penetration[k], now[k].penetration);
-  }
-
-  template <int dim>
-  void ContactHistory<dim>::add_row(const OutputView<dim> &view,
-                                    const std::vector<ContactBalance> &now)
-  {
-    table.begin_row(view.time, view.step);
-    const double elapsed = time_of_impulse(view) - time_of_row;
-    const std::size_t n_rigid = view.contacts.size();
-    for (std::size_t k = 0; k < n_rigid; ++k)
+    void add_balance(const OutputView<dim> &view, const std::size_t k, const ContactBalance &now,
+                     const ContactBalance &before) override
     {
-      add_columns(*view.contacts[k], now[k], last[k], elapsed, view.time - time_of_work);
-      if (view.heat != nullptr)
-        add_temperatures(
-            view.contacts[k]->name() + " contact",
-            mean_and_largest(view.heat->present_temperature, view.contacts[k]->nodes_in_contact()));
-      if (view.contacts[k]->is_with_part() && view.contacts[k]->conducts())
-        add_temperatures(view.contacts[k]->name() + " part",
-                         view.contacts[k]->temperatures_of_part());
-    }
-    for (std::size_t k = 0; k < view.body_contacts.size(); ++k)
-    {
-      const MortarContact<dim> &contact = *view.body_contacts[k];
-      add_columns(contact, now[n_rigid + k], last[n_rigid + k], elapsed);
+      const std::size_t n_rigid = view.contacts.size();
+      if (k < n_rigid)
+      {
+        const SurfaceContact<dim> &contact = *view.contacts[k];
+        add_balance(view, &contact, contact.has_areas(), contact.conducts(), now, before);
+        if (view.heat != nullptr)
+          add_temperatures(now.name + " contact", mean_and_largest(view.heat->present_temperature,
+                                                                   contact.nodes_in_contact()));
+        if (contact.is_with_part() && contact.conducts())
+          add_temperatures(now.name + " part", contact.temperatures_of_part());
+        return;
+      }
+      const MortarContact<dim> &contact = *view.body_contacts[k - n_rigid];
+      add_balance(view, nullptr, true, contact.conducts(), now, before);
       if (view.heat == nullptr)
-        continue;
-      add_temperatures(contact.name() + " slave",
+        return;
+      add_temperatures(now.name + " slave",
                        contact.temperatures_in_contact(&view.heat->present_temperature));
       if (contact.knows_temperatures())
-        add_temperatures(contact.name() + " master", contact.temperatures_in_contact(nullptr));
+        add_temperatures(now.name + " master", contact.temperatures_in_contact(nullptr));
     }
-  }
 
-  template <int dim>
-  void ContactHistory<dim>::add_temperatures(const std::string &of,
-                                             const std::array<double, 2> &mean_and_largest)
-  {
-    table.add(of + " mean temperature", "temperature", mean_and_largest[0]);
-    table.add(of + " largest temperature", "temperature", mean_and_largest[1]);
-  }
-
-  template <int dim>
-  void ContactHistory<dim>::add_columns(const MortarContact<dim> &contact,
-                                        const ContactBalance &now, const ContactBalance &before,
-                                        const double elapsed)
-  {
-    const std::string energy = "M L^2/T^2";
-    const auto add = [&](const std::string &what, const std::string &unit, const double value)
-    { table.add(contact.name() + " " + what, unit, value); };
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("mean force ") + axes[d], "M L/T^2",
-          elapsed > 0. ? (now.impulse[d] - before.impulse[d]) / elapsed : 0.);
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("impulse ") + axes[d], "M L/T", now.impulse[d]);
-    add("friction heat", energy, now.friction);
-    add("damping", energy, now.damping);
-    add("stored energy", energy, now.elastic);
-    add("nodes", "1", now.n_nodes);
-    add("penetration", "L", now.penetration);
-    add("area in contact", dim == 2 ? "L" : "L^2", now.area);
-    if (contact.conducts())
-      add("conducted heat", energy, now.conducted);
-  }
-
-  template <int dim>
-  void ContactHistory<dim>::add_columns(const SurfaceContact<dim> &contact,
-                                        const ContactBalance &now, const ContactBalance &before,
-                                        const double elapsed, const double elapsed_of_work)
-  {
-    const std::string energy = "M L^2/T^2";
-    const auto add = [&](const std::string &what, const std::string &unit, const double value)
-    { table.add(contact.name() + " " + what, unit, value); };
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("mean force ") + axes[d], "M L/T^2",
-          elapsed > 0. ? (now.impulse[d] - before.impulse[d]) / elapsed : 0.);
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("impulse ") + axes[d], "M L/T", now.impulse[d]);
-    for (unsigned int c = first_torque<dim>; c < 3; ++c)
-      add(std::string("mean torque ") + axes[c], energy,
-          elapsed > 0. ? (now.angular_impulse[c] - before.angular_impulse[c]) / elapsed : 0.);
-    add("friction heat", energy, now.friction);
-    add("damping", energy, now.damping);
-    add("stored energy", energy, now.elastic);
-    add("work", energy, now.work);
-    add("nodes", "1", now.n_nodes);
-    add("penetration", "L", now.penetration);
-    if (contact.has_areas())
-      add("area in contact", dim == 2 ? "L" : "L^2", now.area);
-    add("mean power", "M L^2/T^3",
-        elapsed_of_work > 0. ? (now.work - before.work) / elapsed_of_work : 0.);
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("position ") + axes[d], "L", now.position[d]);
-    for (unsigned int d = 0; d < dim && contact.has_tool_mass(); ++d)
-      add(std::string("velocity ") + axes[d], "L/T", now.velocity[d]);
-    if (contact.has_heat())
+    /** @p tool is null for a contact between bodies. */
+    void add_balance(const OutputView<dim> &view, const SurfaceContact<dim> *const tool,
+                     const bool has_area, const bool conducts, const ContactBalance &now,
+                     const ContactBalance &before)
     {
-      add("heat of bodies", energy, now.heat_of_bodies);
-      add("heat of tool", energy, now.heat_of_tool);
+      const std::string energy = "M L^2/T^2";
+      const auto add = [&](const std::string &what, const std::string &unit, const double value)
+      { this->table.add(now.name + " " + what, unit, value); };
+      const double elapsed = view.middle_of_next_step() - time_of_row;
+      this->add_mean(now.name + " mean force", "M L/T^2", now.impulse, before.impulse, elapsed);
+      this->add_vector(now.name + " impulse", "M L/T", now.impulse);
+      if (tool != nullptr)
+        this->add_mean(now.name + " mean torque", energy, now.angular_impulse,
+                       before.angular_impulse, elapsed, true);
+      add("friction heat", energy, now.friction);
+      add("damping", energy, now.damping);
+      add("stored energy", energy, now.elastic);
+      if (tool != nullptr)
+        add("work", energy, now.work);
+      add("nodes", "1", now.n_nodes);
+      add("penetration", "L", now.penetration);
+      if (has_area)
+        add("area in contact", dim == 2 ? "L" : "L^2", now.area);
+      if (tool != nullptr)
+      {
+        const double since_work = view.time - time_of_work;
+        add("mean power", "M L^2/T^3",
+            since_work > 0. ? (now.work - before.work) / since_work : 0.);
+        this->add_vector(now.name + " position", "L", now.position);
+        if (tool->has_tool_mass())
+          this->add_vector(now.name + " velocity", "L/T", now.velocity);
+        if (tool->has_heat())
+        {
+          add("heat of bodies", energy, now.heat_of_bodies);
+          add("heat of tool", energy, now.heat_of_tool);
+        }
+      }
+      if (conducts)
+        add("conducted heat", energy, now.conducted);
+      if (tool != nullptr && tool->has_tool_temperature())
+        add("tool temperature", "temperature", now.tool_temperature);
     }
-    if (contact.conducts())
-      add("conducted heat", energy, now.conducted);
-    if (contact.has_tool_temperature())
-      add("tool temperature", "temperature", now.tool_temperature);
-  }
 
-  template <int dim>
-  void ContactHistory<dim>::write(const OutputView<dim> &view, TimeTable & /*statistics*/)
-  {
-    at_output = balances(view);
-    table.flush();
-  }
-
-  template <int dim>
-  void ContactHistory<dim>::finish(Json &results)
-  {
-    table.flush();
-    for (std::size_t c = 0; c < names.size(); ++c)
+    void add_temperatures(const std::string &of, const std::array<double, 2> &mean_and_largest)
     {
-      Json entry = Json::object();
-      Json impulse = Json::array();
-      for (unsigned int d = 0; d < dim; ++d)
-        impulse.push_back(at_output[c].impulse[d]);
-      entry["impulse"] = impulse;
-      entry["friction_heat"] = at_output[c].friction;
-      entry["damping"] = at_output[c].damping;
-      entry["largest_penetration"] = largest_penetration[c];
-      results["contact"][names[c]] = entry;
+      this->table.add(of + " mean temperature", "temperature", mean_and_largest[0]);
+      this->table.add(of + " largest temperature", "temperature", mean_and_largest[1]);
     }
-  }
 
-  template class ContactHistory<2>;
-  template class ContactHistory<3>;
+    void end_row(const OutputView<dim> &view) override
+    {
+      BalanceHistory<dim, ContactBalance>::end_row(view);
+      time_of_row = view.middle_of_next_step();
+      time_of_work = view.time;
+      for (std::size_t k = 0; k < this->present.size(); ++k)
+        largest_penetration[k] = std::max(largest_penetration[k], this->present[k].penetration);
+    }
+
+    void add_to_summary(const std::size_t k, const ContactBalance &at_output, Json &entry) override
+    {
+      entry["friction_heat"] = at_output.friction;
+      entry["damping"] = at_output.damping;
+      entry["largest_penetration"] = largest_penetration[k];
+    }
+
+    double time_of_row = 0;                  ///< until which impulses of the last row go
+    double time_of_work = 0;                 ///< until which its works go
+    std::vector<double> largest_penetration; ///< of each contact, over the rows
+  };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(
       Output, ContactHistory, "contact history",

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/output/part_history.h>
+#include <tombolo/output/history.h>
 
-#include <tombolo/base/input/declarations.h>
 #include <tombolo/base/ordered_sum.h>
 
 #include <array>
@@ -38,82 +37,54 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * Energies of the parts: `parts.csv`, with the mass, momentum and kinetic energy of each part,
+   * and all the energies that its formulation accounts for. On request, by `Further outputs`.
+   *
+   * Momentum and kinetic energy are Σ m v̂ and Σ ½ m v̂² at t_{n-1/2} with the part's own mass at
+   * its nodes, unscaled: a node that two parts share counts in both with the share that each has of
+   * it.
+   */
   template <int dim>
-  void PartHistory<dim>::declare_parameters(ParameterHandler &handler)
+  class PartHistory : public History<dim>
   {
-    Declarations(handler).whole_number("Steps between rows", 10, 1,
-                                       "parts.csv has a row every so many steps.");
-  }
+  public:
+    explicit PartHistory(const Section &section)
+        : History<dim>("parts.csv", section.get_unsigned("Steps between rows")), section(section)
+    {}
 
-  template <int dim>
-  PartHistory<dim>::PartHistory(const Section &section)
-      : section(section), steps_between(section.get_unsigned("Steps between rows"))
-  {}
-
-  template <int dim>
-  void PartHistory<dim>::check(const OutputView<dim> &view)
-  {
-    if (!view.has_mechanics)
-      section.parent().fail("Further outputs", "the scene has no mechanics, so that its parts have "
-                                               "no energies: remove \"part history\".");
-  }
-
-  template <int dim>
-  void PartHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
-                               const UnitLabels &unit_labels)
-  {
-    add_row(view);
-    table.open(directory, unit_labels);
-  }
-
-  template <int dim>
-  void PartHistory<dim>::serialize(StateArchive &archive)
-  {
-    table.serialize(archive);
-  }
-
-  template <int dim>
-  void PartHistory<dim>::after_step(const OutputView<dim> &view)
-  {
-    if (!view.has_row(steps_between))
-      return;
-    add_row(view);
-    table.write_row();
-  }
-
-  template <int dim>
-  void PartHistory<dim>::add_row(const OutputView<dim> &view)
-  {
-    const std::string energy = "M L^2/T^2";
-    table.begin_row(view.time, view.step);
-    for (const OutputPart<dim> &part : view.parts)
+    static void declare_parameters(dealii::ParameterHandler &handler)
     {
-      const std::array<double, 5> motion = motion_of(view, part);
-      table.add(part.name + " mass", "M", motion[0]);
-      for (unsigned int d = 0; d < dim; ++d)
-        table.add(part.name + " momentum " + "xyz"[d], "M L/T", motion[1 + d]);
-      table.add(part.name + " kinetic energy", energy, motion[4]);
-      EnergyAccounts energies = part.formulation->energies();
-      energies.sum_over_ranks(view.state->partition()->communicator());
-      for (const EnergyAccounts::Account &account : energies.accounts())
-        table.add(part.name + " " + account.name, energy, account.value);
+      History<dim>::declare_interval(handler, "parts.csv");
     }
-  }
 
-  template <int dim>
-  void PartHistory<dim>::write(const OutputView<dim> & /*view*/, TimeTable & /*statistics*/)
-  {
-    table.flush();
-  }
+    /** Throws InputError in scenes of heat alone. */
+    void check(const OutputView<dim> &view) override
+    {
+      if (!view.has_mechanics)
+        section.parent().fail("Further outputs", "the scene has no mechanics, so that its parts "
+                                                 "have no energies: remove \"part history\".");
+    }
 
-  template <int dim>
-  void PartHistory<dim>::finish(Json & /*results*/)
-  {
-    table.flush();
-  }
+  private:
+    void add_columns(const OutputView<dim> &view) override
+    {
+      const std::string energy = "M L^2/T^2";
+      for (const OutputPart<dim> &part : view.parts)
+      {
+        const std::array<double, 5> motion = motion_of(view, part);
+        this->table.add(part.name + " mass", "M", motion[0]);
+        this->add_vector(part.name + " momentum", "M L/T", {{motion[1], motion[2], motion[3]}});
+        this->table.add(part.name + " kinetic energy", energy, motion[4]);
+        EnergyAccounts energies = part.formulation->energies();
+        energies.sum_over_ranks(view.state->partition()->communicator());
+        for (const EnergyAccounts::Account &account : energies.accounts())
+          this->table.add(part.name + " " + account.name, energy, account.value);
+      }
+    }
 
-  template class PartHistory<2>;
-  template class PartHistory<3>;
+    Section section;
+  };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, PartHistory, "part history",
                                   "Mass, momentum and energies of each part (parts.csv).")

@@ -65,8 +65,8 @@ namespace tombolo
 
   template <int dim>
   Probes<dim>::Probes(const Section &section)
-      : section(section), interval(section.get_double("Interval")),
-        steps_between(section.get_unsigned("Steps"))
+      : History<dim>(probes_file, section.get_unsigned("Steps")), section(section),
+        interval(section.get_double("Interval"))
   {
     if (section.is_set("Steps") && interval > 0)
       section.fail("Steps", "only one of Interval and Steps can be set: remove one");
@@ -162,49 +162,45 @@ namespace tombolo
   }
 
   template <int dim>
-  void Probes<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
-                          const UnitLabels &unit_labels)
+  void Probes<dim>::begin(const OutputView<dim> &view)
   {
-    if (!table.is_continued())
+    if (!this->table.is_continued())
       next_time = view.time;
-    add_row(view);
-    if (table.has_other_columns(unit_labels))
+  }
+
+  template <int dim>
+  void Probes<dim>::check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels)
+  {
+    if (this->table.has_other_columns(unit_labels))
       section.fail("Locations",
                    "the probes are not those of the run that is resumed, whose rows are in " +
                        directory.file(probes_file) +
                        ": set them back, or resume into another output directory");
-    table.open(directory, unit_labels);
   }
 
   template <int dim>
   void Probes<dim>::serialize(StateArchive &archive)
   {
     archive("next time", next_time);
-    table.serialize(archive);
+    History<dim>::serialize(archive);
   }
 
   template <int dim>
-  void Probes<dim>::after_step(const OutputView<dim> &view)
+  bool Probes<dim>::has_row(const OutputView<dim> &view)
   {
-    if (interval == 0)
-    {
-      if (view.has_row(steps_between))
-      {
-        add_row(view);
-        table.write_row();
-      }
-    }
     // Times that are sums of steps may fall short of a multiple by their rounding.
-    else if (view.time >= next_time - 1e-9 * interval)
-    {
-      add_row(view);
-      table.write_row();
-      next_time += interval * (std::floor((view.time - next_time) / interval + 1e-9) + 1);
-    }
+    return interval == 0 ? History<dim>::has_row(view) : view.time >= next_time - 1e-9 * interval;
   }
 
   template <int dim>
-  void Probes<dim>::add_row(const OutputView<dim> &view)
+  void Probes<dim>::end_row(const OutputView<dim> &view)
+  {
+    if (interval > 0)
+      next_time += interval * (std::floor((view.time - next_time) / interval + 1e-9) + 1);
+  }
+
+  template <int dim>
+  void Probes<dim>::add_columns(const OutputView<dim> &view)
   {
     const unsigned int n_values = n_columns(view);
     std::vector<double> values(probes.size() * n_values, 0.);
@@ -226,30 +222,17 @@ namespace tombolo
       }
     // One rank owns each node: the sum only adds zeros to its values.
     Utilities::MPI::sum(std::vector<double>(values), view.nodes->communicator(), values);
-    table.begin_row(view.time, view.step);
     auto value = values.begin();
     for (const Probe &probe : probes)
     {
       if (view.has_mechanics)
         for (const ProbeQuantity &quantity : probe_quantities)
           for (unsigned int d = 0; d < dim; ++d)
-            table.add(probe.name + " " + quantity.name + " " + probe_axes[d], quantity.unit,
-                      *value++);
+            this->table.add(probe.name + " " + quantity.name + " " + probe_axes[d], quantity.unit,
+                            *value++);
       if (view.heat != nullptr)
-        table.add(probe.name + " temperature", "temperature", *value++);
+        this->table.add(probe.name + " temperature", "temperature", *value++);
     }
-  }
-
-  template <int dim>
-  void Probes<dim>::write(const OutputView<dim> & /*view*/, TimeTable & /*statistics*/)
-  {
-    table.flush();
-  }
-
-  template <int dim>
-  void Probes<dim>::finish(Json & /*results*/)
-  {
-    table.flush();
   }
 
   template <int dim>

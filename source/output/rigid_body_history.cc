@@ -1,113 +1,76 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/output/rigid_body_history.h>
-
-#include <tombolo/base/input/declarations.h>
-#include <tombolo/output/balance_rows.h>
-
-#include <string>
+#include <tombolo/output/history.h>
 
 namespace tombolo
 {
-  using namespace dealii;
-
+  /**
+   * Where rigid parts are, how they move and what drives them: `rigid_bodies.csv`, with position
+   * and velocity of the reference point of each of them, rotation and spin, momentum, angular
+   * momentum about the centre of mass, the mean force and the mean moment about the reference point
+   * since the row before of what holds and drives the prescribed components, the work of it and of
+   * given forces since the start, and kinetic energies. Part of every scene that has rigid parts.
+   */
   template <int dim>
-  void RigidBodyHistory<dim>::declare_parameters(ParameterHandler &handler)
+  class RigidBodyHistory : public BalanceHistory<dim, RigidBodyBalance>
   {
-    Declarations(handler).whole_number("Steps between rows", 10, 1,
-                                       "rigid_bodies.csv has a row every so many steps.");
-  }
+  public:
+    explicit RigidBodyHistory(const Section &section)
+        : BalanceHistory<dim, RigidBodyBalance>(
+              "rigid_bodies.csv", section.get_unsigned("Steps between rows"),
+              {"works at row", &RigidBodyBalance::work, "rigid parts"}, {})
+    {}
 
-  template <int dim>
-  RigidBodyHistory<dim>::RigidBodyHistory(const Section &section)
-      : steps_between(section.get_unsigned("Steps between rows"))
-  {}
-
-  template <int dim>
-  void RigidBodyHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
-                                    const UnitLabels &unit_labels)
-  {
-    const std::vector<RigidBodyBalance> now = view.rigid_bodies();
-    if (!table.is_continued())
+    static void declare_parameters(dealii::ParameterHandler &handler)
     {
-      last = now;
-      time_of_row = view.time;
+      History<dim>::declare_interval(handler, "rigid_bodies.csv");
     }
-    add_row(view, now);
-    table.open(directory, unit_labels);
-  }
 
-  template <int dim>
-  void RigidBodyHistory<dim>::serialize(StateArchive &archive)
-  {
-    table.serialize(archive);
-    archive("time of row", time_of_row);
-    serialize_last_row(archive, "works at row", &RigidBodyBalance::work, "rigid parts", last);
-  }
-
-  template <int dim>
-  void RigidBodyHistory<dim>::after_step(const OutputView<dim> &view)
-  {
-    if (!view.has_row(steps_between))
-      return;
-    const std::vector<RigidBodyBalance> now = view.rigid_bodies();
-    add_row(view, now);
-    table.write_row();
-    time_of_row = view.time + 0.5 * view.time_step; // the middle of the coming step
-    last = now;
-  }
-
-  template <int dim>
-  void RigidBodyHistory<dim>::add_row(const OutputView<dim> &view,
-                                      const std::vector<RigidBodyBalance> &now)
-  {
-    const std::string energy = "M L^2/T^2";
-    const double elapsed = view.time + 0.5 * view.time_step - time_of_row;
-    table.begin_row(view.time, view.step);
-    for (std::size_t k = 0; k < now.size(); ++k)
+    void serialize(StateArchive &archive) override
     {
-      using Vector = RigidBodyBalance::Vector;
-      const auto add = [&](const std::string &what, const std::string &unit, const Vector &value,
-                           const bool is_of_rotation)
-      {
-        for (unsigned int c = is_of_rotation && dim == 2 ? 2 : 0; c < (is_of_rotation ? 3 : dim);
-             ++c)
-          table.add(now[k].name + " " + what + " " + "xyz"[c], unit, value[c]);
-      };
-      const auto mean = [&](const Vector &impulse, const Vector &before)
-      {
-        Vector result{};
-        for (unsigned int c = 0; c < 3 && elapsed > 0.; ++c)
-          result[c] = (impulse[c] - before[c]) / elapsed;
-        return result;
-      };
-      add("position", "L", now[k].position, false);
-      add("rotation", "1", now[k].rotation, true);
-      add("velocity", "L/T", now[k].velocity, false);
-      add("spin", "1/T", now[k].spin, true);
-      add("momentum", "M L/T", now[k].momentum, false);
-      add("angular momentum", "M L^2/T", now[k].angular_momentum, true);
-      add("mean force", "M L/T^2", mean(now[k].impulse, last[k].impulse), false);
-      add("mean moment", energy, mean(now[k].angular_impulse, last[k].angular_impulse), true);
-      table.add(now[k].name + " work", energy, now[k].work);
-      table.add(now[k].name + " kinetic energy", energy, now[k].kinetic_energy);
-      table.add(now[k].name + " energy of rotation", energy, now[k].rotation_energy);
+      archive("time of row", time_of_row);
+      BalanceHistory<dim, RigidBodyBalance>::serialize(archive);
     }
-  }
 
-  template <int dim>
-  void RigidBodyHistory<dim>::write(const OutputView<dim> & /*view*/, TimeTable & /*statistics*/)
-  {
-    table.flush();
-  }
+  private:
+    std::vector<RigidBodyBalance> balances(const OutputView<dim> &view) const override
+    {
+      return view.rigid_bodies();
+    }
 
-  template <int dim>
-  void RigidBodyHistory<dim>::finish(Json & /*results*/)
-  {
-    table.flush();
-  }
+    void begin(const OutputView<dim> &view) override
+    {
+      BalanceHistory<dim, RigidBodyBalance>::begin(view);
+      if (!this->table.is_continued())
+        time_of_row = view.time;
+    }
 
-  template class RigidBodyHistory<2>;
-  template class RigidBodyHistory<3>;
+    void add_balance(const OutputView<dim> &view, std::size_t /*k*/, const RigidBodyBalance &now,
+                     const RigidBodyBalance &before) override
+    {
+      const std::string energy = "M L^2/T^2";
+      const double elapsed = view.middle_of_next_step() - time_of_row;
+      this->add_vector(now.name + " position", "L", now.position);
+      this->add_vector(now.name + " rotation", "1", now.rotation, true);
+      this->add_vector(now.name + " velocity", "L/T", now.velocity);
+      this->add_vector(now.name + " spin", "1/T", now.spin, true);
+      this->add_vector(now.name + " momentum", "M L/T", now.momentum);
+      this->add_vector(now.name + " angular momentum", "M L^2/T", now.angular_momentum, true);
+      this->add_mean(now.name + " mean force", "M L/T^2", now.impulse, before.impulse, elapsed);
+      this->add_mean(now.name + " mean moment", energy, now.angular_impulse, before.angular_impulse,
+                     elapsed, true);
+      this->table.add(now.name + " work", energy, now.work);
+      this->table.add(now.name + " kinetic energy", energy, now.kinetic_energy);
+      this->table.add(now.name + " energy of rotation", energy, now.rotation_energy);
+    }
+
+    void end_row(const OutputView<dim> &view) override
+    {
+      BalanceHistory<dim, RigidBodyBalance>::end_row(view);
+      time_of_row = view.middle_of_next_step();
+    }
+
+    double time_of_row = 0; ///< until which impulses of the last row go
+  };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(
       Output, RigidBodyHistory, "rigid body history",

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 namespace tombolo
 {
   /** Forces, impulses and energies of a contact at one time. */
   struct ContactBalance
   {
+    std::string name;                        ///< of the contact, for tables
     std::array<double, 3> force{};           ///< of the surface on the bodies, at t_n [M L/T^2]
     std::array<double, 3> impulse{};         ///< of that force since the start [M L/T]
     std::array<double, 3> angular_impulse{}; ///< of its torque about the surface's reference point,

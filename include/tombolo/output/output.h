@@ -93,6 +93,12 @@ namespace tombolo
       return step % steps_between == 0 || ends_at_rest;
     }
 
+    /** Until when impulses of forces at t_n go. */
+    double middle_of_next_step() const
+    {
+      return time + 0.5 * time_step;
+    }
+
     /** Whether nodes can have forces of contacts. */
     bool has_contacts() const
     {

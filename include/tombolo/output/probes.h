@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/output/output.h>
+#include <tombolo/output/history.h>
 
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ namespace tombolo
    * with the smallest persistent id is taken, so the choice does not depend on the number of ranks.
    */
   template <int dim>
-  class Probes : public Output<dim>
+  class Probes : public History<dim>
   {
   public:
     explicit Probes(const Section &section);
@@ -30,13 +30,7 @@ namespace tombolo
     /** Throws InputError where a location is far from every node. */
     void check(const OutputView<dim> &view) override;
 
-    void start(const OutputView<dim> &view, const OutputDirectory &directory,
-               const UnitLabels &unit_labels) override;
-
-    void after_step(const OutputView<dim> &view) override;
-    void write(const OutputView<dim> &view, TimeTable &statistics) override;
     void serialize(StateArchive &archive) override;
-    void finish(Json &results) override;
 
     /** Persistent ids of the nodes that were chosen, in the order of columns. */
     std::vector<std::uint64_t> nodes() const;
@@ -53,14 +47,15 @@ namespace tombolo
 
     void read_location(const std::string &text);
     void find_node(Probe &probe, const OutputView<dim> &view, double largest_distance);
-    /** Adds a row for the present state. Collective. */
-    void add_row(const OutputView<dim> &view);
+    void begin(const OutputView<dim> &view) override;
+    void add_columns(const OutputView<dim> &view) override;
+    void check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels) override;
+    bool has_row(const OutputView<dim> &view) override;
+    void end_row(const OutputView<dim> &view) override;
 
     Section section;
     std::vector<Probe> probes;
     double interval;
-    unsigned int steps_between;
     double next_time = 0;
-    TimeTable table{"probes.csv", TimeTable::Rows::in_file};
   };
 } // namespace tombolo

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/output/output.h>
+#include <tombolo/state/state_archive.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * A table with a row every n steps, `Steps between rows`, of what a derived class adds. Rows are
+   * in the file after each output.
+   */
+  template <int dim>
+  class History : public Output<dim>
+  {
+  public:
+    /** The table is written to @p file_name of the output directory. */
+    History(const std::string &file_name, unsigned int steps_between);
+
+    /** Declares `Steps between rows`. */
+    static void declare_interval(dealii::ParameterHandler &handler, const std::string &file_name);
+
+    void start(const OutputView<dim> &view, const OutputDirectory &directory,
+               const UnitLabels &unit_labels) override;
+    void after_step(const OutputView<dim> &view) override;
+    void write(const OutputView<dim> &view, TimeTable &statistics) override;
+    void serialize(StateArchive &archive) override;
+    void finish(Json &results) override;
+
+  protected:
+    /** Before the first row. Where the table of a run that is resumed goes on, what serialize() has
+     * read stays. */
+    virtual void begin(const OutputView<dim> & /*view*/) {}
+
+    /** Adds the columns of the present row to the table. Collective. */
+    virtual void add_columns(const OutputView<dim> &view) = 0;
+
+    /** Refuses columns that are not those of the run that is resumed, where it can say more than
+     * the table. */
+    virtual void check_columns(const OutputDirectory & /*directory*/, const UnitLabels &) {}
+
+    /** Whether the step that has ended has a row. */
+    virtual bool has_row(const OutputView<dim> &view);
+
+    /** The row was written. */
+    virtual void end_row(const OutputView<dim> & /*view*/) {}
+
+    /** Adds the components of a vector to the row: all of one of rotation that can differ from
+     * zero, which in two dimensions is that about z. */
+    void add_vector(const std::string &name, const std::string &unit,
+                    const std::array<double, 3> &value, bool is_of_rotation = false);
+
+    /** The same of its mean over the time @p elapsed since @p before, zero without any. */
+    void add_mean(const std::string &name, const std::string &unit,
+                  const std::array<double, 3> &now, const std::array<double, 3> &before,
+                  double elapsed, bool is_of_rotation = false);
+
+    /** Adds what a balance that knows the time of its impulse says of its force: mean force and
+     * mean moment since @p before, and the impulse since the start. */
+    template <typename Balance>
+    void add_impulses(const Balance &now, const Balance &before)
+    {
+      const double elapsed = now.time_of_impulse - before.time_of_impulse;
+      add_mean(now.name + " mean force", "M L/T^2", now.impulse, before.impulse, elapsed);
+      add_mean(now.name + " mean moment", "M L^2/T^2", now.angular_impulse, before.angular_impulse,
+               elapsed, true);
+      add_vector(now.name + " impulse", "M L/T", now.impulse);
+    }
+
+    TimeTable table;
+    unsigned int steps_between;
+  };
+
+  /**
+   * A history of balances, each a set of sums since the start of which a row has means since the
+   * row before. The summary has each balance at the last output, by name.
+   */
+  template <int dim, typename Balance>
+  class BalanceHistory : public History<dim>
+  {
+  public:
+    /** What checkpoints have of the last row beside impulses. */
+    struct Kept
+    {
+      std::string name;        ///< of the numbers
+      double Balance::*number; ///< of each balance
+      std::string owners;      ///< what the balances are of, for messages
+    };
+
+    /** What the summary has of each balance at the last output beside the impulse. */
+    struct Summary
+    {
+      std::string group; ///< empty: nothing
+      std::vector<double Balance::*> numbers;
+    };
+
+    BalanceHistory(const std::string &file_name, const unsigned int steps_between, const Kept &kept,
+                   const Summary &summary)
+        : History<dim>(file_name, steps_between), kept(kept), summary(summary)
+    {}
+
+    void write(const OutputView<dim> &view, TimeTable &statistics) override
+    {
+      if (!summary.group.empty())
+        at_output = balances(view);
+      History<dim>::write(view, statistics);
+    }
+
+    void serialize(StateArchive &archive) override
+    {
+      History<dim>::serialize(archive);
+      serialize_last_row(archive);
+      if (!summary.group.empty())
+        serialize_at_output(archive);
+    }
+
+    void finish(Json &results) override
+    {
+      History<dim>::finish(results);
+      for (std::size_t k = 0; k < at_output.size(); ++k)
+      {
+        Json &entry = results[summary.group][at_output[k].name];
+        entry["impulse"] = Json::array();
+        for (unsigned int d = 0; d < dim; ++d)
+          entry["impulse"].push_back(at_output[k].impulse[d]);
+        add_to_summary(k, at_output[k], entry);
+      }
+    }
+
+  protected:
+    /** Those of now. Collective. */
+    virtual std::vector<Balance> balances(const OutputView<dim> &view) const = 0;
+
+    /** Adds the columns of balance number @p k, which at the row before was @p before. */
+    virtual void add_balance(const OutputView<dim> &view, std::size_t k, const Balance &now,
+                             const Balance &before) = 0;
+
+    /** Adds to the entry of balance number @p k in the summary, which has the impulse. */
+    virtual void add_to_summary(std::size_t /*k*/, const Balance & /*at_output*/, Json & /*entry*/)
+    {}
+
+    void begin(const OutputView<dim> &view) override
+    {
+      const std::vector<Balance> now = balances(view);
+      if (!this->table.is_continued())
+        last = now;
+      for (std::size_t k = 0; k < std::min(now.size(), at_output.size()); ++k)
+        at_output[k].name = now[k].name;
+    }
+
+    void add_columns(const OutputView<dim> &view) override
+    {
+      present = balances(view);
+      for (std::size_t k = 0; k < present.size(); ++k)
+        add_balance(view, k, present[k], k < last.size() ? last[k] : present[k]);
+    }
+
+    void end_row(const OutputView<dim> & /*view*/) override
+    {
+      last = present;
+    }
+
+    std::vector<Balance> last, present; ///< at the row before, and at this one
+
+  private:
+    /** Impulse, angular impulse and one number of each balance in the last row. */
+    void serialize_last_row(StateArchive &archive)
+    {
+      std::vector<double> impulses, numbers;
+      for (const Balance &balance : last)
+      {
+        for (const auto &impulse : {balance.impulse, balance.angular_impulse})
+          impulses.insert(impulses.end(), impulse.begin(), impulse.end());
+        numbers.push_back(balance.*kept.number);
+      }
+      archive("impulses at row", impulses);
+      archive(kept.name, numbers);
+      if (impulses.size() != 6 * numbers.size())
+        archive.fail("\"impulses at row\" and \"" + kept.name + "\" are not of as many " +
+                     kept.owners + ".");
+      last.resize(numbers.size());
+      auto next = impulses.begin();
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+      {
+        last[k].*kept.number = numbers[k];
+        for (auto *const impulse : {&last[k].impulse, &last[k].angular_impulse})
+        {
+          std::copy_n(next, 3, impulse->begin());
+          next += 3;
+        }
+      }
+    }
+
+    /** What the summary of a run that ends before its next output has. */
+    void serialize_at_output(StateArchive &archive)
+    {
+      std::vector<double> values;
+      for (const Balance &balance : at_output)
+      {
+        values.insert(values.end(), balance.impulse.begin(), balance.impulse.end());
+        for (double Balance::*const number : summary.numbers)
+          values.push_back(balance.*number);
+      }
+      archive("balances at output", values);
+      const std::size_t n_values = 3 + summary.numbers.size();
+      if (values.size() % n_values != 0)
+        archive.fail("\"balances at output\" has other numbers than this program.");
+      at_output.resize(values.size() / n_values);
+      auto next = values.begin();
+      for (Balance &balance : at_output)
+      {
+        std::copy_n(next, 3, balance.impulse.begin());
+        next += 3;
+        for (double Balance::*const number : summary.numbers)
+          balance.*number = *next++;
+      }
+    }
+
+    Kept kept;
+    Summary summary;
+    std::vector<Balance> at_output;
+  };
+} // namespace tombolo
