@@ -3,9 +3,6 @@
 
 #include <tombolo/state/state_archive.h>
 
-#include <algorithm>
-#include <numeric>
-
 namespace tombolo
 {
   using namespace dealii;
@@ -14,7 +11,7 @@ namespace tombolo
   ContactHeat<dim>::ContactHeat(const Section &section, const ContactSettings &settings,
                                 const std::vector<unsigned int> &candidates,
                                 PartSurface<dim> *const surface)
-      : settings(settings), candidates(candidates), pending(candidates.size(), 0.)
+      : settings(settings), candidates(candidates)
   {
     if (surface != nullptr)
       part = std::make_unique<PartHeat<dim>>(section, *surface);
@@ -33,28 +30,15 @@ namespace tombolo
   }
 
   template <int dim>
-  double ContactHeat<dim>::enthalpy(const std::size_t candidate, const NodalHeat &nodal_heat) const
-  {
-    const unsigned int node = candidates[candidate];
-    return nodal_heat.enthalpy->enthalpy(node, *nodal_heat.temperature->node(node)) +
-           (nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node) : pending[candidate]);
-  }
-
-  template <int dim>
-  double ContactHeat<dim>::temperature(const std::size_t candidate,
-                                       const NodalHeat &nodal_heat) const
-  {
-    return nodal_heat.enthalpy->temperature(candidates[candidate], enthalpy(candidate, nodal_heat));
-  }
-
-  template <int dim>
   void ContactHeat<dim>::add_friction(const std::size_t candidate, const double heat,
                                       const NodalHeat &nodal_heat)
   {
+    if (heat == 0.)
+      return;
     double fraction = settings.heat_fraction;
-    if (settings.splits_by_effusivity && heat != 0.)
+    if (settings.splits_by_effusivity)
     {
-      const double of_node = temperature(candidate, nodal_heat);
+      const double of_node = nodal_heat.temperature_of(candidates[candidate]);
       const double of_body = nodal_heat.enthalpy->effusivity(candidates[candidate], of_node);
       const double of_other =
           part ? part->effusivity(candidate)
@@ -63,8 +47,8 @@ namespace tombolo
       friction_of_bodies += fraction * heat;
       friction_of_tool += (1. - fraction) * heat;
     }
-    pending[candidate] += fraction * heat;
-    if (part && heat != 0.)
+    nodal_heat.friction->add(candidates[candidate], fraction * heat);
+    if (part)
       part->add_friction(candidate, (1. - fraction) * heat);
   }
 
@@ -79,32 +63,7 @@ namespace tombolo
   void ContactHeat<dim>::exchange(const NodalHeat &nodal_heat, const MPI_Comm communicator)
   {
     if (HeatPartner *const other = partner())
-      other->end_step(
-          friction_of_tool, nodal_heat,
-          [&](const std::size_t k) { return enthalpy(k, nodal_heat); }, pending, communicator);
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (std::size_t k = 0; k < pending.size(); ++k)
-      heat.node(candidates[k])[0] += pending[k];
-    if (part)
-      part->add_pending_heat(heat);
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::forget_pending_heat()
-  {
-    std::fill(pending.begin(), pending.end(), 0.);
-    if (part)
-      part->forget_pending_heat();
-  }
-
-  template <int dim>
-  double ContactHeat<dim>::heat_to_give() const
-  {
-    return std::accumulate(pending.begin(), pending.end(), 0.) + (part ? part->heat_to_give() : 0.);
+      other->end_step(friction_of_tool, nodal_heat, communicator);
   }
 
   template <int dim>
@@ -128,28 +87,15 @@ namespace tombolo
   template <int dim>
   typename ContactHeat<dim>::State ContactHeat<dim>::state() const
   {
-    return {pending, friction_of_bodies,
-            tool ? tool->state() : typename ToolHeat<dim>::State{0., 0.}};
+    return {friction_of_bodies, tool ? tool->state() : typename ToolHeat<dim>::State{0., 0.}};
   }
 
   template <int dim>
   void ContactHeat<dim>::restore(const State &state)
   {
-    pending = std::get<0>(state);
-    friction_of_bodies = std::get<1>(state);
+    friction_of_bodies = state.first;
     if (tool)
-      tool->restore(std::get<2>(state));
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::serialize_pending(StateArchive &archive)
-  {
-    std::vector<std::array<double, 3>> heat;
-    for (const double value : pending)
-      heat.push_back({{value, 0., 0.}});
-    archive.nodal("heat to give", candidates, heat);
-    for (std::size_t k = 0; k < pending.size(); ++k)
-      pending[k] = heat[k][0];
+      tool->restore(state.second);
   }
 
   template <int dim>
@@ -161,16 +107,6 @@ namespace tombolo
       tool->serialize(archive);
     if (part)
       part->serialize(archive);
-    serialize_pending(archive);
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::continue_from(StateArchive &archive)
-  {
-    if (part)
-      part->continue_from(archive);
-    if (archive.has("heat to give"))
-      serialize_pending(archive);
   }
 
   template class ContactHeat<2>;

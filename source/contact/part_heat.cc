@@ -6,7 +6,6 @@
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace tombolo
 {
@@ -21,7 +20,6 @@ namespace tombolo
         section.fail(entry, "the surface is that of a part, which has nodes with temperatures and "
                             "a material of its own; allowed is no such entry.");
     incoming.assign(surface.nodes_of_part().n_nodes(), 0.);
-    pending.assign(surface.nodes_of_part().owned().size(), 0.);
   }
 
   template <int dim>
@@ -29,20 +27,14 @@ namespace tombolo
   PartHeat<dim>::gather(const NodalHeat &nodal_heat, const unsigned int n_values,
                         const std::function<void(unsigned int, double, double *)> &write) const
   {
-    const NodalEnthalpy &of_nodes = *nodal_heat.enthalpy;
-    std::size_t k = 0;
     return surface.nodes_of_part().gather(
         n_values,
         [&](const unsigned int node, double *const values)
         {
-          const double own = pending[k++];
-          const double to_come =
-              nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node) : own;
-          double temperature = *nodal_heat.temperature->node(node);
-          if (to_come != 0.)
-            temperature =
-                of_nodes.temperature(node, of_nodes.enthalpy(node, temperature) + to_come);
-          write(node, temperature, values);
+          const bool has_got = *nodal_heat.pending->node(node) != 0.;
+          write(node,
+                has_got ? nodal_heat.temperature_of(node) : *nodal_heat.temperature->node(node),
+                values);
         });
   }
 
@@ -74,8 +66,7 @@ namespace tombolo
 
   template <int dim>
   void PartHeat<dim>::end_step(const double /*friction*/, const NodalHeat &nodal_heat,
-                               const std::function<double(std::size_t)> &enthalpy,
-                               std::vector<double> &heat, const MPI_Comm /*communicator*/)
+                               const MPI_Comm /*communicator*/)
   {
     const PartLayer<dim> &layer = surface.nodes_of_part();
     if (conducts())
@@ -100,7 +91,7 @@ namespace tombolo
         double below = 0;
         for (unsigned int c = 0; c < place.weights.size(); ++c)
           below += place.weights[c] * of_part[2 * surface.cell(place)[c]];
-        const double of_node = enthalpy(touch.candidate);
+        const double of_node = nodal_heat.enthalpy_of(touch.node);
         const double temperature = of_nodes.temperature(touch.node, of_node);
         places.push_back(&place);
         temperatures.push_back(temperature);
@@ -112,35 +103,16 @@ namespace tombolo
       {
         const double received = response(touches[i], nodal_heat, of_touch[i] / (1. + crowding[i])) *
                                 (temperatures_below[i] - temperatures[i]);
-        heat[touches[i].candidate] += received;
+        nodal_heat.conduction->add(touches[i].node, received);
         conducted_heat += received;
         for (unsigned int c = 0; c < places[i]->weights.size(); ++c)
           incoming[surface.cell(*places[i])[c]] -= places[i]->weights[c] * received;
       }
     }
     layer.sum(1, incoming);
-    for (std::size_t k = 0; k < pending.size(); ++k)
-      pending[k] += incoming[layer.owned()[k].number];
+    for (const auto &owned : layer.owned())
+      nodal_heat.conduction->add(owned.node, incoming[owned.number]);
     std::fill(incoming.begin(), incoming.end(), 0.);
-  }
-
-  template <int dim>
-  void PartHeat<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (std::size_t k = 0; k < pending.size(); ++k)
-      *heat.node(surface.nodes_of_part().owned()[k].node) += pending[k];
-  }
-
-  template <int dim>
-  void PartHeat<dim>::forget_pending_heat()
-  {
-    std::fill(pending.begin(), pending.end(), 0.);
-  }
-
-  template <int dim>
-  double PartHeat<dim>::heat_to_give() const
-  {
-    return std::accumulate(pending.begin(), pending.end(), 0.);
   }
 
   template <int dim>
@@ -150,35 +122,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartHeat<dim>::serialize_pending(StateArchive &archive)
-  {
-    std::vector<unsigned int> nodes;
-    std::vector<std::array<double, 3>> values;
-    for (std::size_t k = 0; k < pending.size(); ++k)
-    {
-      nodes.push_back(surface.nodes_of_part().owned()[k].node);
-      values.push_back({{pending[k], 0., 0.}});
-    }
-    archive.nodal("heat to give", nodes, values);
-    for (std::size_t k = 0; k < pending.size(); ++k)
-      pending[k] = values[k][0];
-  }
-
-  template <int dim>
   void PartHeat<dim>::serialize(StateArchive &archive)
   {
     const auto group = archive.group("heat of the part");
     archive.sums("conducted", {&conducted_heat});
-    serialize_pending(archive);
-  }
-
-  template <int dim>
-  void PartHeat<dim>::continue_from(StateArchive &archive)
-  {
-    if (!archive.has("heat of the part"))
-      return;
-    const auto group = archive.group("heat of the part");
-    serialize_pending(archive);
   }
 
   template class PartHeat<2>;

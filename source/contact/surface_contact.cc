@@ -95,7 +95,7 @@ namespace tombolo
   {
     if (settings.friction.is_constant() || !(settings.friction.largest() > 0.))
       return settings.friction.largest();
-    return settings.friction.value(heat->temperature(candidate, nodal_heat));
+    return settings.friction.value(nodal_heat.temperature_of(candidates[candidate]));
   }
 
   template <int dim>
@@ -228,8 +228,6 @@ namespace tombolo
       return;
     const auto group = archive.group("contact " + contact_name);
     continue_nodes(archive);
-    if (heat)
-      heat->continue_from(archive);
   }
 
   template class SurfaceContact<2>;

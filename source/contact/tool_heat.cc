@@ -77,15 +77,14 @@ namespace tombolo
 
   template <int dim>
   void ToolHeat<dim>::end_step(const double friction, const NodalHeat &nodal_heat,
-                               const std::function<double(std::size_t)> &enthalpy,
-                               std::vector<double> &heat, const MPI_Comm communicator)
+                               const MPI_Comm communicator)
   {
     const NodalEnthalpy &nodal_enthalpy = *nodal_heat.enthalpy;
     offers.clear();
     for (const Touch &touch : touches)
     {
       const unsigned int node = touch.node;
-      const double of_node = enthalpy(touch.candidate);
+      const double of_node = nodal_heat.enthalpy_of(node);
       const double temperature = nodal_enthalpy.temperature(node, of_node);
       const double node_capacity =
           mean_capacity(nodal_enthalpy, node, of_node, temperature, tool_temperature);
@@ -106,7 +105,7 @@ namespace tombolo
     for (std::size_t i = 0; i < offers.size(); ++i)
     {
       const double received = offers[i].response * (tool_temperature - offers[i].temperature);
-      heat[touches[i].candidate] += received;
+      nodal_heat.conduction->add(touches[i].node, received);
       conducted_heat += received;
     }
   }

@@ -44,91 +44,12 @@ namespace tombolo
     position_in_own.clear();
   }
 
-  void LoadTransfer::set_loaded_nodes(const std::vector<unsigned int> &nodes)
-  {
-    std::vector<bool> is_loaded(split.total_mass.partition()->n_owned(), false);
-    for (const unsigned int node : nodes)
-      is_loaded[node] = true;
-    loaded_own.clear();
-    for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
-      if (is_loaded[split.own_nodes[k]])
-        loaded_own.push_back(k);
-    loaded_rows.assign(split.parts.size(), {});
-    for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (unsigned int row = 0;
-           split.parts[p].is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
-        if (is_loaded[split.parts[p].shape->particle_node[row]])
-          loaded_rows[p].push_back(row);
-    find_touched_nodes();
-  }
-
-  void LoadTransfer::find_touched_nodes()
-  {
-    const auto &partition = split.total_mass.partition();
-    std::vector<bool> is_touched(partition->n_local(), false);
-    for (const std::size_t k : loaded_own)
-      is_touched[split.own_nodes[k]] = true;
-    for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (const unsigned int row : loaded_rows[p])
-      {
-        const Stencils &shape = *split.parts[p].shape;
-        is_touched[shape.particle_node[row]] = true;
-        const Stencils::Row of_row = shape.row(row);
-        for (unsigned int k = 0; !shape.is_lumped && k < of_row.size; ++k)
-          is_touched[of_row.neighbour[k]] = true;
-      }
-    NodalVector mark;
-    mark.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_local(); ++i)
-      *mark.node(i) = is_touched[i] ? 1. : 0.;
-    mark.add_to_owners();
-    touched.clear();
-    for (unsigned int i = 0; i < partition->n_local(); ++i)
-      if (is_touched[i] || (i < partition->n_owned() && *mark.node(i) > 0.))
-        touched.push_back(i);
-  }
-
-  void LoadTransfer::places_of_loads(const NodalVector &position, NodalVector &result) const
+  void LoadTransfer::places_of_loads(const std::vector<unsigned int> &nodes,
+                                     const NodalVector &position, NodalVector &result)
   {
     result.copy_from(position);
-    for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (const unsigned int row : loaded_rows[p])
-        store_node(NodeLanes(0.), result.node(split.parts[p].shape->particle_node[row]));
-    for (const std::size_t k : loaded_own)
-      store_node(load_node(split.own_fraction.data() + k * node_stride) *
-                     load_node(position.node(split.own_nodes[k])),
-                 result.node(split.own_nodes[k]));
-    for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (const unsigned int row : loaded_rows[p])
-      {
-        const Stencils &shape = *split.parts[p].shape;
-        const NodeLanes place = place_of_row(shape, row, position);
-        double *const node = result.node(shape.particle_node[row]);
-        store_node(load_node(node) + place * load_node(split.parts[p].smoothed_fraction.data() +
-                                                       std::size_t(row) * node_stride),
-                   node);
-      }
+    interpolate_rows(nodes, position, result);
     result.distribute();
-  }
-
-  void LoadTransfer::force_of_loads(const NodalVector &loads, NodalVector &force) const
-  {
-    for (const unsigned int node : touched)
-      store_node(NodeLanes(0.), force.node(node));
-    for (const std::size_t k : loaded_own)
-      store_node(load_node(split.own_fraction.data() + k * node_stride) *
-                     load_node(loads.node(split.own_nodes[k])),
-                 force.node(split.own_nodes[k]));
-    for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (const unsigned int row : loaded_rows[p])
-      {
-        const Stencils &shape = *split.parts[p].shape;
-        const NodeLanes load =
-            load_node(loads.node(shape.particle_node[row])) *
-            load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
-        spread(shape, row, load, force);
-      }
-    force.add_to_owners();
   }
 
   void LoadTransfer::interpolate(const NodalVector &field, NodalVector &result) const
@@ -202,6 +123,12 @@ namespace tombolo
         store_node(load_node(field.node(node)), result.node(node));
       return;
     }
+    interpolate_rows(nodes, field, result);
+  }
+
+  void LoadTransfer::interpolate_rows(const std::vector<unsigned int> &nodes,
+                                      const NodalVector &field, NodalVector &result)
+  {
     if (position_in_own.empty())
       find_positions_in_lists();
     for (const unsigned int node : nodes)
@@ -216,10 +143,5 @@ namespace tombolo
               load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
       store_node(sum, result.node(node));
     }
-  }
-
-  const std::vector<unsigned int> &LoadTransfer::touched_nodes() const
-  {
-    return touched;
   }
 } // namespace tombolo

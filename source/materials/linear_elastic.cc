@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/linear_elastic.h>
 
+#include <tombolo/materials/material_tangent.h>
+
 #include <algorithm>
 #include <vector>
 

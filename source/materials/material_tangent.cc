@@ -48,43 +48,33 @@ namespace tombolo
       unsigned int n;
       dealii::AlignedVector<double> values;
     };
-
-    /** Material::update_stress(), and its tangent by difference quotients: seven updates. */
-    void find_difference_quotients(const Material &material, MaterialBatch &batch,
-                                   const MaterialTangent &tangent)
-    {
-      constexpr double change = 1e-7;
-      KeptBatch kept(batch);
-      MaterialBatch changed = batch;
-      for (unsigned int c = 0; c < 6; ++c)
-        changed.strain_increment[c] = kept.strain(c);
-      for (unsigned int column = 0; column < 6; ++column)
-      {
-        for (unsigned int i = 0; i < batch.n; ++i)
-          kept.strain(column)[i] += change;
-        material.update_stress(changed);
-        for (unsigned int row = 0; row < 6; ++row)
-          std::copy_n(batch.stress[row], batch.n, tangent[6 * row + column]);
-        std::copy_n(batch.strain_increment[column], batch.n, kept.strain(column));
-        kept.restore(batch);
-      }
-      material.update_stress(batch);
-      for (unsigned int row = 0; row < 6; ++row)
-        for (unsigned int column = 0; column < 6; ++column)
-          for (unsigned int i = 0; i < batch.n; ++i)
-          {
-            double &entry = tangent[6 * row + column][i];
-            entry = (entry - batch.stress[row][i]) / change;
-          }
-    }
   } // namespace
 
-  void update_stress_and_tangent(const Material &material, MaterialBatch &batch,
-                                 const MaterialTangent &tangent)
+  void Material::update_stress_and_tangent(MaterialBatch &batch,
+                                           const MaterialTangent &tangent) const
   {
-    if (const auto *const with_tangent = dynamic_cast<const MaterialWithTangent *>(&material))
-      with_tangent->update_stress_and_tangent(batch, tangent);
-    else
-      find_difference_quotients(material, batch, tangent);
+    constexpr double change = 1e-7;
+    KeptBatch kept(batch);
+    MaterialBatch changed = batch;
+    for (unsigned int c = 0; c < 6; ++c)
+      changed.strain_increment[c] = kept.strain(c);
+    for (unsigned int column = 0; column < 6; ++column)
+    {
+      for (unsigned int i = 0; i < batch.n; ++i)
+        kept.strain(column)[i] += change;
+      update_stress(changed);
+      for (unsigned int row = 0; row < 6; ++row)
+        std::copy_n(batch.stress[row], batch.n, tangent[6 * row + column]);
+      std::copy_n(batch.strain_increment[column], batch.n, kept.strain(column));
+      kept.restore(batch);
+    }
+    update_stress(batch);
+    for (unsigned int row = 0; row < 6; ++row)
+      for (unsigned int column = 0; column < 6; ++column)
+        for (unsigned int i = 0; i < batch.n; ++i)
+        {
+          double &entry = tangent[6 * row + column][i];
+          entry = (entry - batch.stress[row][i]) / change;
+        }
   }
 } // namespace tombolo

@@ -126,7 +126,9 @@ namespace tombolo
       }
   }
 
-  Action::Action(std::string name, const ActsAt place) : name(std::move(name)), place(place) {}
+  Action::Action(std::string name, const ActsAt place)
+      : NodalSource(Quantity::vector), name(std::move(name)), place(place)
+  {}
 
   Action &Action::books(const std::string &of_work, const EnergyKind of_kind)
   {
@@ -147,33 +149,6 @@ namespace tombolo
     return *this;
   }
 
-  Action &Action::stays_on_rank()
-  {
-    is_on_rank = true;
-    return *this;
-  }
-
-  NodalVector &Action::at_all_nodes()
-  {
-    is_anywhere = true;
-    return values;
-  }
-
-  NodalVector &Action::at_touched_nodes()
-  {
-    return values;
-  }
-
-  std::vector<unsigned int> &Action::touched_nodes()
-  {
-    return touched;
-  }
-
-  const NodalVector &Action::given() const
-  {
-    return values;
-  }
-
   const NodalForces &Action::nodal_forces() const
   {
     return of_nodes;
@@ -192,46 +167,10 @@ namespace tombolo
     return sum_of_work;
   }
 
-  void Action::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    if (values.partition() == nullptr)
-      values.reinit(partition);
-    else if (values.partition() != partition)
-    {
-      values.move_to(partition);
-      is_anywhere = true; // ghosts have values, too
-    }
-  }
-
   void Action::begin()
   {
-    if (is_anywhere)
-      values.set_zero();
-    for (const unsigned int node : touched)
-      std::fill_n(values.node(node), node_stride, 0.);
-    is_anywhere = false;
-    touched.clear();
+    clear();
     of_nodes.clear();
-  }
-
-  void Action::find_given()
-  {
-    const NodePartition &partition = *values.partition();
-    constexpr std::size_t few = 4; // a sorted list costs more than some nodes that have nothing
-    is_anywhere = is_anywhere || few * touched.size() > partition.n_owned();
-    if (is_anywhere)
-    {
-      take_all_forces(values, of_nodes);
-      return;
-    }
-    if (!is_on_rank)
-      touched.insert(touched.end(), partition.receiving_nodes().begin(),
-                     partition.receiving_nodes().end());
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    touched.erase(std::lower_bound(touched.begin(), touched.end(), partition.n_owned()),
-                  touched.end()); // cleared by their owners
-    take_forces(values, touched, of_nodes);
   }
 
   void Action::spread(Bridge &bridge, NodalVector &buffer)
@@ -259,11 +198,8 @@ namespace tombolo
 
   void Action::collect(Bridge &bridge, NodalVector &buffer, NodalVector &total)
   {
-    if (!is_on_rank)
-      values.add_to_owners();
-    values.condense();
-    is_anywhere = is_anywhere || values.partition()->dependent_nodes().depth > 0;
-    find_given();
+    gather();
+    for_given([&](const unsigned int node) { take_force(values, node, of_nodes); });
     if (place != ActsAt::nodes)
       spread(bridge, buffer);
     for (std::size_t k = 0; k < of_nodes.nodes.size(); ++k)
@@ -280,15 +216,38 @@ namespace tombolo
     work_of_steps.serialize("previous impulse", values.partition()->n_owned(), archive);
   }
 
+  HeatAction::HeatAction(std::string name, std::string account)
+      : NodalSource(Quantity::scalar), name(std::move(name)), account(std::move(account))
+  {}
+
+  void HeatAction::collect(NodalVector &pending)
+  {
+    if (is_on_rank && touched.empty() && !is_anywhere &&
+        values.partition()->dependent_nodes().depth == 0)
+      return;
+    gather();
+    for_given(
+        [&](const unsigned int node)
+        {
+          *pending.node(node) += *values.node(node);
+          sum_of_heat += *values.node(node);
+        });
+    clear();
+  }
+
   Action &Actions::add(const std::string &name, const ActsAt place)
   {
     return all.emplace_back(name, place);
   }
 
+  HeatAction &Actions::add_heat(const std::string &name, const std::string &account)
+  {
+    return heats.emplace_back(name, account);
+  }
+
   void Actions::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
-    for (Action &action : all)
-      action.set_partition(partition);
+    for_all([&](NodalSource &source) { source.set_partition(partition); });
   }
 
   void Actions::begin()
@@ -329,6 +288,25 @@ namespace tombolo
     }
   }
 
+  void Actions::collect_heat(NodalVector &pending, const bool on_rank_only)
+  {
+    for (HeatAction &heat : heats)
+      if (heat.is_on_rank || !on_rank_only)
+        heat.collect(pending);
+  }
+
+  void Actions::begin_trial()
+  {
+    for (HeatAction &heat : heats)
+      heat.sum_at_start = heat.sum_of_heat;
+  }
+
+  void Actions::restart_trial()
+  {
+    for (HeatAction &heat : heats)
+      heat.sum_of_heat = heat.sum_at_start;
+  }
+
   void Actions::begin_change(const NodalVector &velocity)
   {
     for (Action &action : all)
@@ -358,15 +336,28 @@ namespace tombolo
                      is_held(action.kind) ? -action.sum_of_work : action.sum_of_work);
   }
 
+  void Actions::account_heat(EnergyAccounts &accounts) const
+  {
+    for (const HeatAction &heat : heats)
+      accounts.add(heat.account, EnergyKind::external, heat.sum_of_heat);
+  }
+
   void Actions::serialize(StateArchive &archive)
   {
     for (Action &action : all)
       action.serialize(archive);
+    for (HeatAction &heat : heats)
+    {
+      const auto group = archive.group(heat.name);
+      archive.sums("heat", {&heat.sum_of_heat});
+    }
   }
 
   std::size_t Actions::memory_consumption() const
   {
     std::size_t bytes = buffer.memory_consumption();
+    for (const HeatAction &heat : heats)
+      bytes += heat.values.memory_consumption() + heat.touched.capacity() * sizeof(unsigned);
     for (const Action &action : all)
       bytes += action.values.memory_consumption() + action.touched.capacity() * sizeof(unsigned) +
                action.of_nodes.memory_consumption() + action.work_of_steps.memory_consumption();

@@ -87,6 +87,12 @@ namespace tombolo
       directory.create_subdirectory(subdirectory);
       const std::string temporary = file + ".tmp";
       const bool is_first = Utilities::MPI::this_mpi_process(communicator) == 0;
+      const auto remove = [&]
+      {
+        std::error_code ignored;
+        if (is_first)
+          fs::remove(temporary, ignored);
+      };
       try
       {
         {
@@ -96,14 +102,15 @@ namespace tombolo
         }
         StateArchive::verify(temporary, communicator);
       }
-      catch (const std::exception &error)
+      catch (const DamagedCheckpoint &error)
       {
-        std::error_code ignored;
-        if (is_first)
-          fs::remove(temporary, ignored);
-        if (dynamic_cast<const DamagedCheckpoint *>(&error) == nullptr)
-          throw;
+        remove();
         throw RunError(std::string(error.what()) + " It was just written: is the disk sound?");
+      }
+      catch (const std::exception &)
+      {
+        remove();
+        throw;
       }
       std::string error;
       if (is_first)

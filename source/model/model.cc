@@ -419,9 +419,9 @@ namespace tombolo
   template <int dim>
   bool Model<dim>::has_heat_sources() const
   {
-    return heat != nullptr && (heat->has_plastic_heat() ||
-                               std::any_of(processes.begin(), processes.end(),
-                                           [](const auto &process) { return process->heats(); }));
+    const auto gives = [](const auto &process) { return process->actions.has_heat(); };
+    return heat != nullptr &&
+           (heat->has_plastic_heat() || std::any_of(processes.begin(), processes.end(), gives));
   }
 
   template class Model<2>;

@@ -8,7 +8,9 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 namespace tombolo
@@ -72,6 +74,27 @@ namespace tombolo
       }
     }
 
+    /** As a sum: nodes that a division has made have none. */
+    void serialize_pending_heat(StateArchive &archive, NodalVector &pending, const bool is_needed)
+    {
+      const std::string name = "pending heat";
+      if (!archive.has(name) && is_needed)
+        archive.fail("it is of a version in which contacts, pairs, fragments and refills each kept "
+                     "the heat that nodes had not got yet; this one keeps it with the nodes "
+                     "(\"nodes/heat/" +
+                     name + "\"). Its run can be finished with that version.");
+      if (!archive.has(name))
+        return;
+      std::vector<unsigned int> nodes(pending.partition()->n_owned());
+      std::iota(nodes.begin(), nodes.end(), 0u);
+      std::vector<std::array<double, 3>> values;
+      for (const unsigned int node : nodes)
+        values.push_back({{*pending.node(node), 0., 0.}});
+      archive.nodal(name, nodes, values);
+      for (const unsigned int node : nodes)
+        *pending.node(node) = values[node][0];
+    }
+
     template <int dim>
     void serialize_nodes(StateArchive &archive, Model<dim> &model)
     {
@@ -85,6 +108,10 @@ namespace tombolo
       for (const auto &[description, vector] : model.heat->state.fields())
         if (description.persistent)
           archive.nodal(description.name, description.n_components, *vector);
+      const bool has_waited =
+          std::any_of(model.processes.begin(), model.processes.end(),
+                      [](const auto &process) { return process->actions.has_heat(); });
+      serialize_pending_heat(archive, model.heat->state.pending, has_waited);
     }
 
     template <int dim>

@@ -174,7 +174,7 @@ namespace tombolo
           [&]
           {
             part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
-            part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
+            part.particles = part.formulation->as_particles();
           });
       section.get("Cells");
     }

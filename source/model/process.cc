@@ -17,6 +17,22 @@ namespace tombolo
     actions.begin();
     add_forces(model, clock, force);
     actions.collect(*model.bridge, force);
+    collect_heat(model, false);
+  }
+
+  template <int dim>
+  void Process<dim>::collect_heat(Model<dim> &model, const bool on_rank_only)
+  {
+    if (actions.has_heat())
+      actions.collect_heat(model.heat->state.pending, on_rank_only);
+  }
+
+  template <int dim>
+  bool Process<dim>::give_heat(Model<dim> &model, const double begin, const double end)
+  {
+    add_heat(model, begin, end);
+    collect_heat(model, false);
+    return actions.has_heat();
   }
 
   template <int dim>
@@ -25,6 +41,7 @@ namespace tombolo
     actions.begin_late();
     constrain_acceleration(model, clock);
     actions.collect_late(*model.bridge, model.conditions->constrained_components(), model.state);
+    collect_heat(model, true);
   }
 
   template <int dim>
@@ -32,6 +49,7 @@ namespace tombolo
   {
     after_acceleration(model, clock);
     actions.complete_step(model.state, clock, model.impulses);
+    collect_heat(model, true);
   }
 
   template <int dim>

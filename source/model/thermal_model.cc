@@ -33,8 +33,6 @@ namespace tombolo
         initial_position(initial_position), assembly(parts)
   {
     bridge.set_smoothed_parts(smoothed_parts(parts));
-    for (const Part<dim> &part : parts)
-      plastic = plastic || part.material->plastic_heat_fraction() > 0.;
   }
 
   template <int dim>
@@ -98,13 +96,12 @@ namespace tombolo
     for (NodalVector *vector :
          {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
       vector->reinit(partition, Quantity::scalars);
-    if (plastic)
+    if (has_plastic_heat())
       plastic_heating.reinit(partition, Quantity::scalar);
     loads.reinit(partition, Quantity::scalars);
     load_heat.reinit(partition, Quantity::scalars);
     if (conditions.has_surface_heat())
-      bridge.load_transfer().set_loaded_nodes(
-          with_nodes_depended_on(partition, conditions.surface_nodes(partition)));
+      surface_nodes = with_nodes_depended_on(partition, conditions.surface_nodes(partition));
     kept.resize(conditions.constrained_nodes().size());
   }
 
@@ -192,23 +189,29 @@ namespace tombolo
   }
 
   template <int dim>
+  void ThermalModel<dim>::add_surface_loads(const double factor)
+  {
+    loads.add_to_owners();
+    loads.condense();
+    load_heat.set_zero();
+    bridge.load_transfer().add_force_of_loads(surface_nodes, loads, load_heat);
+    load_heat.add_to_owners();
+    for (unsigned int i = 0; i < load_heat.partition()->n_owned(); ++i)
+      *heat.node(i) += factor * *load_heat.node(i);
+  }
+
+  template <int dim>
   void ThermalModel<dim>::heat_rate(const NodalVector &position, const NodalVector &field,
                                     const double time, NodalVector &rate,
                                     std::vector<double> &of_condition)
   {
-    const unsigned int n_owned = rate.partition()->n_owned();
     add_conduction(position, field, smoothed_temperature, heat);
     if (conditions.has_surface_heat())
     {
       loads.set_zero();
       conditions.update_areas(position);
       conditions.add_surface_heat(initial_position, field, time, loads, of_condition);
-      loads.add_to_owners();
-      loads.condense();
-      bridge.load_transfer().force_of_loads(loads, load_heat);
-      for (const unsigned int node : bridge.load_transfer().touched_nodes())
-        if (node < n_owned)
-          *heat.node(node) += *load_heat.node(node);
+      add_surface_loads(1.);
     }
     // Sources and plastic heat go where the mass is: with lumped rows that is another one than m̂.
     rate.set_zero();
@@ -239,12 +242,7 @@ namespace tombolo
       bridge.load_transfer().interpolate(smoothed_direction, direction_field);
       loads.set_zero();
       conditions.add_film_action(initial_position, field, time, direction_field, loads);
-      loads.add_to_owners();
-      loads.condense();
-      bridge.load_transfer().force_of_loads(loads, load_heat);
-      for (const unsigned int node : bridge.load_transfer().touched_nodes())
-        if (node < n_owned)
-          *heat.node(node) -= *load_heat.node(node);
+      add_surface_loads(-1.);
     }
     result.set_zero();
     add_transposed_smoothing(heat, result);
@@ -293,13 +291,15 @@ namespace tombolo
   template <int dim>
   bool ThermalModel<dim>::has_plastic_heat() const
   {
-    return plastic;
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part)
+                       { return part.material->plastic_heat_fraction() > 0.; });
   }
 
   template <int dim>
   void ThermalModel<dim>::add_plastic_heat(NodalVector &enthalpy)
   {
-    if (!plastic)
+    if (!has_plastic_heat())
       return;
     plastic_heating.set_zero();
     for (Part<dim> &part : parts)
@@ -319,24 +319,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::add_surface_heat(const NodalVector &heat_at_positions,
-                                           NodalVector &enthalpy)
+  void ThermalModel<dim>::add_pending_heat()
   {
-    const unsigned int n_owned = enthalpy.partition()->n_owned();
-    std::vector<unsigned int> heated;
+    const unsigned int n_owned = state.pending.partition()->n_owned();
     loads.set_zero();
     load_heat.set_zero();
     for (unsigned int i = 0; i < n_owned; ++i)
-      if (*heat_at_positions.node(i) != 0. && *bridge.mass().node(i) == 0.)
-        eroded_heat += *heat_at_positions.node(i); // of a node that slid and then lost its cells
-      else if (*heat_at_positions.node(i) != 0.)
-      {
-        *loads.node(i) = *heat_at_positions.node(i);
+      *loads.node(i) = std::exchange(*state.pending.node(i), 0.);
+    loads.condense(); // nodes can hang since
+    std::vector<unsigned int> heated;
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (double &of_node = *loads.node(i); of_node != 0. && *bridge.mass().node(i) == 0.)
+        eroded_heat += std::exchange(of_node, 0.); // of a node that slid and then lost its cells
+      else if (of_node != 0.)
         heated.push_back(i);
-      }
     bridge.load_transfer().add_force_at_positions(heated, loads, load_heat);
     load_heat.add_to_owners();
-    add_transposed_smoothing(load_heat, enthalpy);
+    add_transposed_smoothing(load_heat, state.enthalpy);
     // What ghosts and images keep would be added to their owners with the next heat of surfaces.
     load_heat.set_zero();
   }

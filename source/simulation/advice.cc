@@ -2,10 +2,9 @@
 #include <tombolo/simulation/advice.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/materials/yield_strength.h>
+#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/unit_labels.h>
-#include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 #include <tombolo/physics/statics/static_steps.h>
 
@@ -119,12 +118,11 @@ namespace tombolo
         return;
       for (const Part<dim> &part : model.parts)
       {
-        const auto *const strength = dynamic_cast<const YieldStrength *>(part.material.get());
-        if (strength == nullptr)
+        if (!part.material->can_yield())
           continue;
         const double bulk = part.material->bulk_modulus(), shear = part.material->shear_modulus();
         const double modulus = 9. * bulk * shear / (3. * bulk + shear);
-        const double yield = strength->slow_yield_stress(0., 0.);
+        const double yield = part.material->slow_yield_stress(0., 0.);
         if (yield > largest_strain * modulus)
           log.warn("Part \"" + part.name + "\" yields at " + short_number(yield) + ", " +
                    short_number(yield / modulus) +
@@ -273,9 +271,6 @@ namespace tombolo
     template <int dim>
     void warn_of_idle_contacts(const Model<dim> &model, const double end_time, Log &log)
     {
-      const auto *const process = model.template find_process<RigidContacts<dim>>();
-      if (process == nullptr)
-        return;
       const auto &conditions = model.conditions->all();
       bool is_driven = model.heat != nullptr || model.conditions->has_loads() ||
                        std::any_of(conditions.begin(), conditions.end(),
@@ -284,13 +279,14 @@ namespace tombolo
                                             condition.type != MechanicalConditionType::clamp;
                                    });
       std::vector<std::pair<const SurfaceContact<dim> *, Approach>> idle;
-      for (const auto &contact : process->contacts())
+      const OutputView<dim> view = shown_by_processes(model);
+      for (const SurfaceContact<dim> *const contact : view.contacts)
       {
         const Approach approach = contact->has_tool_mass() || contact->is_with_part()
                                       ? Approach{0., 0.} // where it goes is not known
                                       : nearest_approach(*contact, model, end_time);
         if (approach.gap > 0.)
-          idle.emplace_back(contact.get(), approach);
+          idle.emplace_back(contact, approach);
         else
           is_driven = true;
       }
@@ -431,10 +427,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void print_warnings(Model<dim> &model, const Clock &clock, Log &log)
+  void print_warnings(Model<dim> &model, const Clock &clock,
+                      const typename Process<dim>::Occasion occasion, Log &log)
   {
     for (const auto &process : model.processes)
-      for (const std::string &warning : process->take_warnings(model, clock))
+      for (const std::string &warning : process->warnings(model, clock, occasion))
         log.warn(warning);
   }
 
@@ -444,6 +441,6 @@ namespace tombolo
                                 Log &);
   template void print_advice<3>(Model<3> &, const StepSize<3> &, const Parameters &, double, double,
                                 Log &);
-  template void print_warnings(Model<2> &, const Clock &, Log &);
-  template void print_warnings(Model<3> &, const Clock &, Log &);
+  template void print_warnings(Model<2> &, const Clock &, Process<2>::Occasion, Log &);
+  template void print_warnings(Model<3> &, const Clock &, Process<3>::Occasion, Log &);
 } // namespace tombolo

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
-#include <tombolo/contact/spring_contact.h>
+#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
-#include <tombolo/physics/mechanics/mortar_contacts.h>
-#include <tombolo/physics/mechanics/rigid_contacts.h>
+#include <tombolo/simulation/advice.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -192,8 +191,8 @@ namespace tombolo
     void print_contact_stiffness(const Model<dim> &model, const double stable_step,
                                  std::ostream &text)
     {
-      const auto *const contacts = model.template find_process<RigidContacts<dim>>();
-      if (contacts == nullptr || !(stable_step > 0.))
+      const OutputView<dim> view = shown_by_processes(model);
+      if (view.contacts.empty() || !(stable_step > 0.))
         return;
       for (const Part<dim> &part : model.parts)
       {
@@ -207,14 +206,13 @@ namespace tombolo
         if (!(p > s))
           continue;
         const double squared_bar_speed = s * (3. * p - 4. * s) / (p - s);
-        for (const auto &contact : contacts->contacts())
-          if (const auto *const of_springs =
-                  dynamic_cast<const SpringContact<dim> *>(contact.get()))
+        for (const SurfaceContact<dim> *const contact : view.contacts)
+          if (contact->has_springs())
             text << "  contact \"" << contact->name() << "\": springs of nodes inside of part \""
                  << part.name << "\" have "
-                 << of_springs->stiffness_over_modulus(spacings[0], squared_bar_speed, stable_step)
+                 << contact->stiffness_over_modulus(spacings[0], squared_bar_speed, stable_step)
                  << " to "
-                 << of_springs->stiffness_over_modulus(spacings[1], squared_bar_speed, stable_step)
+                 << contact->stiffness_over_modulus(spacings[1], squared_bar_speed, stable_step)
                  << " times Young's modulus" << (dim == 3 ? " and spacing" : "") << " (PFAC)\n";
       }
     }
@@ -321,11 +319,12 @@ namespace tombolo
         return;
       // Of a part whose fragments feel each other, all bodies are one here; so are those of
       // contacts between bodies.
-      std::set<types::global_dof_index> touching;
-      if (const auto *const contacts = model.template find_process<MortarContacts<dim>>())
-        touching = contacts->bodies(bodies);
-      if (const auto *const contacts = model.template find_process<RigidContacts<dim>>())
-        touching.merge(bodies_of_contacts(contacts->contacts(), model, bodies));
+      const OutputView<dim> view = shown_by_processes(model);
+      std::set<types::global_dof_index> touching = bodies_of_contacts(view.contacts, model, bodies);
+      for (const MortarContact<dim> *const contact : view.body_contacts)
+        for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
+          for (const auto &face : side->faces())
+            touching.insert(bodies.body_of(face.global_nodes[0]));
       const std::vector<types::global_dof_index> of_this_rank(touching.begin(), touching.end());
       for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, of_this_rank))
         touching.insert(of_rank.begin(), of_rank.end());
@@ -395,9 +394,7 @@ namespace tombolo
     warn_of_bodies(model, log);
     for (const std::string &remark : model.mesh.remarks)
       log.warn(remark);
-    for (const auto &process : model.processes)
-      for (const std::string &remark : process->remarks())
-        log.warn(remark);
+    print_warnings(model, Clock(), Process<dim>::Occasion::audit, log);
     return n_steps;
   }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/energy_check.h>
 
-#include <tombolo/physics/mechanics/elastic_strain.h>
 #include <tombolo/simulation/advice.h>
 
 #include <deal.II/base/mpi.h>
@@ -73,14 +72,17 @@ namespace tombolo
     if (std::isfinite(balance.total) &&
         std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
       return;
-    const auto *const elastic = model.template find_process<ElasticStrain<dim>>();
-    const std::string of_strain = elastic == nullptr ? "" : elastic->advice(model);
+    std::string reason;
+    for (const auto &process : model.processes)
+      for (const std::string &sentence :
+           process->warnings(model, clock, Process<dim>::Occasion::energy_lost))
+        reason += (reason.empty() ? "" : " ") + sentence;
     std::ostringstream message;
     message.precision(4);
     message << "The energy balance does not hold at time " << clock.time << ", step " << clock.step
             << ": a total energy of " << balance.total << ", where " << put_in
             << " was put in (error " << balance.error << ", allowed " << limit << "). "
-            << (!of_strain.empty()          ? of_strain
+            << (!reason.empty()             ? reason
                 : step_size.largest() == 0. ? judgement_at_rest()
                                             : judgement_of_step(model, balance, clock, step_size))
             << " `Largest energy error` is the limit.";

@@ -99,7 +99,8 @@ namespace tombolo
     for (const EnergyAccounts::Account &account : balance.heat.accounts())
       statistics.add(account.name, energy, account.value);
     for (const auto &process : model.processes)
-      process->report_heat(model, statistics);
+      if (!model.has_mechanics)
+        process->report(model, statistics);
     statistics.add("heat balance error", "1", balance.error);
     double smallest = std::numeric_limits<double>::max(), largest = -smallest;
     const NodalVector &temperature = model.heat->state.present_temperature;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/pair_forces.h>
 #include <tombolo/simulation/advice.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/run_statistics.h>
@@ -41,7 +40,7 @@ namespace tombolo
     // Where the energy is not finite, the message of the failure has the numbers.
     if (!model->has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
       statistics.write_row();
-    print_warnings(*model, run_clock, log);
+    print_warnings(*model, run_clock, Process<dim>::Occasion::row, log);
     if (model->has_mechanics)
       check_energy_balance(*model, last_balance, run_clock, largest_energy_error, step_size);
   }
@@ -70,9 +69,7 @@ namespace tombolo
       summary["resumed_from_step"] = resumption.first_step;
       summary["earlier_wall_seconds"] = seconds.before_resumption;
     }
-    if (const auto *const pair_forces = model->template find_process<PairForces<dim>>())
-      if (const std::string warning = pair_forces->warning(); !warning.empty())
-        log.warn(warning);
+    print_warnings(*model, run_clock, Process<dim>::Occasion::end, log);
     exact_errors.add_to(summary.results());
     outputs.finish(summary.results(), log);
     summary.write(*directory);

@@ -13,14 +13,15 @@ namespace tombolo
             {{"next unsmoothed temperature", "temperature", node, 1, true},
              &next_unsmoothed_temperature},
             {{"next temperature", "temperature", node, 1, true}, &next_temperature},
-            {{"present temperature", "temperature", node, 1, false}, &present_temperature}};
+            {{"present temperature", "temperature", node, 1, false}, &present_temperature},
+            {{"pending heat", "M L^2/T^2", node, 1, false}, &pending}};
   }
 
   void ThermalState::reinit(const std::shared_ptr<const NodePartition> &partition)
   {
     for (const auto &[description, vector] : fields())
     {
-      const bool is_scalar = vector == &enthalpy || vector == &next_enthalpy;
+      const bool is_scalar = vector == &enthalpy || vector == &next_enthalpy || vector == &pending;
       vector->reinit(partition, is_scalar ? Quantity::scalar : Quantity::scalars);
     }
   }

@@ -125,13 +125,25 @@ def main():
         expect(Path(f"{directory}/spring_resumed/statistics.csv").read_bytes() ==
                Path(f"{directory}/spring_{smoothing}_1/statistics.csv").read_bytes(),
                f"{smoothing}: the resumed run with springs is another one")
-    run("spring_at_rest", "spring.prm", "Time integration = quasi-static", "Mesh/Refine where =",
-        "Statics/quasi-static/Max iterations = 200",
-        "Condition: plane/Type = clamp", "Condition: plane/Boundary = x min")
-    for row in rows_of(f"{directory}/spring_at_rest"):
-        expect(abs(row["energy error"]) <= 1e-4,
-               f"springs on a body at rest: energy error {row['energy error']}")
-    expect(row["work of above"] != 0, "a spring does no work on a body at rest")
+    # Clamped particles, which have no images at rest, and nodes between others above a plane of
+    # symmetry, along which springs alone hold the body.
+    particles = ("Mesh/Refine where =", "Condition: plane/Type = clamp",
+                 "Condition: plane/Boundary = x min")
+    for name, ranks, settings in (("particles", 1, particles),
+                                  ("hanging", 1, ("Part: particles/Formulation = hexahedron",)),
+                                  ("hanging", 2, ("Part: particles/Formulation = hexahedron",))):
+        for stiffer in (1, 100):
+            text = f"springs of {stiffer} at rest, {name} on {ranks}"
+            run(f"{name}_at_rest", "spring.prm", "Time integration = quasi-static", *settings,
+                *(f"Process: {spring}/point spring/Stiffness = {stiffness * stiffer}"
+                  for spring, stiffness in (("between", 200), ("above", 100), ("inside", 300))),
+                ranks=ranks)
+            for row in rows_of(f"{directory}/{name}_at_rest"):
+                expect(abs(row["energy error"]) <= 1e-4 * stiffer,
+                       f"{text}: energy error {row['energy error']}")
+                expect(row["static iterations"] <= 4,
+                       f"{text}: {row['static iterations']} iterations")
+            expect(row["work of above"] != 0, f"{text}: a spring does no work")
 
     torch = "Process: torch/moving heat source"
     for ranks, settings, words, file in (

@@ -5,7 +5,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/state/state_archive.h>
 
 #include <cmath>
 #include <ostream>
@@ -56,21 +55,10 @@ namespace tombolo
       name = section.name();
       if (!model.heat)
         section.fail("Type", "the scene has no heat; give its materials a section \"Heat\".");
+      torch = &this->actions.add_heat("heat source " + name, "heat of " + name);
     }
 
-    /** Bodies at rest may be heated. */
-    typename Process<dim>::AtRest at_rest() const override
-    {
-      return Process<dim>::AtRest::is_idle;
-    }
-
-    bool heats() const override
-    {
-      return true;
-    }
-
-    void add_heat(Model<dim> &model, const double begin, const double end,
-                  NodalVector &heat) override
+    void add_heat(Model<dim> &model, const double begin, const double end) override
     {
       const double middle = 0.5 * (begin + end);
       const double energy =
@@ -78,7 +66,7 @@ namespace tombolo
       if (energy == 0.)
         return;
       const dealii::Point<dim> at = centre(middle);
-      const unsigned int n_owned = heat.partition()->n_owned();
+      const unsigned int n_owned = model.state.partition()->n_owned();
       std::vector<double> weight(n_owned);
       double sum = 0;
       for (unsigned int i = 0; i < n_owned; ++i)
@@ -98,16 +86,10 @@ namespace tombolo
         throw RunError(message.str());
       }
       for (unsigned int i = 0; i < n_owned; ++i)
-        *heat.node(i) += energy * weight[i] / sum;
-      given += energy;
+        torch->add_heat(i, energy * weight[i] / sum);
     }
 
-    void account_heat(EnergyAccounts &accounts) const override
-    {
-      accounts.add_replicated("heat of " + name, EnergyKind::external, given);
-    }
-
-    void report_heat(const Model<dim> &, TimeTable &table) const override
+    void report(const Model<dim> &, TimeTable &table) const override
     {
       const double time = table.present("time");
       table.add("power of " + name, "M L^2/T^3", power_at(time));
@@ -119,12 +101,6 @@ namespace tombolo
     {
       text << "  heat source \"" << name << "\" of radius " << radius << ", at (" << centre(0.)
            << ") at time 0\n";
-    }
-
-    void serialize(Model<dim> &, StateArchive &archive) override
-    {
-      const auto group = archive.group("heat source " + name);
-      archive("given", given);
     }
 
   private:
@@ -144,7 +120,7 @@ namespace tombolo
     Expression<dim> power, path;
     double radius; // [L]
     std::string name;
-    double given = 0; // since the start, over all ranks [M L^2/T^2]
+    HeatAction *torch = nullptr;
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Process, MovingHeatSource, "moving heat source",

@@ -3,6 +3,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
@@ -67,6 +68,12 @@ namespace tombolo
     {
       if (is_here)
         pull->add_force(node, stiffness * (end_at(clock.time) - position(model)));
+    }
+
+    void linearize(Model<dim> &, const Clock &, Tangent<dim> &tangent) override
+    {
+      if (is_here)
+        tangent.add_spring(node, stiffness);
     }
 
     /** By the largest frequency of the bodies, 2 over the step, and of the spring. */

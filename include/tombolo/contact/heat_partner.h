@@ -3,27 +3,39 @@
 
 #include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/materials/temperature_table.h>
-#include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/nodal_source.h>
 
 #include <mpi.h>
 
 #include <cstddef>
-#include <functional>
 #include <utility>
 #include <vector>
 
 namespace tombolo
 {
-  /** What contacts see of the heat of a scene: pointers that are null without heat. */
+  /** What contacts see of the heat of a scene, and where they put heat: pointers that are null
+   * without heat. */
   struct NodalHeat
   {
     const NodalVector *temperature = nullptr; ///< at the present time, slot 0 of owned nodes
     const NodalEnthalpy *enthalpy = nullptr;
-    /** Of owned nodes (scalar), what all contacts have not given yet; null where there is no other
-     * contact. */
+    /** Of owned nodes (scalar), what they have got since the thermal step began. */
     const NodalVector *pending = nullptr;
-    /** Likewise h A Δt of all contacts in this step [M L^2/(T^2 K)]. */
+    /** Likewise h A Δt of all contacts in this step [M L^2/(T^2 K)]; null where there is no other
+     * contact. */
     const NodalVector *exposure = nullptr;
+    NodalSource *friction = nullptr;   ///< gets the heat of friction of bodies
+    NodalSource *conduction = nullptr; ///< gets what is conducted into bodies
+
+    /** The enthalpy of an owned node with what it has got. */
+    double enthalpy_of(const unsigned int node) const
+    {
+      return enthalpy->enthalpy(node, *temperature->node(node)) + *pending->node(node);
+    }
+    double temperature_of(const unsigned int node) const
+    {
+      return enthalpy->temperature(node, enthalpy_of(node));
+    }
   };
 
   /** Whom the nodes of a contact exchange heat with, through the conductance h(p) of the surface:
@@ -60,12 +72,9 @@ namespace tombolo
         *exposure.node(touch.node) += touch.exposure;
     }
 
-    /** Ends the step: adds what each node has received to @p heat of its candidate, whose enthalpy
-     * is @p enthalpy of the candidate. @p friction is what the partner has received on this rank
-     * from sliding. Collective. */
-    virtual void end_step(double friction, const NodalHeat &nodal_heat,
-                          const std::function<double(std::size_t)> &enthalpy,
-                          std::vector<double> &heat, MPI_Comm communicator) = 0;
+    /** Ends the step: gives each node what it has received. @p friction is what the partner has
+     * received on this rank from sliding. Collective. */
+    virtual void end_step(double friction, const NodalHeat &nodal_heat, MPI_Comm communicator) = 0;
 
     /** Into the bodies since the start, on this rank [M L^2/T^2]. */
     double conducted() const

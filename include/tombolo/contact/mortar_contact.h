@@ -80,7 +80,7 @@ namespace tombolo
     }
     void restore(const State &state);
 
-    /** See StaticProcess. */
+    /** See Process::begin_trial(). */
     void become_static(double tolerance);
 
     /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.

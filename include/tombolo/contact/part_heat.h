@@ -39,23 +39,13 @@ namespace tombolo
     void add_friction(std::size_t candidate, double heat);
 
     /** The part has got the friction from add_friction() already. */
-    void end_step(double friction, const NodalHeat &nodal_heat,
-                  const std::function<double(std::size_t)> &enthalpy, std::vector<double> &heat,
-                  MPI_Comm communicator) override;
-
-    /** Adds what the part has got, but its nodes have not, to owned nodes of @p heat (scalar). */
-    void add_pending_heat(NodalVector &heat) const;
-    void forget_pending_heat();
-    /** Its sum on this rank. */
-    double heat_to_give() const;
+    void end_step(double friction, const NodalHeat &nodal_heat, MPI_Comm communicator) override;
 
     /** Mean and largest T_m of the last step; zero where nothing touches. Collective. */
     std::array<double, 2> temperatures_in_contact(MPI_Comm communicator) const;
 
     /** Writes to a checkpoint or reads it, between two steps. Collective. */
     void serialize(StateArchive &archive);
-    /** Heat to give alone, where the archive has it. Collective. */
-    void continue_from(StateArchive &archive);
 
   private:
     /** Calls @p use with the number and the temperature of each owned node of the part, with the
@@ -63,12 +53,10 @@ namespace tombolo
     std::vector<double>
     gather(const NodalHeat &nodal_heat, unsigned int n_values,
            const std::function<void(unsigned int node, double temperature, double *)> &write) const;
-    void serialize_pending(StateArchive &archive);
 
     PartSurface<dim> &surface;
     std::vector<double> effusivities;       ///< of nodes of the layer
     std::vector<double> incoming;           ///< likewise, of this rank in this step
-    std::vector<double> pending;            ///< of owned nodes of the layer
     std::vector<double> temperatures_below; ///< T_m of the touches of the last step
   };
 } // namespace tombolo

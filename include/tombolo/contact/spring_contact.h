@@ -34,15 +34,6 @@ namespace tombolo
     void begin_trial(const NodalState &state, const Clock &clock) override;
     void restart_trial() override;
 
-    /** The stiffness of a spring in E V^((dim-2)/dim), the PFAC of Fraser et al. (eq. 10) against a
-     * rigid surface: of a node with the volume V = @p spacing^dim of a material with @p
-     * squared_bar_speed E/ρ, at the stable step @p stable_step. */
-    double stiffness_over_modulus(double spacing, double squared_bar_speed,
-                                  double stable_step) const
-    {
-      return this->settings.law.stiffness(spacing * spacing, stable_step) / squared_bar_speed;
-    }
-
   protected:
     using typename SurfaceContact<dim>::NodeSums;
     using typename SurfaceContact<dim>::NodeHistory;

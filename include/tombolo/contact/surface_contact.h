@@ -51,8 +51,8 @@ namespace tombolo
      * Throws InputError where there is none, or where one is behind the surface at the start. @p
      * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where
      * areas are needed: for heat, for a limit of shear and where the surface is that of a part,
-     * @p master, whose own nodes are no candidates. What comes to the body in a scene that @p
-     * has_heat is kept for add_heat(). Collective. */
+     * @p master, whose own nodes are no candidates. In a scene that @p has_heat contacts give it
+     * to nodes (NodalHeat). Collective. */
     SurfaceContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                    const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
                    const std::vector<double> &volume = {}, MasterPart<dim> master = {});
@@ -107,7 +107,7 @@ namespace tombolo
       yield_stress = &of_nodes;
     }
 
-    /** See StaticProcess. */
+    /** See Process::begin_trial(). */
     void become_static(const double tolerance)
     {
       settings.law = settings.law.without_damping();
@@ -147,37 +147,12 @@ namespace tombolo
         surface->translation().advance(clock);
     }
 
-    /** Adds the share of the heat of sliding that enters the body, and what is conducted into it,
-     * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */
-    void add_heat(NodalVector &of_nodes)
-    {
-      add_pending_heat(of_nodes);
-      if (heat)
-        heat->forget_pending_heat();
-    }
-    /** Adds the same, and keeps it for add_heat(). */
-    void add_pending_heat(NodalVector &of_nodes) const
-    {
-      if (heat)
-        heat->add_pending_heat(of_nodes);
-    }
-
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
     virtual double stable_fraction() const
     {
       return 1.;
     }
 
-    /** Whether what add_forces() does depends on the temperature of nodes. */
-    bool needs_temperature() const
-    {
-      return conducts() || settings.needs_temperature();
-    }
-    /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
-    double heat_to_give() const
-    {
-      return heat ? heat->heat_to_give() : 0.;
-    }
     /** Which entries of the balance this contact has. */
     bool has_heat() const
     {
@@ -216,7 +191,7 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
     /** Begins at these positions, with the springs that the contact of this name had at the end of
-     * another run and the heat that it had not given yet. Collective. */
+     * another run. Collective. */
     virtual void continue_from(const NodalState &state, StateArchive &archive);
 
     /** Owned nodes on which it acted at t_n. */
@@ -262,6 +237,19 @@ namespace tombolo
     const ContactLaw &law() const
     {
       return settings.law;
+    }
+    /** Whether springs press nodes out of the surface; accelerations do otherwise. */
+    bool has_springs() const
+    {
+      return !settings.is_kinematic;
+    }
+    /** The stiffness of a spring in E V^((dim-2)/dim), the PFAC of Fraser et al. (eq. 10) against a
+     * rigid surface: of a node with the volume V = @p spacing^dim of a material with @p
+     * squared_bar_speed E/ρ, at the stable step @p stable_step. */
+    double stiffness_over_modulus(double spacing, double squared_bar_speed,
+                                  double stable_step) const
+    {
+      return settings.law.stiffness(spacing * spacing, stable_step) / squared_bar_speed;
     }
     const ContactSurface<dim> &contact_surface() const
     {

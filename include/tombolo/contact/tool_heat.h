@@ -10,7 +10,6 @@
 
 #include <mpi.h>
 
-#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -54,9 +53,7 @@ namespace tombolo
     bool has_capacity() const;
     double temperature() const; ///< of the tool
 
-    void end_step(double friction, const NodalHeat &nodal_heat,
-                  const std::function<double(std::size_t)> &enthalpy, std::vector<double> &heat,
-                  MPI_Comm communicator) override;
+    void end_step(double friction, const NodalHeat &nodal_heat, MPI_Comm communicator) override;
 
     /** What a step changes. */
     struct State

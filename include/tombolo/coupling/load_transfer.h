@@ -25,50 +25,39 @@ namespace tombolo
     /** To be called when the split is another one. */
     void forget_rows();
 
-    /** Sets the owned nodes at which loads can be different from zero. To be called again when the
-     * split is another one. Collective. */
-    void set_loaded_nodes(const std::vector<unsigned int> &nodes);
-
-    /** @p force = Φᵀ @p loads. Touches only touched_nodes(); ghosts are collected. Collective. */
-    void force_of_loads(const NodalVector &loads, NodalVector &force) const;
-
-    /** Where the loads of force_of_loads() act, Φ @p position, at owned loaded nodes: their moments
-     * are those of the nodal forces. @p position has current ghosts; @p result becomes the same
-     * elsewhere, and has current ghosts. Collective. */
-    void places_of_loads(const NodalVector &position, NodalVector &result) const;
-
-    /** The transpose of force_of_loads() at all owned nodes: @p result = Φ @p field, with current
-     * ghosts. @p field has them. Collective. */
-    void interpolate(const NodalVector &field, NodalVector &result) const;
-
-    /** Adds the forces of loads at the positions of these owned nodes to @p force, for loads whose
-     * nodes change from step to step. Ghosts are not collected. */
-    void add_force_at_positions(const std::vector<unsigned int> &nodes, const NodalVector &loads,
-                                NodalVector &force);
-
-    /** The same of loads, which act at the field wherever the positions of nodes are. */
+    /** Adds Φᵀ of the loads at these owned nodes to @p force. Ghosts are not collected. */
     void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
                             NodalVector &force);
+
+    /** Where these act, Φ @p position: their moments are those of the nodal forces. @p position has
+     * current ghosts; @p result becomes the same at other nodes, and has current ghosts.
+     * Collective. */
+    void places_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &position,
+                         NodalVector &result);
+
+    /** The transpose of add_force_of_loads() at all owned nodes: @p result = Φ @p field, with
+     * current ghosts. @p field has them. Collective. */
+    void interpolate(const NodalVector &field, NodalVector &result) const;
+
+    /** Adds the forces that act at the positions of these owned nodes to @p force, wherever
+     * positions are. Ghosts are not collected. */
+    void add_force_at_positions(const std::vector<unsigned int> &nodes, const NodalVector &loads,
+                                NodalVector &force);
 
     /** Φ @p field at these owned nodes, the transpose of add_force_at_positions(); elsewhere @p
      * result stays. Ghosts of @p field must be current. */
     void interpolate(const std::vector<unsigned int> &nodes, const NodalVector &field,
                      NodalVector &result);
 
-    /** Local nodes where force_of_loads() can be different from zero, ascending. */
-    const std::vector<unsigned int> &touched_nodes() const;
-
   private:
     static constexpr unsigned int is_nowhere = static_cast<unsigned int>(-1);
     void find_positions_in_lists();
-    void find_touched_nodes();
+    void interpolate_rows(const std::vector<unsigned int> &nodes, const NodalVector &field,
+                          NodalVector &result);
 
     const MassSplit &split;
     bool direct;
-    std::vector<std::size_t> loaded_own;                // indices into the own nodes
-    std::vector<std::vector<unsigned int>> loaded_rows; // by part
-    std::vector<unsigned int> touched;
-    // By owned node, for add_force_at_positions(); made when asked for.
+    // By owned node; made when asked for.
     std::vector<unsigned int> position_in_own;
     std::vector<std::vector<unsigned int>> row_of_node; // by part
   };

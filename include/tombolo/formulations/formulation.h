@@ -13,6 +13,7 @@
 #include <tombolo/state/material_points.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,8 @@
 namespace tombolo
 {
   class StateArchive;
+  template <int dim>
+  class ParticleFormulation;
   template <int dim>
   class VoidCells;
 
@@ -76,6 +79,20 @@ namespace tombolo
     /** Temperature at the nodes at t_n, in slot 0, ghosts current; null in scenes without heat. */
     const NodalVector *temperature = nullptr;
   };
+
+  /** What a cell adds to the linear equations of a static step. */
+  struct CellEquations
+  {
+    std::vector<unsigned int> nodes; ///< local numbers
+    /** ∂f/∂x of the internal force f of the cell (that of eq. (16) with the sign of +K) with the
+     * positions at the end of the step, row by row; component d of node k is row and column
+     * dim k + d. */
+    std::vector<double> matrix;
+    std::vector<double> force; ///< f, by component of each node
+  };
+
+  /** Is given groups of local node numbers. */
+  using NodeGroupAction = std::function<void(const std::vector<unsigned int> &)>;
 
   /**
    * How a part turns nodal motion into stress and nodal force: an element type or a particle
@@ -146,6 +163,25 @@ namespace tombolo
      * +K: the operator whose largest eigenvalue bounds the step by λ Δt² = 4. Changes no state. */
     virtual void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                          double time_step, NodalVector &force) const = 0;
+
+    /** Hands over the equations of each present cell for the motion of @p input, from material
+     * points as they are at the start of the step: what implicit steps need. Afterwards the points
+     * are in no state of use: within a Trial, which is restarted next. Ghosts of the input are
+     * current. Not collective. */
+    virtual void find_cell_equations(const MechanicalInput & /*input*/,
+                                     const std::function<void(const CellEquations &)> & /*take*/)
+    {}
+
+    /** Calls @p use with groups of nodes that act on each other, beside those of each cell of the
+     * mesh: local numbers. */
+    virtual void find_couplings(const NodeGroupAction & /*use*/) const {}
+
+    /** What the part has of which find_cell_equations() does not know the stiffness, for a message;
+     * empty: nothing. By default it knows none. */
+    virtual std::optional<std::string> unfit_to_linearize() const
+    {
+      return std::nullopt;
+    }
 
     /** eq. (41) without its factor: characteristic length over wave speed, smallest over this
      * rank's cells or particles. */
@@ -231,6 +267,12 @@ namespace tombolo
     virtual bool can_lose_cells() const
     {
       return false;
+    }
+
+    /** This, where it is a method of particles; null otherwise. */
+    virtual ParticleFormulation<dim> *as_particles()
+    {
+      return nullptr;
     }
 
     /** Owned nodes that are particles of the part (local numbers); none of elements. */

@@ -156,7 +156,7 @@ namespace tombolo
   template <unsigned int n_points>
   void LinearizedPoints<n_points>::update(const Material &material, MaterialBatch &batch)
   {
-    update_stress_and_tangent(material, batch, tangent);
+    material.update_stress_and_tangent(batch, tangent);
     for (unsigned int q = 0; q < n_points; ++q)
       for (unsigned int c = 0; c < 6; ++c)
         stress[q][c] = load_lanes(stress_of_batch[c] + q * n_lanes);

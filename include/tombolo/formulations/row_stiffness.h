@@ -5,7 +5,7 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/linearized_points.h>
 #include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/mean_dilatation.h>

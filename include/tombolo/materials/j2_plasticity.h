@@ -5,7 +5,6 @@
 #include <tombolo/materials/damage_growth.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
-#include <tombolo/materials/yield_strength.h>
 
 #include <memory>
 
@@ -24,7 +23,7 @@ namespace tombolo
    * and logarithms are taken where the material flows. Where the section asks for it, the pressure
    * is that of an equation of state, and points have a damage.
    */
-  class J2Plasticity : public LinearElastic, public YieldStrength
+  class J2Plasticity : public LinearElastic
   {
   public:
     explicit J2Plasticity(const Section &section);

@@ -4,7 +4,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/materials/energy_pressure.h>
 #include <tombolo/materials/material.h>
-#include <tombolo/materials/material_tangent.h>
 #include <tombolo/materials/temperature_table.h>
 #include <tombolo/materials/thermal_properties.h>
 
@@ -17,7 +16,7 @@ namespace tombolo
    * Young's modulus or Poisson's ratio is a table over the temperature θ, or the material expands,
    * σ = C(θ) : ε_e with the elastic strain rate D - α θ̇ I.
    */
-  class LinearElastic : public Material, public MaterialWithTangent
+  class LinearElastic : public Material
   {
   public:
     explicit LinearElastic(const Section &section);

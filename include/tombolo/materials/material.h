@@ -5,6 +5,8 @@
 #include <tombolo/materials/strain_measure.h>
 #include <tombolo/state/field.h>
 
+#include <array>
+#include <limits>
 #include <vector>
 
 namespace tombolo
@@ -31,6 +33,15 @@ namespace tombolo
     const double *temperature_increment = nullptr;
     std::vector<double *> internal_variables; ///< one array per component, in declared order
   };
+
+  /**
+   * The derivative of the stress of update_stress() with respect to the strain increment of the
+   * step, of the points of a batch: entry 6 i + j is the array of ∂σ_i/∂Δε_j by components xx, yy,
+   * zz, yz, xz, xy, where the strain has tensor components and a shear component stands for both of
+   * its entries. As the stress that comes in and the strain increment make one trial stress, a
+   * change δσ of the former acts as the strain C⁻¹ : δσ. [M/(L T^2)]
+   */
+  using MaterialTangent = std::array<double *, 36>;
 
   /** A material: a function from strain increments to stress, in batches. It knows no mesh. */
   class Material
@@ -86,6 +97,23 @@ namespace tombolo
 
     /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */
     virtual void update_stress(MaterialBatch &batch) const = 0;
+
+    /** The same, and its consistent tangent; by default by difference quotients, in seven updates.
+     */
+    virtual void update_stress_and_tangent(MaterialBatch &batch,
+                                           const MaterialTangent &tangent) const;
+
+    /** The flow stress of a slow test at an effective plastic strain and a temperature, without
+     * damage; infinite where nothing flows [M/(L T^2)]. */
+    virtual double slow_yield_stress(double /*plastic_strain*/, double /*temperature*/) const
+    {
+      return std::numeric_limits<double>::infinity();
+    }
+
+    bool can_yield() const
+    {
+      return slow_yield_stress(0., 0.) < std::numeric_limits<double>::infinity();
+    }
 
     /** The cost of update_stress() for a point in the mean of a run, in relative cost units (a node
      * has 20, see doc/performance.md): the balance of the ranks follows it. */

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <tombolo/base/energy_accounts.h>
-#include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/nodal_source.h>
 
 #include <deal.II/base/tensor.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -73,7 +74,7 @@ namespace tombolo
    * It costs what its nodes cost, and one pass over the nodes of the rank where forces are spread
    * by Φᵀ or nodes hang.
    */
-  class Action
+  class Action : public NodalSource
   {
   public:
     Action(std::string name, ActsAt place);
@@ -89,28 +90,18 @@ namespace tombolo
      * known, and accelerates what no condition prescribes. */
     Action &follows_acceleration();
 
-    /** Forces are given at owned nodes only, so that ranks have nothing to exchange. */
-    Action &stays_on_rank();
+    Action &stays_on_rank()
+    {
+      NodalSource::stays_on_rank();
+      return *this;
+    }
 
     /** Adds a force [M L/T^2] at a local node: owned, a ghost or an image. */
     template <int dim>
     void add_force(const unsigned int node, const dealii::Tensor<1, dim> &force)
     {
-      double *const sum = values.node(node);
-      if (sum[0] == 0. && sum[1] == 0. && sum[2] == 0.)
-        touched.push_back(node);
-      for (unsigned int d = 0; d < dim; ++d)
-        sum[d] += force[d];
+      add(node, force);
     }
-
-    /** The forces at local nodes for loops, zero at first: to be given at any of them, or only at
-     * those that the loop adds to touched_nodes(), in any order. */
-    NodalVector &at_all_nodes();
-    NodalVector &at_touched_nodes();
-    std::vector<unsigned int> &touched_nodes();
-
-    /** The forces as they were given, at owned nodes, until those of the next step. */
-    const NodalVector &given() const;
 
     /** The nodal forces. */
     const NodalForces &nodal_forces() const;
@@ -122,23 +113,47 @@ namespace tombolo
   private:
     friend class Actions;
 
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
     void begin();
     void collect(Bridge &bridge, NodalVector &buffer, NodalVector &total);
-    void find_given();
     void spread(Bridge &bridge, NodalVector &buffer);
     void serialize(StateArchive &archive);
 
     std::string name, energy;
     ActsAt place;
     EnergyKind kind = EnergyKind::external;
-    bool is_from_outside = false, is_late = false, is_on_rank = false;
-    NodalVector values;
-    std::vector<unsigned int> touched; ///< local nodes that have values
-    bool is_anywhere = false;          ///< any node can have
+    bool is_from_outside = false, is_late = false;
     NodalForces of_nodes;
     StepWork work_of_steps;
     double sum_of_work = 0;
+  };
+
+  /**
+   * The heat of one source, at positions, as that of surfaces. It is made once, by
+   * Actions::add_heat(); the process gives heat at local nodes, in add_heat() or with its forces,
+   * at owned nodes (stays_on_rank()) at any time of the step, and all else is done as for forces.
+   * The heat waits in ThermalState::pending for the end of the thermal step, where nodes get it by
+   * Sᵀ Φᵀ. The balance of heat has what was given, as external, and what waits.
+   */
+  class HeatAction : public NodalSource
+  {
+  public:
+    HeatAction(std::string name, std::string account);
+
+    /** Adds heat [M L^2/T^2] at a local node: owned, a ghost or an image. */
+    void add_heat(const unsigned int node, const double heat)
+    {
+      add(node, heat);
+    }
+
+    /** Adds what was given to @p pending at owned nodes (scalar), where others see it; is called
+     * for the process when it has given its forces. Collective. */
+    void collect(NodalVector &pending);
+
+  private:
+    friend class Actions;
+
+    std::string name, account;
+    double sum_of_heat = 0, sum_at_start = 0; ///< of this rank; at the start of a trial
   };
 
   /** The actions of a process. All functions are collective. */
@@ -148,6 +163,15 @@ namespace tombolo
     /** Makes one. The name is that in checkpoints, and no other action of the scene has it. The
      * result lives as long as this. */
     Action &add(const std::string &name, ActsAt place);
+
+    /** Makes a source of heat, which the balance of heat calls @p account: others may have the same
+     * one, where the sum counts. */
+    HeatAction &add_heat(const std::string &name, const std::string &account);
+
+    bool has_heat() const
+    {
+      return !heats.empty();
+    }
 
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
@@ -163,6 +187,13 @@ namespace tombolo
     void collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
                       NodalState &state);
 
+    /** Adds the heat that was given, or that of sources that stay on their rank, to @p pending. */
+    void collect_heat(NodalVector &pending, bool on_rank_only = false);
+
+    /** Steps of bodies at rest begin, and go back to where they began. */
+    void begin_trial();
+    void restart_trial();
+
     /** Rows, nodes or masses are about to change. */
     void begin_change(const NodalVector &velocity);
 
@@ -170,11 +201,20 @@ namespace tombolo
     void complete_step(const NodalState &state, const Clock &clock, ImpulseAccount &impulses);
 
     void account(EnergyAccounts &accounts) const;
+    void account_heat(EnergyAccounts &accounts) const;
     void serialize(StateArchive &archive);
     std::size_t memory_consumption() const;
 
   private:
+    template <typename Use>
+    void for_all(const Use &use)
+    {
+      std::for_each(all.begin(), all.end(), use);
+      std::for_each(heats.begin(), heats.end(), use);
+    }
+
     std::deque<Action> all;
+    std::deque<HeatAction> heats;
     NodalVector buffer; ///< zero between uses
   };
 } // namespace tombolo

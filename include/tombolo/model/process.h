@@ -25,6 +25,8 @@ namespace tombolo
   struct OutputView;
   template <int dim>
   struct Part;
+  template <int dim>
+  struct Tangent;
 
   /**
    * Something optional that acts in a step: a load, a contact, a failure, a filter, a source of
@@ -75,27 +77,40 @@ namespace tombolo
                               NodalVector & /*is_bound*/) const
     {}
 
-    /** Whether nodes on surfaces may be placed anew. */
-    virtual bool follows_placed_nodes() const
+    /** How deep nodes with these positions are in its surfaces: @p gaps are their signed distances,
+     * negative inside, from the surface that is named, or from the nearest less its radius [L];
+     * beyond @p reach any larger number. Returns whether there is such a surface. Not collective.
+     */
+    virtual bool find_gaps(const std::string & /*surface*/, double /*reach*/,
+                           const NodalVector & /*position*/,
+                           const std::vector<unsigned int> & /*nodes*/, double /*time*/,
+                           std::vector<double> & /*gaps*/) const
     {
-      return true;
+      return false;
     }
 
-    /** Called before and after a part adds its internal force at t_n, number @p part in the model,
-     * with the vector that it goes to: at local nodes, ghosts and images not collected yet. Not
-     * collective. */
-    virtual void before_part_force(std::size_t /*part*/, const NodalVector & /*force*/) {}
-    virtual void after_part_force(std::size_t /*part*/, const NodalVector & /*force*/) {}
+    /** Called before and after (@p is_added) a part adds its internal force at t_n, number @p part
+     * in the model, with the vector that it goes to: at local nodes, ghosts and images not
+     * collected yet. Not collective. */
+    virtual void part_force(std::size_t /*part*/, const NodalVector & /*force*/, bool /*is_added*/)
+    {}
 
     /** Gives its actions their forces at t_n. @p force has the nodal forces of the parts and of the
      * processes before this one, at owned nodes [M L/T^2]. */
     virtual void add_forces(Model<dim> &, const Clock &, const NodalVector & /*force*/) {}
 
-    /** Adds @p factor C @p velocity to the nodal force of owned nodes, where the process adds the
-     * viscous force -C v: for the stable step. Ghosts of @p velocity are current. */
-    virtual void apply_viscosity(const Model<dim> &, const NodalVector & /*velocity*/,
-                                 double /*factor*/, NodalVector & /*force*/)
-    {}
+    /** Adds how the forces of the last add_forces() change with positions and velocities, as far
+     * as the tangent asks for it: bodies at rest for the stiffness, the estimate of the stable step
+     * for the viscosity. What is left out costs iterations, and the step may not be stable. */
+    virtual void linearize(Model<dim> &, const Clock &, Tangent<dim> &) {}
+
+    /** In steps of bodies at rest, where nothing resists rates, and what is apart by less than @p
+     * touch_distance [L] touches: keeps the state at the start of a step, and goes back to it to be
+     * asked for forces again at other positions. A trial that is not restarted is committed by the
+     * begin of the next. The clock has in `stable_step` the time of which springs of contacts are
+     * made, and in `previous_step` the length of the step, zero at the start of the run. */
+    virtual void begin_trial(Model<dim> &, const Clock &, double /*touch_distance*/) {}
+    virtual void restart_trial() {}
 
     /** What made the last call useless on this rank, for a message; empty if nothing did. Not
      * thrown from there, since other ranks do not know. Not collective. */
@@ -115,32 +130,34 @@ namespace tombolo
     /** Positions are those of t_{n+1}, velocities those of t_{n+1/2}. */
     virtual void after_motion(Model<dim> &, const Clock &) {}
 
-    /** What steps of bodies at rest (`Time integration`) may do with it. They ask for forces at
-     * trial positions (act(), before and after those of parts), and for works and impulses
-     * (complete_step()) where the equilibrium is found; nothing else of a step is called. */
-    enum class AtRest
+    /** What not every process is made for. */
+    enum class Situation
+    {
+      /** Steps of bodies at rest (`Time integration`): they ask for forces at trial positions
+       * (act(), part_force(), linearize()), and for works and impulses (complete_step()) where the
+       * equilibrium is found; nothing else of a step is called. */
+      rest,
+      /** Cells are divided in the run: serialize() takes the state over to a mesh with other cells,
+       * where sums over ranks stay, values of nodes that both meshes have stay, and new nodes begin
+       * with zero (StateArchive::nodal()). */
+      divided_cells,
+      placed_nodes ///< nodes on surfaces are placed anew: nodes_were_placed()
+    };
+    /** What it does there. */
+    enum class Role
     {
       acts,
-      is_idle,   ///< it is there with its accounts and columns only, as what resists motion
-      is_refused ///< they do not know it, and the scene is refused
+      is_idle,   ///< it is there with its accounts and columns only, as what resists motion at rest
+      is_refused ///< the scene is refused
     };
-    virtual AtRest at_rest() const
+    virtual Role role(Situation) const
     {
-      return AtRest::acts;
+      return Role::acts;
     }
 
-    /** Whether its state belongs to the cells as they are: scenes are refused that divide cells in
-     * the run. Otherwise serialize() takes its state over to a mesh with other cells: sums over
-     * ranks stay, values of nodes that both meshes have stay, and new nodes begin with zero
-     * (StateArchive::nodal()). */
-    virtual bool keeps_one_mesh() const
-    {
-      return false;
-    }
-
-    /** Where it does not, after serialize() of all processes, for the archive that is written and
-     * for the one that is read: fields of all nodes, of which new nodes get the mean of those
-     * between which they lie, and what follows from them on the new mesh. */
+    /** In a run with divided cells, after serialize() of all processes, for the archive that is
+     * written and for the one that is read: fields of all nodes, of which new nodes get the mean of
+     * those between which they lie, and what follows from them on the new mesh. */
     virtual void follow_division(const Model<dim> &, StateArchive &, const Clock &) {}
 
     /** Takes from the archive of another run, from the end of which this one starts (`Initial
@@ -155,31 +172,15 @@ namespace tombolo
       return 1.;
     }
 
-    /** Whether add_heat() can ever give any. Not collective. */
-    virtual bool heats() const
-    {
-      return false;
-    }
-
-    /** Adds the heat that has come to owned nodes since the last call, in a thermal step from @p
-     * begin to @p end, to @p heat (scalar) [M L^2/T^2]. */
-    virtual void add_heat(Model<dim> &, double /*begin*/, double /*end*/, NodalVector & /*heat*/) {}
-
-    /** Adds what add_heat() would give to owned nodes now, so that others see how hot they are. */
-    virtual void add_pending_heat(NodalVector & /*heat*/) const {}
+    /** Gives its sources of heat (Actions::add_heat()) that of a thermal step from @p begin to @p
+     * end, where it does not come with the steps of the mechanics. */
+    virtual void add_heat(Model<dim> &, double /*begin*/, double /*end*/) {}
 
     /** Adds this rank's shares of its energies and impulses, beside those of its actions. */
     virtual void account(EnergyAccounts &) const {}
 
-    /** Adds this rank's shares of heat: external what add_heat() has given since the start and what
-     * it would give now, stored the latter. */
-    virtual void account_heat(EnergyAccounts &) const {}
-
-    /** Fills columns of the table over time, beyond those of its energies. */
+    /** Fills columns of the table over time, beyond those of its energies and its heat. */
     virtual void report(const Model<dim> &, TimeTable &) const {}
-
-    /** The same for its heat. */
-    virtual void report_heat(const Model<dim> &, TimeTable &) const {}
 
     /** Adds entries to the summary of the run. */
     virtual void summarize(const Model<dim> &, const TimeTable &, Json & /*summary*/) const {}
@@ -187,15 +188,16 @@ namespace tombolo
     /** Lines for the audit. */
     virtual void describe(const Model<dim> &, std::ostream &) const {}
 
-    /** Warnings about the input, for the audit: sentences. Not collective. */
-    virtual std::vector<std::string> remarks() const
+    /** When warnings are asked for. */
+    enum class Occasion
     {
-      return {};
-    }
-
-    /** What has come up since the last call and should be known, for the log: sentences, the same
-     * on all ranks. Called with each row of the table over time. */
-    virtual std::vector<std::string> take_warnings(const Model<dim> &, const Clock &)
+      audit,       ///< before the run: about the input
+      row,         ///< with each row of the table over time: what has come up since
+      energy_lost, ///< the balance of energy does not hold, and ends the run: why
+      end
+    };
+    /** What should be known then: sentences, the same on all ranks. */
+    virtual std::vector<std::string> warnings(const Model<dim> &, const Clock &, Occasion)
     {
       return {};
     }
@@ -220,11 +222,14 @@ namespace tombolo
      * actions keep. */
     virtual void serialize(Model<dim> &, StateArchive &) {}
 
-    /** Its forces, made in its constructor or in initialize(). */
+    /** Its forces and its heat, made in its constructor or in initialize(). */
     Actions actions;
 
     /** What steps call: add_forces(), and @p force with what it has given. */
     void act(Model<dim> &model, const Clock &clock, NodalVector &force);
+
+    /** add_heat(), and what it has given. Returns whether the process ever heats. */
+    bool give_heat(Model<dim> &model, double begin, double end);
 
     /** constrain_acceleration(), and the actions that follow the acceleration. */
     void constrain(Model<dim> &model, const Clock &clock);
@@ -234,6 +239,9 @@ namespace tombolo
 
     /** account(), and the works of the actions. */
     void add_energies(EnergyAccounts &accounts) const;
+
+  private:
+    void collect_heat(Model<dim> &model, bool on_rank_only);
   };
 
   /**

@@ -96,9 +96,8 @@ namespace tombolo
      * owned nodes. Collective. */
     void add_plastic_heat(NodalVector &enthalpy);
 
-    /** Adds heat at positions of owned nodes (scalar), through Sᵀ Φᵀ, to the enthalpy of owned
-     * nodes: heat on surfaces. Collective. */
-    void add_surface_heat(const NodalVector &heat, NodalVector &enthalpy);
+    /** Gives nodes the heat that waits (ThermalState::pending), through Sᵀ Φᵀ. Collective. */
+    void add_pending_heat();
 
     /** Removes the heat of removed cells: that of the mass which these owned nodes have lost, at
      * their temperature, and the @p pending heat of the points of the cells. To be called after
@@ -130,6 +129,9 @@ namespace tombolo
     void add_transposed_smoothing(NodalVector &heat, NodalVector &rate);
     void add_conduction(const NodalVector &position, const NodalVector &field,
                         const NodalVector &smoothed, NodalVector &heat);
+    /** Adds @p factor times what comes to nodes from the heat at surfaces in `loads`, of which it
+     * takes ghosts and images, to `heat`. Collective. */
+    void add_surface_loads(double factor);
     void restore_constrained(const NodalVector &unsmoothed, NodalVector &smoothed) const;
 
     std::vector<Part<dim>> &parts;
@@ -141,8 +143,8 @@ namespace tombolo
     bool field_is_of_state = false;
     Assembly<dim> assembly;
     NodalVector heat, loads, load_heat, adjoint, direction_field, smoothed_direction;
-    NodalVector plastic_heating; // scalar
-    std::vector<double> kept;    // buffer, of constrained nodes
-    bool plastic = false;
+    NodalVector plastic_heating;             // scalar
+    std::vector<double> kept;                // buffer, of constrained nodes
+    std::vector<unsigned int> surface_nodes; // owned, at which surfaces can have heat
   };
 } // namespace tombolo

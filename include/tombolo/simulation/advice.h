@@ -32,7 +32,8 @@ namespace tombolo
   template <int dim>
   double spectral_limit(Model<dim> &model);
 
-  /** Warns of what processes have seen in the run since the last call. Collective. */
+  /** Warns of what processes have to say now. Collective. */
   template <int dim>
-  void print_warnings(Model<dim> &model, const Clock &clock, Log &log);
+  void print_warnings(Model<dim> &model, const Clock &clock,
+                      typename Process<dim>::Occasion occasion, Log &log);
 } // namespace tombolo

@@ -175,8 +175,8 @@ namespace tombolo
       std::fill_n(ends.node(own), node_stride, 0.);
       if (heat.enthalpy != nullptr)
         ends.node(own)[temperature_slot] = heat.enthalpy->temperature(
-            own, heat.enthalpy->enthalpy(own, *heat.temperature->node(own)) +
-                     *heat.pending->node(own) + *heat.elsewhere->node(own));
+            own,
+            heat.enthalpy->enthalpy(own, *heat.temperature->node(own)) + *heat.pending->node(own));
       if (!rubs || shape.is_rigid(i))
         continue;
       const Tensor<2, dim> deformation = shape.is_undeformed(i)
@@ -232,8 +232,8 @@ namespace tombolo
     const double taken = 0.5 * (work - 0.5 * spring.stiffness * spring.slip.norm_square() +
                                 0.5 * before.stiffness * before.slip.norm_square());
     friction_heat += taken;
-    if (heat.pending != nullptr)
-      *heat.pending->node(touch.own) += taken;
+    if (heat.given != nullptr)
+      heat.given->add(touch.own, taken);
     const Tensor<1, dim> force = spring.stiffness * spring.slip;
     if (inverse_deformation[touch.row] != Tensor<2, dim>())
       couple[touch.row] += outer_product(force, own_offset) - outer_product(own_offset, force);
@@ -262,8 +262,8 @@ namespace tombolo
           release(i, springs[pair]);
         stored_energy += 0.25 * springs[pair].stiffness * springs[pair].slip.norm_square();
       }
-      if (heat.pending != nullptr)
-        *heat.pending->node(shape.particle_node[i]) += released_heat[i];
+      if (heat.given != nullptr && released_heat[i] != 0.)
+        heat.given->add(shape.particle_node[i], released_heat[i]);
       released_heat[i] = 0.;
     }
     if (friction.largest() > 0.)
@@ -312,9 +312,9 @@ namespace tombolo
     {
       const double x = *exposures.node(exchange.own) + *exposures.node(exchange.other);
       const double share = x > 0. ? -std::expm1(-x) / x : 1.;
-      *heat.pending->node(exchange.own) +=
-          exchange.exposure * share *
-          (ends.node(exchange.other)[temperature_slot] - ends.node(exchange.own)[temperature_slot]);
+      heat.given->add(exchange.own, exchange.exposure * share *
+                                        (ends.node(exchange.other)[temperature_slot] -
+                                         ends.node(exchange.own)[temperature_slot]));
     }
   }
 

@@ -99,7 +99,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string NodalIntegration<dim>::unfit_for_statics() const
+  std::string NodalIntegration<dim>::unfit_to_linearize() const
   {
     if (bulk_viscosity.is_on())
       return "artificial bulk viscosity, which resists rates";

@@ -145,12 +145,12 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string NodalParticles<dim>::unfit_for_statics() const
+  std::optional<std::string> NodalParticles<dim>::unfit_to_linearize() const
   {
     if (kernel.follows_motion())
       return "supports that stay as they are and kernels in the current configuration, whose "
              "deformation has no state to go back to";
-    return integration.unfit_for_statics();
+    return integration.unfit_to_linearize();
   }
 
   template <int dim>

@@ -368,7 +368,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string SmoothedIntegration<dim>::unfit_for_statics() const
+  std::string SmoothedIntegration<dim>::unfit_to_linearize() const
   {
     return bulk_viscosity.is_on() ? "artificial bulk viscosity, which resists rates" : "";
   }

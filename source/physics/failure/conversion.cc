@@ -4,7 +4,6 @@
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/cell_flags.h>
 #include <tombolo/mesh/cells_of_part.h>
-#include <tombolo/model/gap_source.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -112,9 +111,6 @@ namespace tombolo
                                        std::vector<unsigned int> &cells) const
   {
     const ConversionCriterion &criterion = pair.cells->conversion();
-    auto *const source = model.template find_process<GapSource>();
-    if (source == nullptr || !source->require_gaps(criterion.contact(), *criterion.gap()))
-      criterion.refuse("there is no such contact.");
     const NodePartition &partition = *model.state.partition();
     const unsigned int n_cells = model.parts[pair.source].formulation->n_cells();
     std::vector<unsigned int> nodes;
@@ -125,7 +121,13 @@ namespace tombolo
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     std::vector<double> gaps;
-    source->find_gaps(criterion.contact(), model.state.position, nodes, time, gaps);
+    if (std::none_of(model.processes.begin(), model.processes.end(),
+                     [&](const auto &process)
+                     {
+                       return process->find_gaps(criterion.contact(), *criterion.gap(),
+                                                 model.state.position, nodes, time, gaps);
+                     }))
+      criterion.refuse("there is no such contact.");
     std::set<unsigned int> near;
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (gaps[k] < *criterion.gap())

@@ -138,7 +138,7 @@ namespace tombolo
         if (part.particles == nullptr || conductivity.largest() == 0.)
           continue;
         // A pair is a point, too: its conductance is a gradient along an axis of its own.
-        const PairInteractions<dim> *const pairs = pair_interactions(*part.particles);
+        const PairInteractions<dim> *const pairs = part.particles->pairs();
         const auto add_pair =
             [&](const unsigned int i, const unsigned int j, const double conductance)
         {

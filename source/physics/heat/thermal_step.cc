@@ -91,33 +91,13 @@ namespace tombolo
     if (!model.has_heat_sources())
       return;
     heat.add_plastic_heat(state.enthalpy);
-    add_heat_of_processes(model, begin_of_step);
-    heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
-    heat.find_field(state.unsmoothed_temperature, state.temperature);
-  }
-
-  template <int dim>
-  void ThermalStep<dim>::add_heat_of_processes(Model<dim> &model, const double begin)
-  {
-    ThermalState &state = model.heat->state;
     bool is_given = false;
     for (const auto &process : model.processes)
-    {
-      if (!process->heats())
-        continue;
-      if (!is_given)
-      {
-        if (process_heat.partition() != state.enthalpy.partition())
-          process_heat.reinit(state.enthalpy.partition(), Quantity::scalar);
-        process_heat.set_zero();
-      }
-      is_given = true;
-      process->add_heat(model, begin, time_of_state, process_heat);
-    }
-    if (!is_given)
-      return;
-    process_heat.condense();
-    model.heat->add_surface_heat(process_heat, state.enthalpy);
+      is_given = process->give_heat(model, begin_of_step, time_of_state) || is_given;
+    if (is_given)
+      heat.add_pending_heat();
+    heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
+    heat.find_field(state.unsmoothed_temperature, state.temperature);
   }
 
   template <int dim>
@@ -204,6 +184,8 @@ namespace tombolo
     if (model.has_heat_sources())
     {
       double pending = 0, plastic = 0;
+      for (unsigned int i = 0; i < state.pending.partition()->n_owned(); ++i)
+        pending += *state.pending.node(i);
       if (model.has_mechanics)
         for (const Part<dim> &part : model.parts)
         {
@@ -215,7 +197,7 @@ namespace tombolo
       heat.add("pending heat", EnergyKind::stored, pending);
     }
     for (const auto &process : model.processes)
-      process->account_heat(heat);
+      process->actions.account_heat(heat);
     if (model.heat->can_lose_heat)
       heat.add("eroded heat", EnergyKind::removed,
                model.heat->eroded_heat + s * model.heat->eroding_heat);

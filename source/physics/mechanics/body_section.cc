@@ -215,8 +215,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void BodySection<dim>::before_part_force(const std::size_t part, const NodalVector &force,
-                                           const NodalVector & /*position*/)
+  void BodySection<dim>::before_part_force(const std::size_t part, const NodalVector &force)
   {
     if (is_interface() && part == between->first)
       of_first.copy_from(force);

@@ -96,7 +96,7 @@ namespace tombolo
 
   template <int dim>
   std::set<types::global_dof_index>
-  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+  bodies_of_contacts(const std::vector<const SurfaceContact<dim> *> &contacts,
                      const Model<dim> &model, const Bodies<dim> &bodies)
   {
     std::set<types::global_dof_index> result;
@@ -132,26 +132,6 @@ namespace tombolo
     for (const auto &contact : contacts)
       if (OutwardAreas<dim> *const faces = contact->faces())
         faces->set_isolated_nodes(isolated);
-  }
-
-  template <int dim>
-  void account_heat_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
-                                const MPI_Comm communicator, EnergyAccounts &accounts)
-  {
-    double pending = 0, friction = 0, conducted = 0;
-    for (const auto &contact : contacts)
-    {
-      pending += contact->heat_to_give();
-      const ContactBalance of_one = contact->balance(communicator);
-      // What conduction gives to one of two bodies the other one loses.
-      friction += contact->is_with_part() ? of_one.friction : of_one.friction_of_bodies;
-      conducted += contact->is_with_part() ? 0. : of_one.conducted;
-    }
-    accounts.add("pending heat", EnergyKind::stored, pending);
-    accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
-    if (std::any_of(contacts.begin(), contacts.end(),
-                    [](const auto &contact) { return contact->conducts(); }))
-      accounts.add_replicated("conducted heat of bodies", EnergyKind::external, conducted);
   }
 
   template <int dim>
@@ -208,19 +188,15 @@ namespace tombolo
   template std::vector<bool> nodes_that_can_be_exposed(const Model<2> &);
   template std::vector<bool> nodes_that_can_be_exposed(const Model<3> &);
   template std::set<types::global_dof_index>
-  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &,
+  bodies_of_contacts(const std::vector<const SurfaceContact<2> *> &, const Model<2> &,
                      const Bodies<2> &);
   template std::set<types::global_dof_index>
-  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<3>>> &, const Model<3> &,
+  bodies_of_contacts(const std::vector<const SurfaceContact<3> *> &, const Model<3> &,
                      const Bodies<3> &);
   template void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<2>>> &,
                                     const Model<2> &);
   template void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<3>>> &,
                                     const Model<3> &);
-  template void account_heat_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<2>>> &,
-                                         MPI_Comm, EnergyAccounts &);
-  template void account_heat_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<3>>> &,
-                                         MPI_Comm, EnergyAccounts &);
   template std::optional<double>
   count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &);
   template std::optional<double>

@@ -153,18 +153,19 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::string> ElasticStrain<dim>::remarks() const
+  std::vector<std::string>
+  ElasticStrain<dim>::warnings(const Model<dim> &model, const Clock &,
+                               const typename Process<dim>::Occasion occasion)
   {
-    if (!(foreseen > large_strain))
-      return {};
-    return {sentence("Prescribed displacements change distances of an elastic body", foreseen,
-                     parts.front().cure)};
-  }
-
-  template <int dim>
-  std::vector<std::string> ElasticStrain<dim>::take_warnings(const Model<dim> &model, const Clock &)
-  {
+    using Occasion = typename Process<dim>::Occasion;
+    if (occasion == Occasion::energy_lost)
+      return advice(model);
     std::vector<std::string> warnings;
+    if (occasion == Occasion::audit && foreseen > large_strain)
+      warnings.push_back(sentence("Prescribed displacements change distances of an elastic body",
+                                  foreseen, parts.front().cure));
+    if (occasion != Occasion::row)
+      return warnings;
     for (WatchedPart &watched : parts)
     {
       if (watched.is_told)
@@ -180,10 +181,10 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string ElasticStrain<dim>::advice(const Model<dim> &model) const
+  std::vector<std::string> ElasticStrain<dim>::advice(const Model<dim> &model) const
   {
     double largest = large_strain;
-    std::string text;
+    std::vector<std::string> text;
     for (const WatchedPart &watched : parts)
     {
       const Part<dim> &part = model.parts[watched.part];
@@ -191,7 +192,7 @@ namespace tombolo
       if (!(strain > largest))
         continue;
       largest = strain;
-      text = sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure);
+      text = {sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure)};
     }
     return text;
   }

@@ -4,7 +4,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/statics/rest_entries.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -58,37 +57,27 @@ namespace tombolo
   {
     if (!rubs)
       forces.stays_on_rank();
-    if (heats())
-      pending_heat.reinit(model.state.partition(), Quantity::scalar);
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::model_changed(Model<dim> &changed)
-  {
-    if (heats() && pending_heat.partition() != changed.state.partition())
-      pending_heat.move_to(changed.state.partition());
+    if (!rubs || !model.heat)
+      return;
+    heat = &this->actions.add_heat("heat of fragments", "self-contact friction heat");
+    heat->stays_on_rank();
   }
 
   template <int dim>
   void FragmentContact<dim>::add_forces(Model<dim> &, const Clock &clock, const NodalVector &)
   {
     const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
-    FragmentHeat heat;
-    if (heats())
-    {
-      other_heat.reinit(model.state.partition(), Quantity::scalar);
-      for (const auto &process : model.processes)
-        if (process.get() != this)
-          process->add_pending_heat(other_heat);
-      heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, &pending_heat,
-              &other_heat};
-    }
+    FragmentHeat of_nodes;
+    if (heat != nullptr)
+      of_nodes = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
+                  &model.heat->state.pending, heat};
     NodalVector &loads = rubs ? forces.at_all_nodes() : forces.at_touched_nodes();
     for (ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       if (revision_of_cells != model.revisions.cells)
         particles->forget_fragments();
-      particles->add_self_contact(input, model.element_mass, loads, forces.touched_nodes(), heat);
+      particles->add_self_contact(input, model.element_mass, loads, forces.touched_nodes(),
+                                  of_nodes);
     }
     revision_of_cells = model.revisions.cells;
   }
@@ -100,49 +89,6 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       fraction = std::min(fraction, particles->stable_fraction(stable_step));
     return fraction;
-  }
-
-  template <int dim>
-  bool FragmentContact<dim>::heats() const
-  {
-    return rubs && model.heat != nullptr;
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
-  {
-    add_pending_heat(heat);
-    pending_heat.set_zero();
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (unsigned int node = 0; heats() && node < pending_heat.partition()->n_owned(); ++node)
-      *heat.node(node) += *pending_heat.node(node);
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::account_heat(EnergyAccounts &accounts) const
-  {
-    if (!heats())
-      return;
-    double pending = 0, friction = 0;
-    for (unsigned int node = 0; node < pending_heat.partition()->n_owned(); ++node)
-      pending += *pending_heat.node(node);
-    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-      friction += particles->energies()["self-contact friction"];
-    accounts.add("pending heat", EnergyKind::stored, pending);
-    accounts.add("self-contact friction heat", EnergyKind::external, friction);
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    if (!heats())
-      return;
-    const auto group = archive.group("contact of fragments");
-    archive.nodal("pending heat", 1, pending_heat);
   }
 
   template <int dim>

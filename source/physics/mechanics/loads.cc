@@ -35,7 +35,6 @@ namespace tombolo
   {
     loaded_nodes =
         with_nodes_depended_on(model.state.partition(), conditions.loaded_nodes(model.state));
-    model.bridge->load_transfer().set_loaded_nodes(loaded_nodes);
     if (model.bridge->has_particles())
       places.reinit(model.state.partition(), model.state.position.quantity());
   }
@@ -47,7 +46,8 @@ namespace tombolo
       return model.state.velocity;
     if (place_velocities.partition() != model.state.partition())
       place_velocities.reinit(model.state.partition());
-    model.bridge->load_transfer().places_of_loads(model.state.velocity, place_velocities);
+    model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.velocity,
+                                                  place_velocities);
     return place_velocities;
   }
 
@@ -78,7 +78,7 @@ namespace tombolo
   {
     const bool has_particles = model.bridge->has_particles();
     if (has_particles)
-      model.bridge->load_transfer().places_of_loads(model.state.position, places);
+      model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.position, places);
     std::function<void(unsigned int, const NodalVector &)> take_alone;
     if (!single.empty())
       take_alone = [this](const unsigned int condition, const NodalVector &alone)

@@ -72,7 +72,7 @@ namespace tombolo
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
       for (const auto &process : model.processes)
-        process->before_part_force(number, force);
+        process->part_force(number, force, false);
       // A failure is known to one rank alone; all must hear of it before any leaves.
       std::string failure;
       try
@@ -89,7 +89,7 @@ namespace tombolo
         failures.note("At time " + format_number(clock.time) + ", step " +
                       std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
       for (const auto &process : model.processes)
-        process->after_part_force(number, force);
+        process->part_force(number, force, true);
       stopwatch.lap(part.formulation->phase());
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);

@@ -7,6 +7,7 @@
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/state/state_archive.h>
@@ -55,16 +56,18 @@ namespace tombolo
 
   template <int dim>
   MortarContacts<dim>::MortarContacts(const std::vector<Section> &sections, Model<dim> &model)
-      : has_heat(model.heat != nullptr), communicator(model.communicator),
+      : communicator(model.communicator),
         force(this->actions.add("contact between bodies", ActsAt::positions))
   {
+    if (model.heat)
+      heat = &this->actions.add_heat("heat between bodies", "friction heat of bodies");
     for (const Section &section : sections)
     {
       if (model.degree > 1)
         section.fail("", "elements have degree " + std::to_string(model.degree) +
                              "; contact between bodies needs degree 1.");
       members.push_back(std::make_unique<MortarContact<dim>>(
-          section, has_heat, *model.nodes, model.state, selector(section, "Slave", model),
+          section, heat != nullptr, *model.nodes, model.state, selector(section, "Slave", model),
           selector(section, "Master", model)));
     }
   }
@@ -81,47 +84,31 @@ namespace tombolo
         nodes.insert(nodes.end(), side->owned_nodes().begin(), side->owned_nodes().end());
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    const auto keep = [&](NodalVector &vector, const Quantity quantity)
-    {
-      if (vector.partition() == nullptr)
-        vector.reinit(partition, quantity);
-      else if (vector.partition() != partition)
-        vector.move_to(partition);
-    };
     if (last_position.partition() == nullptr)
     {
       last_position.reinit(partition, Quantity::position);
       last_position.copy_from(model.state.position);
     }
-    else
-      keep(last_position, Quantity::position);
-    if (!has_heat)
-      return;
-    new_heat.reinit(partition, Quantity::scalar);
-    keep(pending_heat, Quantity::scalar);
+    else if (last_position.partition() != partition)
+      last_position.move_to(partition);
   }
 
   template <int dim>
   void MortarContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
   {
     NodalHeat nodal_heat;
-    if (has_heat)
-      nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
-                    &pending_heat, nullptr};
+    if (heat != nullptr)
+    {
+      nodal_heat.temperature = &model.heat->state.present_temperature;
+      nodal_heat.enthalpy = &model.heat->nodal_enthalpy;
+      nodal_heat.pending = &model.heat->state.pending;
+      heat->touched_nodes() = nodes;
+    }
     for (const auto &contact : members)
       contact->add_forces(model.state, last_position, clock, nodal_heat, force.at_touched_nodes(),
-                          has_heat ? &new_heat : nullptr);
+                          heat != nullptr ? &heat->at_touched_nodes() : nullptr);
     force.touched_nodes() = nodes;
     last_position.copy_from(model.state.position);
-    if (has_heat)
-    {
-      new_heat.add_to_owners();
-      for (const unsigned int node : nodes)
-      {
-        *pending_heat.node(node) += *new_heat.node(node);
-        *new_heat.node(node) = 0.;
-      }
-    }
   }
 
   template <int dim>
@@ -141,22 +128,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MortarContacts<dim>::heats() const
-  {
-    return has_heat;
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
-  {
-    for (const unsigned int node : nodes)
-    {
-      *heat.node(node) += *pending_heat.node(node);
-      *pending_heat.node(node) = 0.;
-    }
-  }
-
-  template <int dim>
   void MortarContacts<dim>::account(EnergyAccounts &accounts) const
   {
     ContactBalance sum;
@@ -170,18 +141,6 @@ namespace tombolo
     accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
     accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
     accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::account_heat(EnergyAccounts &accounts) const
-  {
-    double pending = 0, friction = 0;
-    for (const unsigned int node : nodes)
-      pending += *pending_heat.node(node);
-    for (const auto &contact : members)
-      friction += contact->balance().friction;
-    accounts.add("pending heat", EnergyKind::stored, pending);
-    accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
   }
 
   template <int dim>
@@ -217,8 +176,6 @@ namespace tombolo
     const auto group = archive.group("contact between bodies");
     archive.nodal("last position", dim, last_position);
     archive.nodal("force", dim, force.at_all_nodes());
-    if (has_heat)
-      archive.nodal("pending heat", 1, pending_heat);
   }
 
   template <int dim>
@@ -227,26 +184,16 @@ namespace tombolo
     for (const auto &contact : members)
       contact->continue_from(archive);
     last_position.copy_from(model.state.position);
-    if (!has_heat || !archive.has("contact between bodies"))
-      return;
-    const auto group = archive.group("contact between bodies");
-    if (archive.has("pending heat"))
-      archive.nodal("pending heat", 1, pending_heat);
   }
 
   template <int dim>
-  void MortarContacts<dim>::become_static(const double tolerance)
-  {
-    for (const auto &contact : members)
-      contact->become_static(tolerance);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock)
+  void MortarContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock,
+                                        const double touch_distance)
   {
     committed.clear();
     for (const auto &contact : members)
     {
+      contact->become_static(touch_distance);
       contact->find_stiffness(model.state, clock); // one for all evaluations of the step
       committed.push_back(contact->state());
     }
@@ -256,11 +203,6 @@ namespace tombolo
     if (committed_position.partition() != partition)
       committed_position.reinit(partition, Quantity::position);
     committed_position.copy_from(last_position);
-    if (!has_heat)
-      return;
-    if (committed_heat.partition() != partition)
-      committed_heat.reinit(partition, Quantity::scalar);
-    committed_heat.copy_from(pending_heat);
   }
 
   template <int dim>
@@ -269,39 +211,21 @@ namespace tombolo
     for (std::size_t k = 0; k < members.size(); ++k)
       members[k]->restore(committed[k]);
     last_position.copy_from(committed_position);
-    if (has_heat)
-      pending_heat.copy_from(committed_heat);
   }
 
   template <int dim>
-  void MortarContacts<dim>::find_stiffness(const Model<dim> &model, const Clock &,
-                                           std::vector<ContactStiffness<dim>> &result)
+  void MortarContacts<dim>::linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent)
   {
+    if (tangent.springs == nullptr)
+      return;
     for (const auto &contact : members)
-      add_mortar_stiffness(*contact, model.state.position, result);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::add_stiffness_bound(const Model<dim> &model, const Clock &clock,
-                                                NodalVector &sums)
-  {
-    for (const auto &contact : members)
+    {
+      add_mortar_stiffness(*contact, model.state.position, *tangent.springs);
       for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
         for (const unsigned int node : side->owned_nodes())
-          for (unsigned int d = 0; d < dim; ++d)
-            sums.node(node)[d] +=
-                contact->law().stiffness(*model.state.mass.node(node), clock.stable_step);
-  }
-
-  template <int dim>
-  std::set<types::global_dof_index> MortarContacts<dim>::bodies(const Bodies<dim> &of_model) const
-  {
-    std::set<types::global_dof_index> result;
-    for (const auto &contact : members)
-      for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
-        for (const auto &face : side->faces())
-          result.insert(of_model.body_of(face.global_nodes[0]));
-    return result;
+          tangent.add_bound(
+              node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
+    }
   }
 
   namespace

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/nodal_yield_stress.h>
 
-#include <tombolo/materials/yield_strength.h>
-
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -11,21 +9,12 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    template <int dim>
-    const YieldStrength *strength_of(const Part<dim> &part)
-    {
-      return dynamic_cast<const YieldStrength *>(part.material.get());
-    }
-  } // namespace
-
   template <int dim>
   void NodalYieldStress<dim>::validate(const Section &contact, const std::vector<Part<dim>> &parts)
   {
     if (contact.get("Shear limit") == "yield" && !parts.empty() &&
         std::none_of(parts.begin(), parts.end(),
-                     [](const Part<dim> &part) { return strength_of(part) != nullptr; }))
+                     [](const Part<dim> &part) { return part.material->can_yield(); }))
       contact.fail("Shear limit", "no material of the scene has a yield stress; allowed is a "
                                   "number.");
   }
@@ -98,8 +87,8 @@ namespace tombolo
     n_points.assign(yield_stress.size(), 0.);
     for (unsigned int part = 0; part < model.parts.size(); ++part)
     {
-      const YieldStrength *const strength = strength_of(model.parts[part]);
-      if (strength == nullptr)
+      const Material &material = *model.parts[part].material;
+      if (!material.can_yield())
         continue;
       sum_points(model, part);
       const bool has_heat = model.heat != nullptr;
@@ -110,7 +99,7 @@ namespace tombolo
           continue;
         const double temperature =
             has_heat ? *model.heat->state.present_temperature.node(node) : sum[2] / sum[1];
-        yield_stress[node] += sum[1] * strength->slow_yield_stress(sum[0] / sum[1], temperature);
+        yield_stress[node] += sum[1] * material.slow_yield_stress(sum[0] / sum[1], temperature);
         n_points[node] += sum[1];
       }
     }

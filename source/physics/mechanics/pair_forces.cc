@@ -5,8 +5,8 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/physics/statics/rest_entries.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -25,7 +25,7 @@ namespace tombolo
     {
       const std::vector<ParticleFormulation<dim> *> parts = model.particle_parts();
       for (std::size_t k = 0; k < parts.size(); ++k)
-        if (const PairInteractions<dim> *const pairs = pair_interactions(*parts[k]))
+        if (const PairInteractions<dim> *const pairs = parts[k]->pairs())
           use(*pairs, *parts[k], k);
     }
   } // namespace
@@ -47,15 +47,10 @@ namespace tombolo
       viscosity = add("pair viscosity");
     if (has_stress)
       stress = add("artificial stress");
-    if (heats())
-      pending_heat.reinit(model.state.partition(), Quantity::scalar);
-  }
-
-  template <int dim>
-  void PairForces<dim>::model_changed(Model<dim> &)
-  {
-    if (heats() && pending_heat.partition() != model.state.partition())
-      pending_heat.move_to(model.state.partition());
+    if (!has_viscosity || !model.heat)
+      return;
+    heat = &this->actions.add_heat("heat of pairs", "pair viscosity heat");
+    heat->stays_on_rank();
   }
 
   template <int dim>
@@ -91,10 +86,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairForces<dim>::apply_viscosity(const Model<dim> &, const NodalVector &velocity,
-                                        const double factor, NodalVector &force)
+  void PairForces<dim>::linearize(Model<dim> &, const Clock &, Tangent<dim> &tangent)
   {
-    if (viscosity == nullptr)
+    if (viscosity == nullptr || tangent.velocity == nullptr)
       return;
     const NodalState &state = model.state;
     if (applied.partition() != state.partition())
@@ -107,17 +101,18 @@ namespace tombolo
                            if (pairs.pair_terms().has_viscosity())
                              pairs.pair_terms().apply_viscosity(
                                  pairs.pair_rows(), state.position.data(), state.velocity.data(),
-                                 velocity.data(), factor, applied.data());
+                                 tangent.velocity->data(), tangent.factor, applied.data());
                          });
     applied.add_to_owners();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      store_node(load_node(force.node(i)) + load_node(applied.node(i)), force.node(i));
+      store_node(load_node(tangent.force->node(i)) + load_node(applied.node(i)),
+                 tangent.force->node(i));
   }
 
   template <int dim>
   void PairForces<dim>::after_acceleration(Model<dim> &, const Clock &clock)
   {
-    if (!heats())
+    if (heat == nullptr)
       return;
     for_parts_with_pairs(
         model,
@@ -125,51 +120,16 @@ namespace tombolo
         {
           const std::vector<unsigned int> &nodes = particles.particle_nodes();
           for (std::size_t row = 0; row < nodes.size(); ++row)
-          {
-            const double heat = clock.velocity_step() * power[k][row];
-            *pending_heat.node(nodes[row]) += heat;
-            heat_given += heat;
-          }
+            heat->add_heat(nodes[row], clock.velocity_step() * power[k][row]);
         });
   }
 
   template <int dim>
-  bool PairForces<dim>::heats() const
+  std::vector<std::string> PairForces<dim>::warnings(const Model<dim> &, const Clock &,
+                                                     const typename Process<dim>::Occasion occasion)
   {
-    return viscosity != nullptr && model.heat != nullptr;
-  }
-
-  template <int dim>
-  void PairForces<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
-  {
-    add_pending_heat(heat);
-    if (heats())
-      pending_heat.set_zero();
-  }
-
-  template <int dim>
-  void PairForces<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (unsigned int node = 0; heats() && node < pending_heat.partition()->n_owned(); ++node)
-      *heat.node(node) += *pending_heat.node(node);
-  }
-
-  template <int dim>
-  void PairForces<dim>::account_heat(EnergyAccounts &accounts) const
-  {
-    if (!heats())
-      return;
-    double pending = 0;
-    for (unsigned int node = 0; node < pending_heat.partition()->n_owned(); ++node)
-      pending += *pending_heat.node(node);
-    accounts.add("pending heat", EnergyKind::stored, pending);
-    accounts.add("pair viscosity heat", EnergyKind::external, heat_given);
-  }
-
-  template <int dim>
-  std::string PairForces<dim>::warning() const
-  {
-    if (viscosity == nullptr || !(model.inertia_factor > 1.))
+    if (occasion != Process<dim>::Occasion::end || viscosity == nullptr ||
+        !(model.inertia_factor > 1.))
       return {};
     double plastic = 0;
     for (const Part<dim> &part : model.parts)
@@ -185,26 +145,16 @@ namespace tombolo
          << ", more than 5 % of the plastic work " << plastic
          << ". It grows with the speed at which the process is run, and makes forces too large. "
             "Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
-    return text.str();
+    return {text.str()};
   }
 
   template <int dim>
   std::size_t PairForces<dim>::memory_consumption() const
   {
-    std::size_t bytes = pending_heat.memory_consumption() + applied.memory_consumption();
+    std::size_t bytes = applied.memory_consumption();
     for (const std::vector<double> &of_part : power)
       bytes += of_part.capacity() * sizeof(double);
     return bytes;
-  }
-
-  template <int dim>
-  void PairForces<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    if (!heats())
-      return;
-    const auto group = archive.group("pair forces");
-    archive.nodal("pending heat", 1, pending_heat);
-    archive.sums("heat given", {&heat_given});
   }
 
   namespace

@@ -2,11 +2,10 @@
 #include <tombolo/physics/mechanics/rigid_body_setup.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/kinematic_contact.h>
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/scaling_settings.h>
-#include <tombolo/physics/mechanics/rigid_contacts.h>
+#include <tombolo/model/shown_by_processes.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -105,18 +104,15 @@ namespace tombolo
     void refuse_contacts(const Section &section, const Model<dim> &model,
                          const std::vector<unsigned int> &nodes)
     {
-      const auto *const contacts = model.template find_process<RigidContacts<dim>>();
-      if (contacts == nullptr)
-        return;
-      for (const auto &contact : contacts->contacts())
-        if (const auto *const kinematic =
-                dynamic_cast<const KinematicContact<dim> *>(contact.get()))
-          if (share_a_node(nodes, kinematic->candidate_nodes(), model.communicator))
-            section.all()
-                .section("Contact: " + contact->name())
-                .fail("Method", "it would put nodes of the rigid part \"" + section.name() +
-                                    "\" onto the surface one by one; allowed is penalty, or "
-                                    "`Boundary` or `Where` without these nodes.");
+      const OutputView<dim> view = shown_by_processes(model);
+      for (const SurfaceContact<dim> *const contact : view.contacts)
+        if (!contact->has_springs() &&
+            share_a_node(nodes, contact->candidate_nodes(), model.communicator))
+          section.all()
+              .section("Contact: " + contact->name())
+              .fail("Method", "it would put nodes of the rigid part \"" + section.name() +
+                                  "\" onto the surface one by one; allowed is penalty, or "
+                                  "`Boundary` or `Where` without these nodes.");
     }
 
     /** A half of a body on a plane of symmetry can move along it and turn about its normal. */

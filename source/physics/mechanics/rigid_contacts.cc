@@ -8,6 +8,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
@@ -25,10 +26,10 @@ namespace tombolo
 
   template <int dim>
   RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, Model<dim> &model)
-      : communicator(model.communicator), has_heat(model.heat != nullptr),
-        force(this->actions.add("contact", ActsAt::positions))
+      : communicator(model.communicator), force(this->actions.add("contact", ActsAt::positions))
   {
     force.comes_from_outside().stays_on_rank();
+    const bool has_heat = model.heat != nullptr;
     const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
     const bool needs_volume =
         has_heat || std::any_of(sections.begin(), sections.end(),
@@ -43,6 +44,7 @@ namespace tombolo
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
+    create_heat(has_heat);
     if (kinematic.empty())
       return;
     solver = std::make_unique<KinematicSolver<dim>>(kinematic, model);
@@ -58,6 +60,7 @@ namespace tombolo
                                           const std::vector<double> &volume,
                                           std::vector<KinematicContact<dim> *> &kinematic)
   {
+    const bool has_heat = model.heat != nullptr;
     const ContactSettings settings(section, has_heat);
     refuse_faces_of_void_cells(section, settings, model);
     if (settings.is_of_faces)
@@ -78,6 +81,23 @@ namespace tombolo
     if (!section.get("Corridor").empty())
       corridors.emplace(members.size() - 1, Corridor<dim>(section))
           .first->second.check(*members.back(), model.state);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::create_heat(const bool has_heat)
+  {
+    if (!has_heat)
+      return;
+    const auto add = [&](const std::string &name)
+    {
+      HeatAction &heat = this->actions.add_heat(name + " of contact", name + " of bodies");
+      heat.stays_on_rank();
+      return &heat;
+    };
+    friction_heat = add("friction heat");
+    if (std::any_of(members.begin(), members.end(),
+                    [](const auto &contact) { return contact->conducts(); }))
+      conducted_heat = add("conducted heat");
   }
 
   template <int dim>
@@ -108,65 +128,72 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidContacts<dim>::follows_placed_nodes() const
+  typename Process<dim>::Role
+  RigidContacts<dim>::role(const typename Process<dim>::Situation situation) const
   {
-    return std::none_of(members.begin(), members.end(),
-                        [](const auto &contact) { return contact->is_with_part(); });
+    const bool follows = std::none_of(members.begin(), members.end(),
+                                      [](const auto &contact) { return contact->is_with_part(); });
+    return follows || situation != Process<dim>::Situation::placed_nodes
+               ? Process<dim>::Role::acts
+               : Process<dim>::Role::is_refused;
   }
 
   template <int dim>
-  NodalVector *RigidContacts<dim>::sum_of_contacts(const NodalVector &like, const Add add,
-                                                   NodalVector &sum) const
+  bool RigidContacts<dim>::find_gaps(const std::string &surface, const double reach,
+                                     const NodalVector &position,
+                                     const std::vector<unsigned int> &nodes, const double time,
+                                     std::vector<double> &gaps) const
   {
-    if (sum.partition() != like.partition())
-      sum.reinit(like.partition(), Quantity::scalar);
-    sum.set_zero();
+    gaps.assign(nodes.size(), std::numeric_limits<double>::max());
+    std::vector<double> of_one;
     for (const auto &contact : members)
-      (*contact.*add)(sum);
-    return &sum;
-  }
-
-  template <int dim>
-  bool RigidContacts<dim>::shares_heat(const Model<dim> &model) const
-  {
-    const auto is_other = [&](const auto &process)
-    { return process.get() != this && process->heats(); };
-    return has_heat &&
-           (members.size() > 1 ||
-            std::any_of(model.processes.begin(), model.processes.end(), is_other)) &&
-           std::any_of(members.begin(), members.end(),
-                       [](const auto &contact) { return contact->needs_temperature(); });
-  }
-
-  template <int dim>
-  NodalHeat RigidContacts<dim>::present_heat(const Model<dim> &model)
-  {
-    NodalHeat nodal_heat;
-    if (has_heat)
-      nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, nullptr,
-                    nullptr};
-    if (shares_heat(model))
     {
-      nodal_heat.pending = sum_of_contacts(model.state.position,
-                                           &SurfaceContact<dim>::add_pending_heat, pending_heat);
-      for (const auto &process : model.processes)
-        if (process.get() != this)
-          process->add_pending_heat(pending_heat);
+      if (contact->name() == surface)
+      {
+        contact->require_gaps(reach);
+        contact->contact_surface().evaluate_gaps(position, nodes, time, gaps);
+        return true;
+      }
+      if (!surface.empty())
+        continue;
+      contact->find_gaps(position, nodes, time, of_one);
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        gaps[k] = std::min(gaps[k], of_one[k]);
     }
-    return nodal_heat;
+    return surface.empty();
   }
 
   template <int dim>
-  void RigidContacts<dim>::exchange_heat(const Model<dim> &model)
+  NodalHeat RigidContacts<dim>::present_heat(Model<dim> &model)
   {
-    if (!has_heat)
+    if (friction_heat == nullptr)
+      return {};
+    return {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
+            &model.heat->state.pending, nullptr, friction_heat};
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::exchange_heat(Model<dim> &model)
+  {
+    if (friction_heat == nullptr)
       return;
+    friction_heat->collect(model.heat->state.pending); // all contacts see the same heat of a node
     NodalHeat nodal_heat = present_heat(model);
-    if (shares_heat(model))
-      nodal_heat.exposure =
-          sum_of_contacts(model.state.position, &SurfaceContact<dim>::add_exposure, exposure);
+    if (members.size() > 1 && conducted_heat != nullptr)
+    {
+      if (exposure.partition() != model.state.partition())
+        exposure.reinit(model.state.partition(), Quantity::scalar);
+      exposure.set_zero();
+      for (const auto &contact : members)
+        contact->add_exposure(exposure);
+      nodal_heat.exposure = &exposure;
+    }
     for (const auto &contact : members)
+    {
+      // What conduction gives to one of two bodies the other one loses.
+      nodal_heat.conduction = contact->is_with_part() ? friction_heat : conducted_heat;
       contact->exchange_heat(nodal_heat);
+    }
   }
 
   template <int dim>
@@ -225,26 +252,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidContacts<dim>::heats() const
-  {
-    return has_heat;
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
-  {
-    for (const auto &contact : members)
-      contact->add_heat(heat);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (const auto &contact : members)
-      contact->add_pending_heat(heat);
-  }
-
-  template <int dim>
   ContactBalance RigidContacts<dim>::balance() const
   {
     ContactBalance sum;
@@ -264,49 +271,6 @@ namespace tombolo
                     [](const auto &contact) { return contact->has_tool_mass(); }))
       accounts.add_replicated("tool kinetic energy", EnergyKind::stored, sum.tool_kinetic);
     accounts.add_replicated("external work", EnergyKind::external, sum.external_work);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::account_heat(EnergyAccounts &accounts) const
-  {
-    account_heat_of_contacts(members, communicator, accounts);
-  }
-
-  template <int dim>
-  bool RigidContacts<dim>::require_gaps(const std::string &name, const double distance)
-  {
-    for (const auto &contact : members)
-      if (contact->name() == name)
-      {
-        contact->require_gaps(distance);
-        return true;
-      }
-    return false;
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::find_gaps(const std::string &name, const NodalVector &position,
-                                     const std::vector<unsigned int> &nodes, const double time,
-                                     std::vector<double> &gaps) const
-  {
-    for (const auto &contact : members)
-      if (contact->name() == name)
-        contact->contact_surface().evaluate_gaps(position, nodes, time, gaps);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::find_depths(const NodalVector &position,
-                                       const std::vector<unsigned int> &nodes, const double time,
-                                       std::vector<double> &depths) const
-  {
-    depths.assign(nodes.size(), -std::numeric_limits<double>::max());
-    std::vector<double> gaps;
-    for (const auto &contact : members)
-    {
-      contact->find_gaps(position, nodes, time, gaps);
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        depths[k] = std::max(depths[k], -gaps[k]);
-    }
   }
 
   template <int dim>
@@ -339,16 +303,6 @@ namespace tombolo
       if (!description.empty())
         text << "  contact \"" << contact->name() << "\": " << description << "\n";
     }
-  }
-
-  template <int dim>
-  std::vector<std::string> RigidContacts<dim>::remarks() const
-  {
-    std::vector<std::string> result;
-    for (const auto &contact : members)
-      for (const std::string &remark : contact->contact_surface().remarks())
-        result.push_back("Surface of the contact \"" + contact->name() + "\": " + remark);
-    return result;
   }
 
   template <int dim>
@@ -395,17 +349,18 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::become_static(const double tolerance)
+  std::vector<std::string>
+  RigidContacts<dim>::warnings(const Model<dim> &model, const Clock &clock,
+                               const typename Process<dim>::Occasion occasion)
   {
-    for (const auto &contact : members)
-      contact->become_static(tolerance);
-  }
-
-  template <int dim>
-  std::vector<std::string> RigidContacts<dim>::take_warnings(const Model<dim> &model,
-                                                             const Clock &clock)
-  {
+    using Occasion = typename Process<dim>::Occasion;
     std::vector<std::string> result;
+    if (occasion == Occasion::audit)
+      for (const auto &contact : members)
+        for (const std::string &remark : contact->contact_surface().remarks())
+          result.push_back("Surface of the contact \"" + contact->name() + "\": " + remark);
+    if (occasion != Occasion::row)
+      return result;
     for (auto &[member, corridor] : corridors)
       if (const auto exit = corridor.find_exit(*members[member], model.state, clock))
         result.push_back(*exit);
@@ -413,10 +368,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock)
+  void RigidContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock,
+                                       const double touch_distance)
   {
     for (const auto &contact : members)
+    {
+      contact->become_static(touch_distance);
       contact->begin_trial(model.state, clock);
+    }
   }
 
   template <int dim>
@@ -427,22 +386,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::find_stiffness(const Model<dim> &model, const Clock &clock,
-                                          std::vector<ContactStiffness<dim>> &result)
+  void RigidContacts<dim>::linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent)
   {
+    if (tangent.springs == nullptr)
+      return;
     for (const auto &contact : members)
-      contact->find_stiffness(model.state, clock, result);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::add_stiffness_bound(const Model<dim> &model, const Clock &clock,
-                                               NodalVector &sums)
-  {
-    for (const auto &contact : members)
+    {
+      contact->find_stiffness(model.state, clock, *tangent.springs);
       for (const unsigned int node : contact->candidate_nodes())
-        for (unsigned int d = 0; d < dim; ++d)
-          sums.node(node)[d] +=
-              contact->law().stiffness(*model.state.mass.node(node), clock.stable_step);
+        tangent.add_bound(
+            node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
+    }
   }
 
   template <int dim>

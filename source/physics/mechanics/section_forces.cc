@@ -34,17 +34,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void SectionForces<dim>::before_part_force(const std::size_t part, const NodalVector &force)
+  void SectionForces<dim>::part_force(const std::size_t part, const NodalVector &force,
+                                      const bool is_added)
   {
     for (BodySection<dim> &member : members)
-      member.before_part_force(part, force, model.state.position);
-  }
-
-  template <int dim>
-  void SectionForces<dim>::after_part_force(const std::size_t part, const NodalVector &force)
-  {
-    for (BodySection<dim> &member : members)
-      member.after_part_force(part, force, model.state.position);
+      if (is_added)
+        member.after_part_force(part, force, model.state.position);
+      else
+        member.before_part_force(part, force);
   }
 
   template <int dim>
@@ -102,9 +99,13 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::string> SectionForces<dim>::remarks() const
+  std::vector<std::string>
+  SectionForces<dim>::warnings(const Model<dim> &, const Clock &,
+                               const typename Process<dim>::Occasion occasion)
   {
     std::vector<std::string> result;
+    if (occasion != Process<dim>::Occasion::audit)
+      return result;
     for (const BodySection<dim> &member : members)
       if (const std::string remark = member.remark(); !remark.empty())
         result.push_back(remark);

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/assembly.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/state/state_archive.h>
@@ -83,8 +84,12 @@ namespace tombolo
         .assemble(bridge, velocity, force,
                   [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
                   { add_elastic_stiffness(part, model.state.position, seen, time_step, result); });
+    Tangent<dim> tangent;
+    tangent.velocity = &velocity;
+    tangent.factor = 2. / time_step;
+    tangent.force = &force;
     for (const auto &process : model.processes)
-      process->apply_viscosity(model, velocity, 2. / time_step, force);
+      process->linearize(model, Clock(), tangent);
     for (unsigned int i = 0; i < n_owned; ++i)
       store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
     force.update_ghosts();

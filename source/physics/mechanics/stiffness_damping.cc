@@ -4,6 +4,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
@@ -49,13 +50,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void StiffnessDamping<dim>::apply_viscosity(const Model<dim> &model, const NodalVector &velocity,
-                                              const double multiple, NodalVector &total)
+  void StiffnessDamping<dim>::linearize(Model<dim> &model, const Clock &, Tangent<dim> &tangent)
   {
-    apply_stiffness(model, velocity, stiffness_force);
+    if (tangent.velocity == nullptr)
+      return;
+    apply_stiffness(model, *tangent.velocity, stiffness_force);
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        total.node(i)[d] += multiple * factor * stiffness_force.node(i)[d];
+        tangent.force->node(i)[d] += tangent.factor * factor * stiffness_force.node(i)[d];
   }
 
   template <int dim>

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/tangent.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -115,16 +116,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceDamping<dim>::apply_viscosity(const Model<dim> &model, const NodalVector &velocity,
-                                            const double factor, NodalVector &force)
+  void SurfaceDamping<dim>::linearize(Model<dim> &model, const Clock &, Tangent<dim> &tangent)
   {
+    if (tangent.velocity == nullptr)
+      return;
     for (const unsigned int node : touched)
       std::fill_n(viscous_force.node(node), node_stride, 0.);
-    add_to(model.state.position, velocity, viscous_force);
+    add_to(model.state.position, *tangent.velocity, viscous_force);
     viscous_force.add_to_owners();
     for (const unsigned int node : touched)
       for (unsigned int d = 0; d < dim; ++d)
-        force.node(node)[d] -= factor * viscous_force.node(node)[d];
+        tangent.force->node(node)[d] -= tangent.factor * viscous_force.node(node)[d];
   }
 
   template <int dim>

@@ -18,7 +18,7 @@ namespace tombolo
     template <int dim>
     bool has_xsph(const ParticleFormulation<dim> &particles)
     {
-      const PairInteractions<dim> *const pairs = pair_interactions(particles);
+      const PairInteractions<dim> *const pairs = particles.pairs();
       return pairs != nullptr && pairs->pair_terms().has_xsph();
     }
   } // namespace
@@ -68,7 +68,7 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       if (has_xsph(*particles))
       {
-        const PairInteractions<dim> &pairs = *pair_interactions(*particles);
+        const PairInteractions<dim> &pairs = *particles->pairs();
         pairs.pair_terms().add_exchanged_momentum(pairs.pair_rows(), state.position.data(),
                                                   state.unsmoothed_velocity.data(),
                                                   momentum.data());

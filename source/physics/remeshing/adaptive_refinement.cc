@@ -189,7 +189,7 @@ namespace tombolo
   {
     count_cells(model);
     for (const auto &process : model.processes)
-      if (process->keeps_one_mesh())
+      if (process->role(Process<dim>::Situation::divided_cells) == Process<dim>::Role::is_refused)
         section.fail("Criterion",
                      "the scene has what keeps a state of one mesh (" +
                          words_of_type(typeid(*process)) +
@@ -390,13 +390,6 @@ namespace tombolo
   {
     table.add("cells", "1", n_cells);
     table.add("refinements", "1", static_cast<double>(n_meshes));
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::report_heat(const Model<dim> &model, TimeTable &table) const
-  {
-    if (!model.has_mechanics) // where both are called
-      report(model, table);
   }
 
   template <int dim>

@@ -13,7 +13,7 @@ namespace tombolo
   template <int dim>
   ModelContent ModelContent::of(const Model<dim> &model)
   {
-    EnergyAccounts energies, heat;
+    EnergyAccounts energies;
     std::array<double, 9> sums{};
     const unsigned int n_owned = model.state.partition()->n_owned();
     if (model.has_mechanics)
@@ -42,23 +42,20 @@ namespace tombolo
     }
     if (model.heat)
     {
-      for (const auto &process : model.processes)
-        process->account_heat(heat);
       for (unsigned int i = 0; i < n_owned; ++i)
       {
-        sums[7] += *model.heat->state.enthalpy.node(i);
-        sums[8] += *model.heat->state.next_enthalpy.node(i);
+        const double pending = *model.heat->state.pending.node(i);
+        sums[7] += *model.heat->state.enthalpy.node(i) + pending;
+        sums[8] += *model.heat->state.next_enthalpy.node(i) + pending;
       }
     }
     sums = ordered_sum(sums, model.communicator);
     energies.sum_over_ranks(model.communicator);
-    heat.sum_over_ranks(model.communicator);
-    const double pending = heat.sum_of(EnergyKind::stored);
     return {sums[0] + energies.total(),
             {{sums[1], sums[2], sums[3]}},
             {{sums[4], sums[5], sums[6]}},
-            sums[7] + pending,
-            sums[8] + pending};
+            sums[7],
+            sums[8]};
   }
 
   template ModelContent ModelContent::of(const Model<2> &);

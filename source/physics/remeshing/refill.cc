@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 namespace tombolo
 {
@@ -49,8 +50,8 @@ namespace tombolo
       model.remove_faces(void_cells);
     if (!model.heat)
       return;
-    pending_heat.reinit(model.state.partition(), Quantity::scalar);
-    carried_heat.reinit(model.state.partition(), Quantity::scalar);
+    heat = &this->actions.add_heat("heat of refills", "remap loss heat");
+    heat->stays_on_rank();
     if (std::any_of(parts.begin(), parts.end(),
                     [](const Refilled &part) { return !part.refill->is_conservative(); }))
       model.heat->can_lose_heat = true;
@@ -93,7 +94,12 @@ namespace tombolo
         lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
       }
       if (model.heat && is_conservative)
-        heat_nodes(model, part.refill->touched_nodes(), energy, pending_heat);
+      {
+        heat_nodes(model, part.refill->touched_nodes(), energy,
+                   [&](const unsigned int node, const double share)
+                   { heat->add_heat(node, share); });
+        heat->collect(model.heat->state.pending);
+      }
       else if (model.heat)
         book_heat(model, heat_before);
       if (model.heat && part.refill->fills_cells())
@@ -247,7 +253,7 @@ namespace tombolo
 
   template <int dim>
   void Refill<dim>::heat_nodes(const Model<dim> &model, const NodalVector &in_patch,
-                               const double energy, NodalVector &heat)
+                               const double energy, const HeatNode &add)
   {
     std::array<double, 2> sums{{energy, 0.}};
     const unsigned int n_owned = model.state.partition()->n_owned();
@@ -257,43 +263,34 @@ namespace tombolo
     sums = ordered_sum(sums, model.communicator);
     for (unsigned int i = 0; i < n_owned; ++i)
       if (*in_patch.node(i) > 0.)
-        *heat.node(i) += sums[0] * *model.bridge->mass().node(i) / sums[1];
+        add(i, sums[0] * *model.bridge->mass().node(i) / sums[1]);
   }
 
   template <int dim>
   void Refill<dim>::carry_heat(Model<dim> &model, const NodalVector &in_patch)
   {
-    const double now = 0.; // what has come has come
-    for (const auto &process : model.processes)
-      if (process.get() != this && process->heats())
-        process->add_heat(model, now, now, carried_heat);
-    for (NodalVector *const heat : {&pending_heat, &carried_heat})
-    {
-      double of_massless = 0;
-      for (const unsigned int node : massless)
-      {
-        of_massless += *heat->node(node);
-        *heat->node(node) = 0.;
-      }
-      heat_nodes(model, in_patch, of_massless, *heat);
-    }
+    NodalVector &pending = model.heat->state.pending;
+    double of_massless = 0;
+    for (const unsigned int node : massless)
+      of_massless += std::exchange(*pending.node(node), 0.);
+    heat_nodes(model, in_patch, of_massless,
+               [&](const unsigned int node, const double share) { *pending.node(node) += share; });
   }
 
   template <int dim>
   void Refill<dim>::model_changed(Model<dim> &model)
   {
-    if (heats() && pending_heat.partition() != model.state.partition())
-      for (NodalVector *const vector : {&pending_heat, &carried_heat})
-        vector->move_to(model.state.partition());
     massless.clear();
     if (std::any_of(parts.begin(), parts.end(),
                     [](const Refilled &part) { return part.refill->fills_cells(); }))
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (*model.state.mass.node(i) == 0.)
           massless.push_back(i);
-    const bool follow =
-        std::all_of(model.processes.begin(), model.processes.end(),
-                    [](const auto &process) { return process->follows_placed_nodes(); });
+    const bool follow = std::all_of(model.processes.begin(), model.processes.end(),
+                                    [](const auto &process) {
+                                      return process->role(Process<dim>::Situation::placed_nodes) ==
+                                             Process<dim>::Role::acts;
+                                    });
     for (const Refilled &part : parts)
       if (part.refill->slides() && !follow)
         part.refill->settings().refuse_sliding(
@@ -301,48 +298,10 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Refill<dim>::heats() const
-  {
-    return pending_heat.partition() != nullptr;
-  }
-
-  template <int dim>
-  void Refill<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
-  {
-    add_pending_heat(heat);
-    for (unsigned int i = 0; i < pending_heat.partition()->n_owned(); ++i)
-      given_heat += *pending_heat.node(i);
-    pending_heat.set_zero();
-    carried_heat.set_zero();
-  }
-
-  template <int dim>
-  void Refill<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (unsigned int i = 0; heats() && i < pending_heat.partition()->n_owned(); ++i)
-      *heat.node(i) += *pending_heat.node(i) + *carried_heat.node(i);
-  }
-
-  template <int dim>
   void Refill<dim>::account(EnergyAccounts &accounts) const
   {
     accounts.add("remap loss", EnergyKind::dissipated, lost);
     accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
-  }
-
-  template <int dim>
-  void Refill<dim>::account_heat(EnergyAccounts &accounts) const
-  {
-    if (!heats())
-      return;
-    double pending = 0, carried = 0;
-    for (unsigned int i = 0; i < pending_heat.partition()->n_owned(); ++i)
-    {
-      pending += *pending_heat.node(i);
-      carried += *carried_heat.node(i);
-    }
-    accounts.add("pending heat", EnergyKind::stored, pending + carried);
-    accounts.add("remap loss heat", EnergyKind::external, given_heat + pending);
   }
 
   template <int dim>
@@ -359,9 +318,12 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::string> Refill<dim>::take_warnings(const Model<dim> &model, const Clock &clock)
+  std::vector<std::string> Refill<dim>::warnings(const Model<dim> &model, const Clock &clock,
+                                                 const typename Process<dim>::Occasion occasion)
   {
     std::vector<std::string> result;
+    if (occasion != Process<dim>::Occasion::row)
+      return result;
     for (Refilled &part : parts)
     {
       const auto end = part.has_reached_end || !part.refill->fills_cells()
@@ -395,15 +357,10 @@ namespace tombolo
   void Refill<dim>::serialize(Model<dim> &, StateArchive &archive)
   {
     const auto group = archive.group("refills");
-    archive.sums("lost", {&lost, &given_heat});
+    archive.sums("lost energy", {&lost});
     archive.sums("lost momentum",
                  {&lost_momentum[0], &lost_momentum[1], &lost_momentum[2],
                   &lost_angular_momentum[0], &lost_angular_momentum[1], &lost_angular_momentum[2]});
-    if (heats())
-    {
-      archive.nodal("pending heat", 1, pending_heat);
-      archive.nodal("carried heat", 1, carried_heat);
-    }
   }
 
   template <int dim>

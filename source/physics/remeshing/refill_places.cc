@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/refill_places.h>
 
-#include <tombolo/model/gap_source.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/physics/remeshing/mesh_of_part.h>
 #include <tombolo/remesh/cell_simplices.h>
@@ -190,7 +189,6 @@ namespace tombolo
   {
     constexpr unsigned int most_attempts = 20;
     const NodalVector &position = model.state.position;
-    const auto *const gaps = model.template find_process<GapSource>();
     std::vector<Corners> present;
     for (const auto &nodes : local_nodes)
       present.push_back(corners_at<dim>(nodes, position));
@@ -215,12 +213,20 @@ namespace tombolo
           },
           result);
       std::optional<NodalVector> wrong;
-      if (gaps != nullptr)
-        wrong = surface->nodes_of_cut_faces(
-            local_nodes, on_surface, position, result, way,
-            [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
-                std::vector<double> &depths)
-            { gaps->find_depths(places, numbers, clock.time, depths); });
+      for (const auto &process : model.processes)
+      {
+        std::vector<double> none;
+        if (!wrong && process->find_gaps("", 0., position, {}, clock.time, none))
+          wrong = surface->nodes_of_cut_faces(
+              local_nodes, on_surface, position, result, way,
+              [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+                  std::vector<double> &depths)
+              {
+                process->find_gaps("", 0., places, numbers, clock.time, depths);
+                for (double &depth : depths)
+                  depth *= -1.;
+              });
+      }
       const bool is_cut = wrong.has_value();
       if (!is_cut)
       {

@@ -5,6 +5,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -17,9 +18,16 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  StaticProblem<dim>::StaticProblem(Model<dim> &model)
-      : model(model), contacts(model), assembly(model.parts)
+  StaticProblem<dim>::StaticProblem(Model<dim> &model, const double spring_factor)
+      : model(model), assembly(model.parts),
+        spring_time(round_down(courant_limit(model).time_step) / std::sqrt(spring_factor))
   {
+    double extent = 0;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        extent = std::max(extent, std::abs(model.state.initial_position.node(i)[d]));
+    // As in refuse_penetration(): what round-off has put apart touches.
+    touch_distance = 1e-9 * Utilities::MPI::max(extent, model.communicator);
     start_position.reinit(model.state.partition(), Quantity::position);
     prescribed_displacement.reinit(model.state.partition());
     free_force.reinit(model.state.partition());
@@ -77,7 +85,69 @@ namespace tombolo
     has_driven_nodes = Utilities::MPI::max(largest, model.communicator) > 0.;
     state.acceleration.set_zero();
     trial = std::make_unique<Trial<dim>>(model);
-    contacts.begin_trial(process_clock());
+    begin_trial(process_clock());
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::begin_trial(const Clock &clock)
+  {
+    for_acting(
+        [&](Process<dim> &process)
+        {
+          process.begin_trial(model, clock, touch_distance);
+          process.actions.begin_trial();
+        });
+    if (!model.heat)
+      return;
+    pending_heat.reinit_like(model.heat->state.pending);
+    pending_heat.copy_from(model.heat->state.pending);
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::restart_processes()
+  {
+    for_acting(
+        [](Process<dim> &process)
+        {
+          process.restart_trial();
+          process.actions.restart_trial();
+        });
+    if (model.heat)
+      model.heat->state.pending.copy_from(pending_heat);
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::linearize(const Clock &clock,
+                                     std::vector<ContactStiffness<dim>> &springs,
+                                     NodalVector &bound)
+  {
+    Tangent<dim> tangent;
+    tangent.springs = &springs;
+    tangent.bound = &bound;
+    for_acting([&](Process<dim> &process) { process.linearize(model, clock, tangent); });
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::linearize_processes(std::vector<ContactStiffness<dim>> &springs,
+                                               NodalVector &bound)
+  {
+    linearize(process_clock(), springs, bound);
+  }
+
+  template <int dim>
+  std::vector<ContactStiffness<dim>> StaticProblem<dim>::springs_at_start()
+  {
+    Clock clock;
+    clock.stable_step = spring_time;
+    begin_trial(clock);
+    NodalVector force, bound;
+    force.reinit(model.state.partition());
+    bound.reinit(model.state.partition(), Quantity::scalars);
+    for_acting([&](Process<dim> &process) { process.act(model, clock, force); });
+    std::vector<ContactStiffness<dim>> result;
+    linearize(clock, result, bound);
+    restart_processes();
+    return result;
   }
 
   template <int dim>
@@ -94,7 +164,7 @@ namespace tombolo
     clock.time = present.end;
     clock.previous_step = present.is_start ? 0. : present.duration();
     clock.next_step = present.duration();
-    clock.stable_step = contacts.spring_time();
+    clock.stable_step = spring_time;
     return clock;
   }
 
@@ -105,9 +175,7 @@ namespace tombolo
     const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
-      for (const auto &process : model.processes)
-        if (process->at_rest() == Process<dim>::AtRest::acts)
-          process->before_part_force(number, force);
+      for_acting([&](Process<dim> &process) { process.part_force(number, force, false); });
       std::string of_part;
       try
       {
@@ -121,20 +189,17 @@ namespace tombolo
       }
       if (!of_part.empty() && failure.empty())
         failure = "part \"" + part.name + "\": " + of_part;
-      for (const auto &process : model.processes)
-        if (process->at_rest() == Process<dim>::AtRest::acts)
-          process->after_part_force(number, force);
+      for_acting([&](Process<dim> &process) { process.part_force(number, force, true); });
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
     const Clock clock = process_clock();
-    for (const auto &process : model.processes)
-    {
-      if (process->at_rest() != Process<dim>::AtRest::acts)
-        continue;
-      process->act(model, clock, model.state.force);
-      if (failure.empty())
-        failure = process->failure();
-    }
+    for_acting(
+        [&](Process<dim> &process)
+        {
+          process.act(model, clock, model.state.force);
+          if (failure.empty())
+            failure = process.failure();
+        });
     return failure;
   }
 
@@ -143,7 +208,7 @@ namespace tombolo
   {
     ++count;
     trial->restart();
-    contacts.restart_trial();
+    restart_processes();
     NodalState &state = model.state;
     const double inverse_step = 1. / present.duration();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
@@ -185,7 +250,7 @@ namespace tombolo
   void StaticProblem<dim>::undo()
   {
     trial.reset();
-    contacts.restart_trial();
+    restart_processes();
     model.state.position.copy_from(start_position);
     model.state.velocity.set_zero();
     model.bridge->positions_have_changed();

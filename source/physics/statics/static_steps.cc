@@ -4,7 +4,6 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/base/words_of_type.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/model_input.h>
@@ -16,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <typeinfo>
 
@@ -88,7 +88,7 @@ namespace tombolo
         tolerance(parameters.section(statics_section).get_double("Tolerance")),
         solver(Registry<StaticSolver<dim>>::instance().create(
             name, parameters.section(statics_section).subsection(name))),
-        problem(model)
+        problem(model, parameters.section(statics_section).get_double("Contact stiffness"))
   {
     const Section section = parameters.section(statics_section);
     largest_step = section.get_double("Largest step");
@@ -98,7 +98,6 @@ namespace tombolo
     if (smallest_step == 0.)
       smallest_step = 1e-3 * largest_step;
     step = largest_step;
-    problem.contacts.become_static(section.get_double("Contact stiffness"));
     refuse_unfit_model(parameters);
     last_position.reinit(model.state.partition(), Quantity::position);
     last_position.copy_from(model.state.position);
@@ -113,13 +112,13 @@ namespace tombolo
   {
     const std::string steps =
         "`" + section.all().raw(integration_entry) + "` steps (entry \"Time integration\") ";
-    const auto *const cells = dynamic_cast<const StiffCells<dim> *>(part.formulation.get());
-    if (cells == nullptr)
+    const std::optional<std::string> unfit = part.formulation->unfit_to_linearize();
+    if (!unfit)
       section.fail("Formulation", steps + "need a body that deforms; rigid parts are known to "
                                           "explicit steps only.");
-    if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
+    if (!unfit->empty())
       section.fail("Formulation",
-                   "it has " + unfit + "; " + steps + "know stiffness only. Switch it off.");
+                   "it has " + *unfit + "; " + steps + "know stiffness only. Switch it off.");
     if (part.particles != nullptr && has_symmetry)
       section.fail("Formulation", "its particles have images in planes of symmetry, which " +
                                       steps +
@@ -171,7 +170,6 @@ namespace tombolo
                                         "` steps (entry \"Time integration\") do not know how "
                                         "that changes their stiffness; allowed is paper.");
           });
-    StaticContacts<dim>::refuse_unfit(parameters, parameters.raw(integration_entry));
   }
 
   template <int dim>
@@ -181,23 +179,20 @@ namespace tombolo
       refuse_unfit_part(parameters.section("Part: " + part.name), part,
                         model.nodes->symmetry() != nullptr);
     for (const auto &process : model.processes)
-      if (process->at_rest() == Process<dim>::AtRest::is_refused)
+      if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::is_refused)
         parameters.fail(integration_entry,
                         "the scene has the process \"" + words_of_type(typeid(*process)) +
                             "\", which such steps do not know. Take out "
                             "the entry that asks for it, or use `explicit` steps.");
     const std::string free =
-        free_rigid_modes(model, problem.constrained(), problem.contacts.stiffness_at_start());
+        free_rigid_modes(model, problem.constrained(), problem.springs_at_start());
     if (!free.empty())
       parameters.fail(integration_entry,
                       "nothing holds " + free +
                           ". A body at rest needs conditions (clamps, displacements, planes of "
-                          "symmetry) that hold all its rigid motions" +
-                          (problem.contacts.are_present()
-                               ? "; contacts hold along their normal, where bodies touch at the "
-                                 "start. Move what is apart together, by the mesh or by a stage "
-                                 "before, or hold the body."
-                               : "."));
+                          "symmetry) that hold all its rigid motions; contacts hold along their "
+                          "normal, where bodies touch at the start. Move what is apart together, "
+                          "by the mesh or by a stage before, or hold the body.");
   }
 
   template <int dim>
@@ -343,7 +338,7 @@ namespace tombolo
     half.next_step = next;
     model.impulses.begin_step();
     for (const auto &process : model.processes)
-      if (process->at_rest() == Process<dim>::AtRest::acts)
+      if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::acts)
         process->complete_step(model, half);
   }
 

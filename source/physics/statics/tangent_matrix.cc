@@ -4,6 +4,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/statics/far_nodes.h>
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
 
@@ -43,6 +44,7 @@ namespace tombolo
     cell_forces.reinit(problem.model.state.partition(), Quantity::scalars);
     absolute_row_sums.reinit(problem.model.state.partition(), Quantity::scalars);
     rounded_forces.reinit(problem.model.state.partition(), Quantity::scalars);
+    spring_bound.reinit(problem.model.state.partition(), Quantity::scalars);
     NodalVector none;
     none.reinit(problem.model.state.partition(), Quantity::scalar);
     dependent = DependentRows(none);
@@ -51,7 +53,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void TangentMatrix<dim>::make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts)
+  void TangentMatrix<dim>::make_pattern(const std::vector<ContactStiffness<dim>> &springs)
   {
     const Model<dim> &model = problem.model;
     const NodePartition &partition = *model.state.partition();
@@ -87,16 +89,15 @@ namespace tombolo
       add_nodes();
     }
     for (const Part<dim> &part : model.parts)
-      dynamic_cast<const StiffCells<dim> &>(*part.formulation)
-          .find_couplings(
-              [&](const std::vector<unsigned int> &group)
-              {
-                cell_nodes.clear();
-                for (const unsigned int node : group)
-                  cell_nodes.push_back(partition.global_index(node));
-                add_nodes();
-              });
-    for (const ContactStiffness<dim> &stiffness : of_contacts)
+      part.formulation->find_couplings(
+          [&](const std::vector<unsigned int> &group)
+          {
+            cell_nodes.clear();
+            for (const unsigned int node : group)
+              cell_nodes.push_back(partition.global_index(node));
+            add_nodes();
+          });
+    for (const ContactStiffness<dim> &stiffness : springs)
     {
       cell_nodes.clear();
       for (const auto &entry : stiffness.entries)
@@ -181,11 +182,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void
-  TangentMatrix<dim>::find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts)
+  void TangentMatrix<dim>::find_far_constraints(const std::vector<ContactStiffness<dim>> &springs)
   {
     const NodePartition &partition = *problem.model.state.partition();
-    DependentRows::Nodes nodes = nodes_of_contacts(of_contacts);
+    DependentRows::Nodes nodes = nodes_of_contacts(springs);
     if (!dependent.is_empty())
     {
       for (unsigned int i = 0; i < partition.n_owned() + partition.n_ghosts(); ++i)
@@ -215,7 +215,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void TangentMatrix<dim>::add_contact(const ContactStiffness<dim> &stiffness)
+  void TangentMatrix<dim>::add_spring(const ContactStiffness<dim> &stiffness)
   {
     std::vector<types::global_dof_index> free, prescribed;
     std::vector<double> of_free, of_prescribed;
@@ -258,12 +258,16 @@ namespace tombolo
   {
     ++count;
     forget_solvers();
-    std::vector<ContactStiffness<dim>> of_contacts;
-    if (problem.contacts.are_present())
+    std::vector<ContactStiffness<dim>> springs;
+    spring_bound.set_zero();
+    problem.linearize_processes(springs, spring_bound);
+    spring_bound.condense();
+    const bool had_springs = has_springs;
+    has_springs = Utilities::MPI::max(springs.empty() ? 0 : 1, problem.model.communicator) == 1;
+    if (has_springs || had_springs)
     {
-      of_contacts = problem.contacts.stiffness(problem.process_clock());
-      find_far_constraints(of_contacts);
-      make_pattern(of_contacts);
+      find_far_constraints(springs);
+      make_pattern(springs);
     }
     matrix = 0.;
     coupling = 0.;
@@ -271,11 +275,10 @@ namespace tombolo
       sums->set_zero();
     problem.restart_points();
     for (const Part<dim> &part : problem.model.parts)
-      dynamic_cast<StiffCells<dim> &>(*part.formulation)
-          .find_cell_equations(problem.input(),
-                               [this](const CellEquations &equations) { add_cell(equations); });
-    for (const ContactStiffness<dim> &stiffness : of_contacts)
-      add_contact(stiffness);
+      part.formulation->find_cell_equations(problem.input(), [this](const CellEquations &equations)
+                                            { add_cell(equations); });
+    for (const ContactStiffness<dim> &stiffness : springs)
+      add_spring(stiffness);
     for (const unsigned int node : problem.model.state.partition()->dependent_nodes().node)
       for (unsigned int d = 0; d < dim; ++d)
       {
@@ -297,19 +300,15 @@ namespace tombolo
   void TangentMatrix<dim>::find_scales()
   {
     const NodalVector &position = problem.model.state.position;
-    NodalVector of_cells;
-    of_cells.reinit(absolute_row_sums.partition(), Quantity::scalars);
-    of_cells.copy_from(absolute_row_sums);
-    if (problem.contacts.are_present())
-      problem.contacts.add_stiffness_bound(problem.process_clock(), absolute_row_sums);
     std::array<double, 2> squares{};
     for (unsigned int i = 0; i < cell_forces.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const double of_contacts = absolute_row_sums.node(i)[d] - of_cells.node(i)[d];
+        const double of_springs = spring_bound.node(i)[d];
+        absolute_row_sums.node(i)[d] += of_springs;
         squares[0] += std::pow(cell_forces.node(i)[d], 2);
         squares[1] +=
-            std::pow(rounded_forces.node(i)[d] + of_contacts * std::abs(position.node(i)[d]), 2);
+            std::pow(rounded_forces.node(i)[d] + of_springs * std::abs(position.node(i)[d]), 2);
       }
     squares = ordered_sum(squares, problem.model.communicator);
     problem.force_scale = std::max(problem.force_scale, std::sqrt(squares[0]));

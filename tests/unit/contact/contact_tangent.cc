@@ -3,7 +3,8 @@
 #include "frozen_body.h"
 #include "mesh_file_testing.h"
 
-#include <tombolo/physics/statics/static_contacts.h>
+#include <tombolo/model/tangent.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <gtest/gtest.h>
 
@@ -95,16 +96,18 @@ namespace tombolo
       {
       public:
         Tangent(const std::string &text, Move move)
-            : body(text), model(*body.model), contacts(model), move(std::move(move))
+            : body(text), model(*body.model), move(std::move(move))
         {
-          contacts.become_static(100.);
-          clock.stable_step = contacts.spring_time();
+          constexpr double stiffer = 100., touch_distance = 1e-9;
+          clock.stable_step = round_down(courant_limit(model).time_step) / std::sqrt(stiffer);
           force.reinit(model.state.partition());
-          contacts.begin_trial(clock);
+          for (const auto &process : model.processes)
+            process->begin_trial(model, clock, touch_distance);
           evaluate({}, 0., 0.);
           clock.step = 1;
           clock.time = clock.previous_step = clock.next_step = 1.;
-          contacts.begin_trial(clock);
+          for (const auto &process : model.processes)
+            process->begin_trial(model, clock, touch_distance);
         }
 
         /** Its difference to a difference quotient of the forces, over it. */
@@ -113,7 +116,15 @@ namespace tombolo
           evaluate({}, 0., 1.);
           std::map<std::pair<Place, Place>, double> matrix;
           std::set<Place> places;
-          for (const ContactStiffness<3> &stiffness : contacts.stiffness(clock))
+          NodalVector bound;
+          bound.reinit(model.state.partition());
+          std::vector<ContactStiffness<3>> springs;
+          tombolo::Tangent<3> tangent;
+          tangent.springs = &springs;
+          tangent.bound = &bound;
+          for (const auto &process : model.processes)
+            process->linearize(model, clock, tangent);
+          for (const ContactStiffness<3> &stiffness : springs)
             for (const auto &row : stiffness.entries)
               for (const auto &column : stiffness.entries)
                 for (unsigned int a = 0; a < 3; ++a)
@@ -159,7 +170,8 @@ namespace tombolo
 
         void evaluate(const Place &place, const double further, const double share)
         {
-          contacts.restart_trial();
+          for (const auto &process : model.processes)
+            process->restart_trial();
           NodalVector &position = model.state.position;
           for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
           {
@@ -172,8 +184,7 @@ namespace tombolo
           position.update_ghosts();
           force.set_zero();
           for (const auto &process : model.processes)
-            if (dynamic_cast<const StaticProcess<3> *>(process.get()) != nullptr)
-              process->act(model, clock, force);
+            process->act(model, clock, force);
         }
 
         std::vector<double> forces(const std::set<Place> &places) const
@@ -186,7 +197,6 @@ namespace tombolo
 
         FrozenBody<3> body;
         Model<3> &model;
-        StaticContacts<3> contacts;
         Move move;
         Clock clock;
         NodalVector force;

@@ -20,6 +20,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 
 using namespace tombolo;
 using namespace tombolo::testing;
@@ -56,7 +57,9 @@ namespace
       parameters.refuse_unused();
       add_capacities();
       loads.reinit(state.partition());
-      heat.reinit(state.partition(), Quantity::scalar);
+      for (NodalVector *const vector : {&heat, &waiting})
+        vector->reinit(state.partition(), Quantity::scalar);
+      given_now.set_partition(state.partition());
       clock.next_step = clock.stable_step = 0.1;
     }
 
@@ -74,17 +77,27 @@ namespace
       state.position.update_ghosts();
       std::vector<unsigned int> touched;
       loads.set_zero();
-      const NodalHeat nodal_heat{&temperature, &enthalpy, nullptr, nullptr};
+      const NodalHeat nodal_heat{&temperature, &enthalpy,  &waiting,
+                                 nullptr,      &given_now, &given_now};
       contact->add_forces(state, clock, loads, touched, nodal_heat);
+      given_now.collect(waiting);
       contact->exchange_heat(nodal_heat);
+      given_now.collect(waiting);
       contact->complete_step(clock);
+    }
+
+    /** Adds the heat that waits to that which was given. */
+    void give_heat()
+    {
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+        *heat.node(i) += std::exchange(*waiting.node(i), 0.);
     }
 
     /** Gives the heat to the nodes, as a thermal step does. */
     void take_heat()
     {
       heat.set_zero();
-      contact->add_heat(heat);
+      give_heat();
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       {
         const double now = enthalpy.enthalpy(i, *temperature.node(i)) + *heat.node(i);
@@ -100,17 +113,22 @@ namespace
       return ordered_sum(sum, MPI_COMM_WORLD);
     }
 
-    double given() const
+    double sum_of(const NodalVector &vector) const
     {
       double sum = 0;
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-        sum += *heat.node(i);
+        sum += *vector.node(i);
       return ordered_sum(sum, MPI_COMM_WORLD);
+    }
+
+    double given() const
+    {
+      return sum_of(heat);
     }
 
     double pending() const
     {
-      return ordered_sum(contact->heat_to_give(), MPI_COMM_WORLD);
+      return sum_of(waiting);
     }
 
     double friction() const
@@ -124,7 +142,8 @@ namespace
     std::unique_ptr<Nodes<2>> nodes;
     NodalState state;
     std::unique_ptr<PenaltyContact<2>> contact;
-    NodalVector loads, heat, temperature;
+    NodalVector loads, heat, waiting, temperature;
+    HeatAction given_now{"heat", "heat"};
     NodalEnthalpy enthalpy;
     Clock clock;
 
@@ -178,7 +197,7 @@ TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
                   1e-13 * plate.friction());
       if (step == 150)
         break;
-      plate.contact->add_heat(plate.heat);
+      plate.give_heat();
       EXPECT_EQ(plate.pending(), 0.);
     }
     EXPECT_EQ(plate.pending() > 0., fraction > 0.);
@@ -311,45 +330,11 @@ TEST(ContactHeat, does_nothing_in_a_scene_without_heat)
     plate.advance();
     with_heat.advance();
   }
-  plate.contact->add_heat(plate.heat);
+  plate.give_heat();
   EXPECT_GT(with_heat.pending(), 0.);
   EXPECT_EQ(plate.pending(), 0.);
   EXPECT_EQ(plate.given(), 0.);
   EXPECT_EQ(plate.friction(), with_heat.friction());
-}
-
-TEST(ContactHeat, that_was_not_given_yet_is_in_a_checkpoint)
-{
-  const TestDirectory directory("contact_heat");
-  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-    std::filesystem::create_directories(directory.path);
-  MPI_Barrier(MPI_COMM_WORLD);
-  const std::string file = directory.path + "/heat.h5";
-  SlidingPlate plate("", true);
-  const auto serialize = [&](SlidingPlate &some, const StateArchive::Mode mode)
-  {
-    StateArchive archive(file, mode, MPI_COMM_WORLD);
-    archive.set_nodes(some.nodes->persistent_ids());
-    some.contact->serialize(archive);
-    if (mode == StateArchive::Mode::write)
-      archive.close();
-  };
-  for (unsigned int step = 1; step <= 50; ++step)
-  {
-    plate.advance();
-    if (step == 20)
-      plate.contact->add_heat(plate.heat);
-  }
-  serialize(plate, StateArchive::Mode::write);
-  SlidingPlate resumed("", true);
-  serialize(resumed, StateArchive::Mode::read);
-  EXPECT_GT(plate.pending(), 0.);
-  EXPECT_EQ(resumed.pending(), plate.pending());
-  plate.heat.set_zero();
-  plate.contact->add_heat(plate.heat);
-  resumed.contact->add_heat(resumed.heat);
-  for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
-    EXPECT_EQ(*resumed.heat.node(i), *plate.heat.node(i));
 }
 
 TEST(ContactHeat, a_fraction_that_cannot_be_or_is_not_needed_is_refused)
@@ -582,14 +567,11 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
         Clock clock;
         clock.stable_step = clock.next_step = 0.4;
         auto &contacts = *model.find_process<RigidContacts<2>>();
-        NodalVector heat;
         for (unsigned int step = 0; step < 12; ++step)
         {
           clock.advance();
           contacts.act(model, clock, model.state.force);
-          heat.reinit(model.state.partition(), Quantity::scalar);
-          for (const auto &contact : contacts.contacts())
-            contact->add_pending_heat(heat);
+          const NodalVector &heat = model.heat->state.pending;
           double sum = 0;
           for (unsigned int i = 0; i < n_owned; ++i)
           {

@@ -96,8 +96,8 @@ namespace tombolo
                                          "ratio = 0.3\n" +
                                              entries);
         StrainedBatch known(*material), quotients(*material), plain(*material);
-        update_stress_and_tangent(*material, known.batch, known.tangent);
-        update_stress_and_tangent(WithoutTangent(*material), quotients.batch, quotients.tangent);
+        material->update_stress_and_tangent(known.batch, known.tangent);
+        WithoutTangent(*material).update_stress_and_tangent(quotients.batch, quotients.tangent);
         material->update_stress(plain.batch);
         for (unsigned int c = 0; c < 6; ++c)
         {
@@ -137,7 +137,7 @@ namespace tombolo
             "= linear hardening\nsubsection linear hardening\nset Yield stress = 0.06\nset "
             "Hardening modulus = 0\nend\n");
         StrainedBatch points(*material);
-        update_stress_and_tangent(*material, points.batch, points.tangent);
+        material->update_stress_and_tangent(points.batch, points.tangent);
         const double bulk = material->bulk_modulus(), twice_shear = 2. * material->shear_modulus();
         unsigned int n_soft = 0;
         for (unsigned int i = 0; i < StrainedBatch::n; ++i)

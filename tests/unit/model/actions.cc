@@ -118,6 +118,51 @@ namespace
       }
   }
 
+  TEST(Actions, heat_anywhere_goes_to_the_nodes_that_keep_it)
+  {
+    const auto model = half_plate("affine");
+    const auto &partition = model->state.partition();
+    NodalVector field, pending;
+    for (NodalVector *const vector : {&field, &pending})
+      vector->reinit(partition, Quantity::scalar);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *field.node(i) = noise(model->state.initial_position.node(i), 3);
+    field.distribute();
+
+    Actions actions;
+    HeatAction &heat = actions.add_heat("torch", "heat of the torch");
+    actions.set_partition(partition);
+    double product = 0, given = 0;
+    const auto give = [&](const unsigned int seed)
+    {
+      for (unsigned int i = 0; i < partition->n_local(); ++i)
+      {
+        const double of_node = noise(model->state.position.node(i), seed);
+        heat.add_heat(i, of_node);
+        product += of_node * *field.node(i);
+        given += of_node;
+      }
+      actions.collect_heat(pending);
+    };
+    const auto booked = [&]
+    {
+      EnergyAccounts accounts;
+      actions.account_heat(accounts);
+      accounts.sum_over_ranks(MPI_COMM_WORLD);
+      return accounts["heat of the torch"];
+    };
+    for (const unsigned int seed : {5u, 6u}) // nothing is given twice
+      give(seed);
+    EXPECT_NEAR(pending.dot(field), sum(product), 1e-12);
+    const double before = booked();
+    EXPECT_NEAR(before, sum(given), 1e-12);
+    actions.begin_trial();
+    give(7);
+    EXPECT_GT(std::abs(booked() - before), 1e-3);
+    actions.restart_trial();
+    EXPECT_EQ(booked(), before);
+  }
+
   TEST(Actions, a_few_nodes_have_the_forces_that_all_would_have)
   {
     for (const ActsAt place : {ActsAt::nodes, ActsAt::positions})

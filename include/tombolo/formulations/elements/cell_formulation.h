@@ -31,7 +31,6 @@ namespace tombolo
   class CellFormulation : public Formulation<dim>,
                           public ErodingCells<dim>,
                           public LosingCells<dim>,
-                          public StiffCells<dim>,
                           public GradedCells
   {
   public:
@@ -106,9 +105,9 @@ namespace tombolo
       stiffness->find(take);
     }
 
-    std::string unfit_for_statics() const override
+    std::optional<std::string> unfit_to_linearize() const override
     {
-      return CellStiffness<dim, Element>::unfit_for_statics(integration);
+      return CellStiffness<dim, Element>::unfit_to_linearize(integration);
     }
 
     StepLimit courant_limit(const NodalVector &position) const override

@@ -4,7 +4,7 @@
 #include <deal.II/base/aligned_vector.h>
 
 #include <tombolo/formulations/elements/cell_integration.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/linearized_points.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ namespace tombolo
       }
     }
 
-    static std::string unfit_for_statics(const Integration &integration)
+    static std::string unfit_to_linearize(const Integration &integration)
     {
       if (integration.bulk_viscosity.is_on())
         return "artificial bulk viscosity, which resists rates";

@@ -8,7 +8,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/materials/temperature_table.h>
-#include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/nodal_source.h>
 
 #include <array>
 #include <cstdint>
@@ -33,10 +33,10 @@ namespace tombolo
   {
     const NodalVector *temperature = nullptr; ///< θ^h at the present time, slot 0 of owned nodes
     const NodalEnthalpy *enthalpy = nullptr;
-    /** Scalar, of owned nodes: heat that they have got from contact between fragments, and that no
-     * thermal step has given them yet [M L^2/T^2]. */
-    NodalVector *pending = nullptr;
-    const NodalVector *elsewhere = nullptr; ///< the same of others, such as contact with tools
+    /** Scalar, of owned nodes: heat that they have got and that no thermal step has given them yet
+     * [M L^2/T^2]. */
+    const NodalVector *pending = nullptr;
+    NodalSource *given = nullptr; ///< gets that of the step
   };
 
   /** Two particles of different fragments that touch, seen by one of them. */

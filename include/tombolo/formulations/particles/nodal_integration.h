@@ -73,7 +73,7 @@ namespace tombolo
 
     /** For the tangent of the points. */
     RowMaterial row_material();
-    std::string unfit_for_statics() const;
+    std::string unfit_to_linearize() const;
 
     /** The elastic energy of each point, padding included [M L^2/T^2]. */
     std::vector<double> elastic_energies() const;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/nodal_integration.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
@@ -19,7 +18,7 @@ namespace tombolo
    * and translates their numbers. Everything else follows from the stencils.
    */
   template <int dim>
-  class NodalParticles : public ParticleFormulation<dim>, public StiffCells<dim>
+  class NodalParticles : public ParticleFormulation<dim>
   {
   public:
     const ParticleSet<dim> &particle_set() const override;
@@ -42,7 +41,7 @@ namespace tombolo
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override;
     void find_couplings(const NodeGroupAction &use) const override;
-    std::string unfit_for_statics() const override;
+    std::optional<std::string> unfit_to_linearize() const override;
     const MaterialPoints &points() const override;
     MaterialPoints &points() override;
     const Material &material() const override;

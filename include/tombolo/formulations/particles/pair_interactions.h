@@ -28,11 +28,4 @@ namespace tombolo
     virtual bool visit_conductances(const NodalVector &position, const NodalVector &of_conductivity,
                                     const typename PairConduction<dim>::Visitor &visit) const = 0;
   };
-
-  /** What the particles do in pairs; null: nothing. */
-  template <int dim>
-  const PairInteractions<dim> *pair_interactions(const ParticleFormulation<dim> &particles)
-  {
-    return dynamic_cast<const PairInteractions<dim> *>(&particles);
-  }
 } // namespace tombolo

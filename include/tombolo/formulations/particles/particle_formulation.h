@@ -17,6 +17,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class PairInteractions;
+
   /** How often and how widely the particles of a part see each other, for the audit. */
   struct NeighbourCounts
   {
@@ -50,7 +53,17 @@ namespace tombolo
     virtual Stencils &stencils() = 0;
 
     const char *phase() const override;
+    ParticleFormulation *as_particles() override
+    {
+      return this;
+    }
     const std::vector<unsigned int> &particle_nodes() const override;
+
+    /** What particles do in pairs; null: nothing. */
+    virtual const PairInteractions<dim> *pairs() const
+    {
+      return nullptr;
+    }
 
     /** How the bridge smooths velocities by the rows; by default not at all. */
     virtual SmoothingSettings smoothing() const

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/row_material.h>
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace tombolo
 {
-  /** StiffCells::find_cell_equations() of particles that are integrated at their nodes: a particle
+  /** Formulation::find_cell_equations() of particles that are integrated at their nodes: a particle
    * and its row stand for a cell. */
   template <int dim>
   void find_particle_equations(const Stencils &shape, const std::vector<double> &initial_volume,

@@ -29,6 +29,10 @@ namespace tombolo
     StepLimit diffusion_limit(const NodalVector &position) const override;
     std::size_t memory_consumption() const override;
 
+    const PairInteractions<dim> *pairs() const override
+    {
+      return this;
+    }
     const PairTerms<dim> &pair_terms() const override;
     PairRows pair_rows() const override;
     bool visit_conductances(const NodalVector &position, const NodalVector &of_conductivity,

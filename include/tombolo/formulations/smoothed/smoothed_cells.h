@@ -3,7 +3,6 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/elements/losing_cells.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/graded_cells.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
@@ -28,10 +27,7 @@ namespace tombolo
    * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public Formulation<dim>,
-                        public LosingCells<dim>,
-                        public StiffCells<dim>,
-                        public GradedCells
+  class SmoothedCells : public Formulation<dim>, public LosingCells<dim>, public GradedCells
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -108,9 +104,9 @@ namespace tombolo
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override;
     void find_couplings(const NodeGroupAction &use) const override;
-    std::string unfit_for_statics() const override
+    std::optional<std::string> unfit_to_linearize() const override
     {
-      return integration.unfit_for_statics();
+      return integration.unfit_to_linearize();
     }
 
     std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;

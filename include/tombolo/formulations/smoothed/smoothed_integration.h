@@ -52,7 +52,7 @@ namespace tombolo
 
     /** For the tangent of the points. */
     RowMaterial row_material();
-    std::string unfit_for_statics() const;
+    std::string unfit_to_linearize() const;
 
     /** The squares of the speeds of longitudinal waves in the cells of a batch, over that of the
      * material in the initial state: the largest of their points. */

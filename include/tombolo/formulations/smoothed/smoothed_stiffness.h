@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/row_material.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
@@ -11,14 +11,14 @@
 
 namespace tombolo
 {
-  /** StiffCells::find_cell_equations() of smoothed cells: a cell acts on all neighbours of its
+  /** Formulation::find_cell_equations() of smoothed cells: a cell acts on all neighbours of its
    * points. */
   template <int dim>
   void find_smoothed_equations(const SmoothedGradients<dim> &rows, const CellBatches<dim> &cells,
                                const RowMaterial &material, const MechanicalInput &input,
                                const std::function<void(const CellEquations &)> &take);
 
-  /** StiffCells::find_couplings() of @p n_cells smoothed cells. */
+  /** Formulation::find_couplings() of @p n_cells smoothed cells. */
   template <int dim>
   void find_smoothed_couplings(const SmoothedGradients<dim> &rows, unsigned int n_cells,
                                const NodeGroupAction &use);

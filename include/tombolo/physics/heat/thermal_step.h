@@ -76,8 +76,6 @@ namespace tombolo
 
   private:
     void complete_step(Model<dim> &model);
-    /** Gives the nodes what processes have heated since @p begin. Collective. */
-    void add_heat_of_processes(Model<dim> &model, double begin);
     /** Fills the accounts of @p result with sums over all ranks. Collective. */
     void account(const Model<dim> &model, HeatBalance &result) const;
     void check(const Model<dim> &model) const;
@@ -97,6 +95,5 @@ namespace tombolo
     double largest_scale = 0;
     bool has_start = false;
     double initial_enthalpy = 0;
-    NodalVector process_heat; // scalar; only where processes heat
   };
 } // namespace tombolo

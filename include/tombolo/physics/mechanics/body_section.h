@@ -55,7 +55,7 @@ namespace tombolo
 
     /** Of an interface: what a part, whose number may be any, has added is the force after it less
      * that before. Collective. */
-    void before_part_force(std::size_t part, const NodalVector &force, const NodalVector &position);
+    void before_part_force(std::size_t part, const NodalVector &force);
     void after_part_force(std::size_t part, const NodalVector &force, const NodalVector &position);
 
     /** Of a cut: the sum over the internal forces of all parts, at owned nodes. */

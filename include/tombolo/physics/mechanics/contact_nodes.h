@@ -40,18 +40,13 @@ namespace tombolo
    * Bodies::body_of() has them. */
   template <int dim>
   std::set<dealii::types::global_dof_index>
-  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+  bodies_of_contacts(const std::vector<const SurfaceContact<dim> *> &contacts,
                      const Model<dim> &model, const Bodies<dim> &bodies);
 
   /** Tells contacts which nodes are debris now, where any of them conducts. Collective. */
   template <int dim>
   void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
                            const Model<dim> &model);
-
-  /** Adds what Process::account_heat() says of contacts. Collective. */
-  template <int dim>
-  void account_heat_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
-                                MPI_Comm communicator, EnergyAccounts &accounts);
 
   /** Particles now faster than twice the least cutting speed of the contacts, on all ranks; nothing
    * where no contact has one. Collective. */

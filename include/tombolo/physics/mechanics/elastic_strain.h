@@ -29,14 +29,14 @@ namespace tombolo
     /** @p foreseen: the largest strain that prescribed displacements tell. */
     ElasticStrain(std::vector<WatchedPart> parts, double foreseen);
 
-    std::vector<std::string> remarks() const override;
-    std::vector<std::string> take_warnings(const Model<dim> &model, const Clock &clock) override;
-
-    /** What to say where the balance of energy stops a run: of the part with the largest strain, or
-     * nothing where all are small. Collective. */
-    std::string advice(const Model<dim> &model) const;
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
+                                      typename Process<dim>::Occasion occasion) override;
 
   private:
+    /** What to say where the balance of energy stops a run: of the part with the largest strain, or
+     * nothing where all are small. Collective. */
+    std::vector<std::string> advice(const Model<dim> &model) const;
+
     std::vector<WatchedPart> parts;
     double foreseen;
   };

@@ -25,13 +25,11 @@ namespace tombolo
      * InputError where the target does nothing, or would take too much. Collective. */
     MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model);
 
-    bool keeps_one_mesh() const override
+    typename Process<dim>::Role
+    role(const typename Process<dim>::Situation situation) const override
     {
-      return true;
-    }
-    typename Process<dim>::AtRest at_rest() const override
-    {
-      return Process<dim>::AtRest::is_refused;
+      return situation == Process<dim>::Situation::placed_nodes ? Process<dim>::Role::acts
+                                                                : Process<dim>::Role::is_refused;
     }
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;

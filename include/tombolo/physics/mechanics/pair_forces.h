@@ -23,29 +23,21 @@ namespace tombolo
   public:
     explicit PairForces(const Model<dim> &model);
 
-    void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
-                         NodalVector &force) override;
+    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    bool heats() const override;
-    void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
-    void add_pending_heat(NodalVector &heat) const override;
-    void account_heat(EnergyAccounts &accounts) const override;
     std::size_t memory_consumption() const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
-    /** A warning where inertia is scaled, material has flowed and the viscosity has taken more than
-     * 5 % of the plastic work, for the end of the run; empty otherwise. The same on all ranks.
-     * Collective. */
-    std::string warning() const;
+    /** At the end of the run, where inertia is scaled, material has flowed and the viscosity has
+     * taken more than 5 % of the plastic work. */
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
+                                      typename Process<dim>::Occasion occasion) override;
 
   private:
     const Model<dim> &model;
     Action *viscosity = nullptr, *stress = nullptr; // null: no part has it
+    HeatAction *heat = nullptr;                     // null where nothing heats
     std::vector<std::vector<double>> power;         // of the viscosity, by particle part and row
-    NodalVector pending_heat;                       // scalar; empty where nothing heats
-    NodalVector applied;                            // buffer of apply_viscosity()
-    double heat_given = 0;                          // this rank's share
+    NodalVector applied;                            // buffer of linearize()
   };
 } // namespace tombolo

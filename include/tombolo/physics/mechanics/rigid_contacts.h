@@ -2,9 +2,7 @@
 #pragma once
 
 #include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/gap_source.h>
 #include <tombolo/model/process.h>
-#include <tombolo/model/static_process.h>
 #include <tombolo/physics/mechanics/corridor.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
 #include <tombolo/physics/mechanics/nodal_yield_stress.h>
@@ -23,7 +21,7 @@ namespace tombolo
    * tools; all contacts see the same heat of a node, whatever their order.
    */
   template <int dim>
-  class RigidContacts : public Process<dim>, public StaticProcess<dim>, public GapSource
+  class RigidContacts : public Process<dim>
   {
   public:
     /** Throws InputError. Collective. */
@@ -34,22 +32,21 @@ namespace tombolo
                            const NodalVector &before) override;
     void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
                       NodalVector &position, NodalVector &is_bound) const override;
-    bool follows_placed_nodes() const override;
+    typename Process<dim>::Role role(typename Process<dim>::Situation situation) const override;
+    bool find_gaps(const std::string &surface, double reach, const NodalVector &position,
+                   const std::vector<unsigned int> &nodes, double time,
+                   std::vector<double> &gaps) const override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
     double stable_fraction(double stable_step) const override;
-    bool heats() const override;
-    void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
     void account(EnergyAccounts &accounts) const override;
-    void add_pending_heat(NodalVector &heat) const override;
-    void account_heat(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
-    std::vector<std::string> remarks() const override;
-    std::vector<std::string> take_warnings(const Model<dim> &model, const Clock &clock) override;
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
+                                      typename Process<dim>::Occasion occasion) override;
     void show(OutputView<dim> &view) const override;
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
@@ -57,20 +54,9 @@ namespace tombolo
     void follow_division(const Model<dim> &model, StateArchive &archive,
                          const Clock &clock) override;
 
-    void become_static(double tolerance) override;
-    void begin_trial(Model<dim> &model, const Clock &clock) override;
+    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
+    void begin_trial(Model<dim> &model, const Clock &clock, double touch_distance) override;
     void restart_trial() override;
-    void find_stiffness(const Model<dim> &model, const Clock &clock,
-                        std::vector<ContactStiffness<dim>> &result) override;
-    void add_stiffness_bound(const Model<dim> &model, const Clock &clock,
-                             NodalVector &sums) override;
-
-    bool require_gaps(const std::string &name, double distance) override;
-    void find_gaps(const std::string &name, const NodalVector &position,
-                   const std::vector<unsigned int> &nodes, double time,
-                   std::vector<double> &gaps) const override;
-    void find_depths(const NodalVector &position, const std::vector<unsigned int> &nodes,
-                     double time, std::vector<double> &depths) const override;
 
     /** On an owned node [M L/T^2]. */
     dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
@@ -84,24 +70,20 @@ namespace tombolo
     void create_contact(const Section &section, Model<dim> &model,
                         const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
                         std::vector<KinematicContact<dim> *> &kinematic);
-    /** What contacts see of the heat at the beginning of their step. */
-    NodalHeat present_heat(const Model<dim> &model);
+    void create_heat(bool has_heat);
+    /** What contacts see of the heat, and where they put theirs. */
+    NodalHeat present_heat(Model<dim> &model);
     /** Exchanges heat after the forces of all contacts. Collective. */
-    void exchange_heat(const Model<dim> &model);
-    /** Whether contacts must see what others, or other processes, have given to a node. */
-    bool shares_heat(const Model<dim> &model) const;
-    using Add = void (SurfaceContact<dim>::*)(NodalVector &) const;
-    NodalVector *sum_of_contacts(const NodalVector &like, Add add, NodalVector &sum) const;
+    void exchange_heat(Model<dim> &model);
 
     MPI_Comm communicator;
-    bool has_heat;
     std::vector<std::unique_ptr<SurfaceContact<dim>>> members;
     std::map<std::size_t, Corridor<dim>> corridors; ///< of members that have one
     std::unique_ptr<KinematicSolver<dim>> solver;   ///< null where no contact is kinematic
     Action &force;
     Action *kinematic_force = nullptr; ///< where a contact is kinematic
-    // Buffers, scalar; only of several contacts that exchange heat.
-    NodalVector pending_heat, exposure;
+    HeatAction *friction_heat = nullptr, *conducted_heat = nullptr; ///< where there is some
+    NodalVector exposure; ///< buffer, scalar; only of several contacts that exchange heat
     std::unique_ptr<NodalYieldStress<dim>> yield_stress; ///< null where no contact needs it
     unsigned long revision_of_stencils = 0;              // at which isolated nodes were found
   };

@@ -20,12 +20,12 @@ namespace tombolo
     SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
-    void before_part_force(std::size_t part, const NodalVector &force) override;
-    void after_part_force(std::size_t part, const NodalVector &force) override;
+    void part_force(std::size_t part, const NodalVector &force, bool is_added) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
-    std::vector<std::string> remarks() const override;
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
+                                      typename Process<dim>::Occasion occasion) override;
     void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 

@@ -24,9 +24,11 @@ namespace tombolo
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     /** Rows stay those of the start. */
-    typename Process<dim>::AtRest at_rest() const override
+    typename Process<dim>::Role
+    role(const typename Process<dim>::Situation situation) const override
     {
-      return Process<dim>::AtRest::is_idle;
+      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
+                                                        : Process<dim>::Role::acts;
     }
     void prepare_change(Model<dim> &model) override;
     void model_changed(Model<dim> &model) override;

@@ -24,8 +24,7 @@ namespace tombolo
 
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
-                         NodalVector &force) override;
+    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
     std::size_t memory_consumption() const override;
 
   private:
@@ -33,7 +32,7 @@ namespace tombolo
     void apply_stiffness(const Model<dim> &model, const NodalVector &velocity, NodalVector &result);
 
     double factor;
-    NodalVector stiffness_force; ///< buffer of apply_viscosity()
+    NodalVector stiffness_force; ///< buffer of linearize()
     Action &damping;
   };
 } // namespace tombolo

@@ -38,13 +38,14 @@ namespace tombolo
 
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
-                         NodalVector &force) override;
+    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
     std::size_t memory_consumption() const override;
     /** Nothing has a rate. */
-    typename Process<dim>::AtRest at_rest() const override
+    typename Process<dim>::Role
+    role(const typename Process<dim>::Situation situation) const override
     {
-      return Process<dim>::AtRest::is_idle;
+      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
+                                                        : Process<dim>::Role::acts;
     }
 
   private:
@@ -61,7 +62,7 @@ namespace tombolo
     std::vector<Fibre> fibres;
     std::vector<std::array<unsigned int, 3>> local; ///< nodes of each fibre
     std::vector<unsigned int> touched; ///< owned nodes of fibres of any rank, ascending
-    NodalVector viscous_force;         ///< buffer of apply_viscosity()
+    NodalVector viscous_force;         ///< buffer of linearize()
     Action &damping;
   };
 } // namespace tombolo

@@ -18,13 +18,11 @@ namespace tombolo
   class Xsph : public Process<dim>
   {
   public:
-    bool keeps_one_mesh() const override
+    typename Process<dim>::Role
+    role(const typename Process<dim>::Situation situation) const override
     {
-      return true;
-    }
-    typename Process<dim>::AtRest at_rest() const override
-    {
-      return Process<dim>::AtRest::is_refused;
+      return situation == Process<dim>::Situation::placed_nodes ? Process<dim>::Role::acts
+                                                                : Process<dim>::Role::is_refused;
     }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;

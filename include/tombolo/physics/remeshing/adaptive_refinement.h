@@ -51,7 +51,6 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
-    void report_heat(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &out) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;

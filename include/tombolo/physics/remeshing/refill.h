@@ -4,6 +4,7 @@
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -29,14 +30,11 @@ namespace tombolo
     /** Nodes of void cells alone stay where they are. */
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void model_changed(Model<dim> &model) override;
-    bool heats() const override;
-    void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
-    void add_pending_heat(NodalVector &heat) const override;
     void account(EnergyAccounts &accounts) const override;
-    void account_heat(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    std::vector<std::string> take_warnings(const Model<dim> &model, const Clock &clock) override;
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
+                                      typename Process<dim>::Occasion occasion) override;
     void serialize_structure(Model<dim> &model, StateArchive &archive) override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
@@ -82,19 +80,17 @@ namespace tombolo
     static void restore_angular_momentum(Model<dim> &model, const std::vector<unsigned int> &nodes,
                                          const Content &before);
 
-    /** Adds @p energy to @p heat of the nodes of the patch, by their masses. Collective. */
+    using HeatNode = std::function<void(unsigned int node, double heat)>;
+    /** Shares @p energy out to the nodes of the patch, by their masses. Collective. */
     static void heat_nodes(const Model<dim> &model, const NodalVector &in_patch, double energy,
-                           NodalVector &heat);
-    /** Takes the heat that other processes have for nodes, and gives that of nodes without mass to
-     * those of the patch. Collective. */
+                           const HeatNode &add);
+    /** Gives the heat that waits at nodes without mass to those of the patch. Collective. */
     void carry_heat(Model<dim> &model, const NodalVector &in_patch);
 
     std::vector<Refilled> parts;
     double lost = 0;
     Vector lost_momentum{}, lost_angular_momentum{};
-    double given_heat = 0;
-    NodalVector pending_heat;           // scalar; with heat only
-    NodalVector carried_heat;           // of other processes; where cells are filled and emptied
+    HeatAction *heat = nullptr;         // with heat only
     std::vector<unsigned int> massless; // owned nodes, where cells are filled and emptied
   };
 } // namespace tombolo

@@ -3,8 +3,8 @@
 
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/model/trial.h>
-#include <tombolo/physics/statics/static_contacts.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -35,7 +35,8 @@ namespace tombolo
    * nodes that nothing prescribes, where u is the displacement of the step, and u itself at the
    * others: the force evaluation of explicit steps with the velocity u/Δt from the material points
    * as they were at the start (Trial), so that it can be asked at any u, any number of times; and
-   * so are contacts (StaticProcess).
+   * so can processes (Process::begin_trial()). Springs of contacts are those of explicit steps at
+   * the step of eq. (41), α m c²/h² at a node, which no longer depends on any time, times a factor.
    *
    * Vectors have the partition of the model, without images; ghosts of u must be current.
    */
@@ -43,7 +44,9 @@ namespace tombolo
   class StaticProblem
   {
   public:
-    explicit StaticProblem(Model<dim> &model);
+    /** Springs of contacts are by @p spring_factor stiffer than those of explicit steps.
+     * Collective. */
+    StaticProblem(Model<dim> &model, double spring_factor);
 
     /** Begins a step from the present state. Collective. */
     void begin(const StaticInterval &interval);
@@ -114,9 +117,12 @@ namespace tombolo
     Model<dim> &model;
     const StaticInterval &interval() const;
 
-    StaticContacts<dim> contacts;
-    /** What processes see of the step. */
-    Clock process_clock() const;
+    /** How the forces of processes in the last evaluation change with positions: @p springs, and
+     * in @p bound a diagonal matrix at owned nodes. Collective. */
+    void linearize_processes(std::vector<ContactStiffness<dim>> &springs, NodalVector &bound);
+
+    /** The springs of processes in the present state, at the start of the run. Collective. */
+    std::vector<ContactStiffness<dim>> springs_at_start();
 
     const std::string &failure() const;
     std::uint64_t n_evaluations() const;
@@ -126,12 +132,29 @@ namespace tombolo
   private:
     void set_constrained();
     std::string evaluate_parts();
+    /** What processes see of the step. */
+    Clock process_clock() const;
+    void begin_trial(const Clock &clock);
+    void restart_processes();
+    void linearize(const Clock &clock, std::vector<ContactStiffness<dim>> &springs,
+                   NodalVector &bound);
+    /** Calls @p use for processes that act in such steps. */
+    template <typename Use>
+    void for_acting(const Use &use)
+    {
+      for (const auto &process : model.processes)
+        if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::acts)
+          use(*process);
+    }
 
     Assembly<dim> assembly;
     std::unique_ptr<Trial<dim>> trial;
     StaticInterval present;
     NodalVector start_position;
     NodalVector mask, prescribed_displacement, free_force;
+    NodalVector pending_heat; ///< at the start of the step; with heat only
+    double spring_time;       ///< of which springs of contacts are made [T]
+    double touch_distance;    ///< what is nearer touches [L]
     bool has_driven_nodes = false;
     std::string failure_text;
     std::uint64_t count = 0;

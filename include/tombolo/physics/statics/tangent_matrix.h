@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/physics/statics/static_problem.h>
 #include <tombolo/state/dependent_nodes.h>
 
@@ -22,8 +21,8 @@
 namespace tombolo
 {
   /**
-   * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells and the contacts, and linear
-   * systems with it.
+   * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells and the springs of processes,
+   * and linear systems with it.
    * Component d of the node with global number I is row dim I + d. Prescribed components have
    * their diagonal alone; what they move goes to the right-hand side. Dependent nodes have their
    * diagonal alone, too: what they have goes to those on which they depend.
@@ -77,7 +76,7 @@ namespace tombolo
     int solve(const NodalVector &residual, const NodalVector *prescribed, double target,
               NodalVector &change);
 
-    /** Σ_j |K_ij| with a bound of that of contacts, by component of owned nodes. */
+    /** Σ_j |K_ij| with a bound of that of springs, by component of owned nodes. */
     const NodalVector &row_sums() const;
 
     std::uint64_t n_assemblies() const;
@@ -85,16 +84,16 @@ namespace tombolo
   private:
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
 
-    void make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts);
+    void make_pattern(const std::vector<ContactStiffness<dim>> &springs);
     void add_cell(const CellEquations &equations);
-    void add_contact(const ContactStiffness<dim> &stiffness);
+    void add_spring(const ContactStiffness<dim> &stiffness);
     /** Adds dim rows and columns a node, by rows of @p entries. */
     void add_equations(const DependentRows::Nodes &nodes, const std::vector<double> &entries);
     /** Sets the scale of forces of the problem and what rounding does to them. Collective. */
     void find_scales();
-    /** Asks other ranks which components of nodes of contacts, and of those on which others depend,
+    /** Asks other ranks which components of nodes of springs, and of those on which others depend,
      * are prescribed. Collective. */
-    void find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts);
+    void find_far_constraints(const std::vector<ContactStiffness<dim>> &springs);
     bool is_constrained(dealii::types::global_dof_index node, unsigned int component) const;
     /** Rigid modes by mode and row, at present positions. Collective. */
     void find_rigid_modes();
@@ -114,7 +113,9 @@ namespace tombolo
     std::vector<double> rigid_modes;
     /** By node that is none of this rank, a bit for each component. */
     std::map<dealii::types::global_dof_index, unsigned int> far_constraints;
+    bool has_springs = false; ///< in the pattern
     NodalVector cell_forces, absolute_row_sums;
+    NodalVector spring_bound;   ///< of springs
     NodalVector rounded_forces; ///< Σ_j |K_ij x_j|, by how much forces change with rounding
     std::uint64_t count = 0;
   };

@@ -5,6 +5,7 @@
 #include "frozen_body.h"
 
 #include <tombolo/formulations/particles/part_boundary.h>
+#include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/surface_damping.h>
 
 #include <gtest/gtest.h>
@@ -222,7 +223,11 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
     const double v[3] = {1. - 2. * x[1] + 0.5 * x[2], 2. * x[0] - x[2], 3. - 0.5 * x[0] + x[1]};
     std::copy_n(v, 3, rotation.node(i));
   }
-  damping.apply_viscosity(model, rotation, 1., force);
+  Tangent<3> tangent;
+  tangent.factor = 1.;
+  tangent.force = &force;
+  tangent.velocity = &rotation;
+  damping.linearize(model, Clock(), tangent);
   double of_rotation = 0;
   for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
@@ -231,7 +236,8 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
 
   const NodalVector v = noise(model, 2.);
   force.set_zero();
-  damping.apply_viscosity(model, v, 1., force);
+  tangent.velocity = &v;
+  damping.linearize(model, Clock(), tangent);
   double sum[3] = {}, moment[3] = {}, power = 0;
   for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
   {

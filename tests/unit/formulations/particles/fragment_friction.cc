@@ -115,8 +115,8 @@ namespace
     NodalVector take_heat()
     {
       NodalVector heat;
-      heat.reinit(body.model->state.partition(), Quantity::scalar);
-      process->add_heat(*body.model, 0., 1., heat);
+      heat.reinit_like(body.model->heat->state.pending);
+      std::swap(heat, body.model->heat->state.pending);
       return heat;
     }
 
@@ -374,10 +374,10 @@ TEST(FragmentFriction, keeps_the_linear_momentum_of_debris)
 TEST(FragmentFriction, costs_nothing_where_it_is_not_asked_for)
 {
   Halves without(rubbing_plate("", true));
-  EXPECT_FALSE(without.process->heats());
+  EXPECT_FALSE(without.process->actions.has_heat());
   EXPECT_FALSE(without.body.part().formulation->energies().has("self-contact friction"));
   Halves with(rubbing_plate("set Self-contact friction = 0.1", true));
-  EXPECT_TRUE(with.process->heats());
+  EXPECT_TRUE(with.process->actions.has_heat());
   // A pressing without any slide is the same to the last bit.
   for (Halves *const halves : {&without, &with})
   {

@@ -91,8 +91,9 @@ namespace
       std::vector<unsigned int> all;
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         all.push_back(i);
-      model->bridge->load_transfer().set_loaded_nodes(all);
-      model->bridge->load_transfer().force_of_loads(loads, traction);
+      traction.set_zero();
+      model->bridge->load_transfer().add_force_of_loads(all, loads, traction);
+      traction.add_to_owners();
       traction.add_to_owners();
       double of_sum = 0, of_traction = 0;
       for (const unsigned int i : all)
