@@ -622,6 +622,7 @@ TEST(ContactConduction, temperature_of_the_tool_is_in_a_checkpoint)
       archive.close();
   }
   resumed.clock = plate.clock;
+  resumed.waiting.copy_from(plate.waiting); // which the thermal state has
   for (SlidingPlate *const some : {&plate, &resumed})
     some->advance();
   const ContactBalance of_plate = plate.contact->balance(MPI_COMM_WORLD),
