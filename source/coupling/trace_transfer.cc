@@ -24,13 +24,13 @@ namespace tombolo
                        weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
                    target);
       }
-    trace_velocity.update_ghosts();
+    trace_velocity.distribute();
     return trace_velocity;
   }
 
   void TraceTransfer::add_element_force(NodalVector &element_force, NodalVector &force)
   {
-    element_force.add_to_owners();
+    element_force.collect();
     if (trace_force.partition() != force.partition())
       trace_force.reinit_like(force);
     trace_force.set_zero();

@@ -223,7 +223,7 @@ namespace tombolo
   void HeatAction::collect(NodalVector &pending)
   {
     if (is_on_rank && touched.empty() && !is_anywhere &&
-        values.partition()->dependent_nodes().depth == 0)
+        !values.partition()->has_dependent_nodes())
       return;
     gather();
     for_given(

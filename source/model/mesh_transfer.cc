@@ -327,8 +327,7 @@ namespace tombolo
     for (const auto &[node, momentum] : momenta)
       for (unsigned int d = 0; d < dim; ++d)
         sum.node(model.state.partition()->local_index(node))[d] += momentum[d];
-    sum.add_to_owners();
-    sum.condense();
+    sum.collect();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
     NodalVector &velocity = model.state.unsmoothed_velocity;
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)

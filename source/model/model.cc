@@ -296,8 +296,7 @@ namespace tombolo
         part.formulation->add_mass(element_mass);
         part.formulation->add_extra_mass(element_mass);
       }
-    element_mass.add_to_owners();
-    element_mass.condense();
+    element_mass.collect();
     if (!is_scaled())
       return;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
@@ -305,8 +304,7 @@ namespace tombolo
     true_mass.reinit(partition, Quantity::scalar);
     for (const Part<dim> &part : parts)
       part.formulation->add_mass(true_mass);
-    true_mass.add_to_owners();
-    true_mass.condense();
+    true_mass.collect();
   }
 
   template <int dim>

@@ -65,8 +65,7 @@ namespace tombolo
       NodalVector &mass = masses[p];
       mass.reinit(partition, Quantity::scalar);
       part.formulation->add_mass(mass);
-      mass.add_to_owners();
-      mass.condense();
+      mass.collect();
       const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
       const bool is_of_particles = part.particles != nullptr;
       if (is_of_particles)
@@ -191,8 +190,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::add_surface_loads(const double factor)
   {
-    loads.add_to_owners();
-    loads.condense();
+    loads.collect();
     load_heat.set_zero();
     bridge.load_transfer().add_force_of_loads(surface_nodes, loads, load_heat);
     load_heat.add_to_owners();
@@ -262,8 +260,7 @@ namespace tombolo
       *direction_field.node(i) = 1.;
     loads.set_zero();
     conditions.add_film_action(initial_position, field, time, direction_field, loads);
-    loads.add_to_owners();
-    loads.condense();
+    loads.collect();
     for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
       *diagonal.node(i) += *loads.node(i);
   }
@@ -304,7 +301,7 @@ namespace tombolo
     plastic_heating.set_zero();
     for (Part<dim> &part : parts)
       part.formulation->add_plastic_heat(plastic_heating);
-    plastic_heating.add_to_owners();
+    plastic_heating.collect();
     if (bridge.load_transfer().acts_at_nodes())
     {
       heat.set_zero();
@@ -313,7 +310,6 @@ namespace tombolo
       add_transposed_smoothing(heat, enthalpy);
       return;
     }
-    plastic_heating.condense();
     for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
       *enthalpy.node(i) += *plastic_heating.node(i);
   }

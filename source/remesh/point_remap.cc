@@ -88,8 +88,7 @@ namespace tombolo
             add_cell(c, points);
         for (NodalVector &vector : moments)
         {
-          vector.add_to_owners();
-          vector.update_ghosts();
+          vector.sum_over_ranks();
         }
       }
 

@@ -43,8 +43,7 @@ namespace tombolo
       if (takes(i))
         for (const unsigned int node : cells[i / n_sub_cells].nodes)
           *of_takers.node(node) += mass[i];
-    of_takers.add_to_owners();
-    of_takers.update_ghosts();
+    of_takers.sum_over_ranks();
     std::string failure;
     // What a giver gives to a node, as a share of its own.
     std::vector<double> share(mass.size(), 0.);
@@ -74,8 +73,7 @@ namespace tombolo
           for (const unsigned int node : cells[i / n_sub_cells].nodes)
             if (*of_takers.node(node) > 0.)
               *of_givers.node(node) += share[i] * content(i);
-      of_givers.add_to_owners();
-      of_givers.update_ghosts();
+      of_givers.sum_over_ranks();
       for (std::size_t i = 0; i < mass.size(); ++i)
         if (takes(i))
           for (const unsigned int node : cells[i / n_sub_cells].nodes)

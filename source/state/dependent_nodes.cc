@@ -16,7 +16,7 @@ namespace tombolo
   with_nodes_depended_on(const std::shared_ptr<const NodePartition> &partition,
                          std::vector<unsigned int> owned)
   {
-    if (partition->dependent_nodes().depth > 0)
+    if (partition->has_dependent_nodes())
     {
       NodalVector marks;
       marks.reinit(partition, Quantity::scalar);

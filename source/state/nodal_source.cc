@@ -59,7 +59,7 @@ namespace tombolo
     values.condense();
     const NodePartition &partition = *values.partition();
     constexpr std::size_t few = 4; // a sorted list costs more than some nodes that have nothing
-    is_anywhere = is_anywhere || partition.dependent_nodes().depth > 0 ||
+    is_anywhere = is_anywhere || partition.has_dependent_nodes() ||
                   few * touched.size() > partition.n_owned();
     if (is_anywhere)
       return;

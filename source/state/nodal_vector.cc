@@ -183,6 +183,18 @@ namespace tombolo
     }
   }
 
+  void NodalVector::collect()
+  {
+    add_to_owners();
+    condense();
+  }
+
+  void NodalVector::sum_over_ranks()
+  {
+    add_to_owners();
+    update_ghosts();
+  }
+
   void NodalVector::make_symmetric()
   {
     if (!turns(kind))

@@ -99,6 +99,11 @@ namespace tombolo
     return dependent;
   }
 
+  bool NodePartition::has_dependent_nodes() const
+  {
+    return dependent.depth > 0;
+  }
+
   unsigned int NodePartition::n_images() const
   {
     return static_cast<unsigned int>(reflected_images.size());

@@ -122,8 +122,7 @@ namespace tombolo
         }
         for (NodalVector &row : shapes)
         {
-          row.add_to_owners();
-          row.update_ghosts();
+          row.sum_over_ranks();
         }
       }
 

@@ -44,10 +44,9 @@ namespace tombolo
         const bool sees_trace = is_trace && part.particles == nullptr;
         of_part(part, sees_trace ? seen_by_elements : field, sees_trace ? of_elements : result);
       }
-      result.add_to_owners();
+      result.collect();
       if (is_trace)
         bridge.collect_element_force(of_elements, result);
-      result.condense();
     }
 
   private:

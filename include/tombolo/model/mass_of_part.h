@@ -13,8 +13,7 @@ namespace tombolo
     NodalVector mass;
     mass.reinit(model.state.partition(), Quantity::scalar);
     part.add_mass(mass);
-    mass.add_to_owners();
-    mass.condense();
+    mass.collect();
     return mass;
   }
 } // namespace tombolo

@@ -85,6 +85,11 @@ namespace tombolo
     /** Moves what dependent nodes have to those on which they depend. Ghosts must be zero, and are
      * zero afterwards. Collective where there are such nodes. */
     void condense();
+    /** What was accumulated at all local nodes to those that move: add_to_owners(), condense().
+     * Collective. */
+    void collect();
+    /** Gives owners and ghosts the sums of what was accumulated at all local nodes. Collective. */
+    void sum_over_ranks();
     /** Makes the values of owned nodes on planes of symmetry symmetric, as update_ghosts() does
      * first. */
     void make_symmetric();

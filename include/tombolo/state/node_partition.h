@@ -102,6 +102,7 @@ namespace tombolo
       unsigned int depth = 0;
     };
     const DependentNodes &dependent_nodes() const;
+    bool has_dependent_nodes() const; ///< on any rank
 
     /** Null where there is no plane of symmetry. */
     const Symmetry *symmetry() const;

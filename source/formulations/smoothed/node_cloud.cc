@@ -90,8 +90,7 @@ namespace tombolo
       for (const SmoothedCell<dim> &cell : cells)
         for (const types::global_dof_index node : cell.nodes)
           *n_full.node(partition->local_index(node)) += cell.is_void ? 0. : 1.;
-      n_full.add_to_owners();
-      n_full.update_ghosts();
+      n_full.sum_over_ranks();
       for (const types::global_dof_index node : nodes)
         of_nodes.push_back(*n_full.node(partition->local_index(node)) == 0.);
     }

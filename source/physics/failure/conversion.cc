@@ -60,8 +60,7 @@ namespace tombolo
           if (is_chosen[cell])
             for (const types::global_dof_index node : part.nodes_of_cell(cell))
               *marks.node(partition->local_index(node)) = 1.;
-        marks.add_to_owners();
-        marks.update_ghosts();
+        marks.sum_over_ranks();
         for (unsigned int cell = 0; cell < n_cells; ++cell)
         {
           const auto nodes = part.nodes_of_cell(cell);

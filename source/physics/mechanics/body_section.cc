@@ -230,8 +230,7 @@ namespace tombolo
     const std::size_t n = std::size_t(force.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       of_first.data()[i] = force.data()[i] - of_first.data()[i];
-    of_first.add_to_owners();
-    of_first.condense();
+    of_first.collect();
     present = sum_over_side(of_first, position);
   }
 

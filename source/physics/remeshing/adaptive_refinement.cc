@@ -284,8 +284,7 @@ namespace tombolo
               *mark.node(partition.local_index(node)) += 1.;
           }
       }
-      mark.add_to_owners();
-      mark.update_ghosts();
+      mark.sum_over_ranks();
     }
     return result;
   }

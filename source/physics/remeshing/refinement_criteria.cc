@@ -191,8 +191,7 @@ namespace tombolo
                 });
       for (NodalVector &sum : sums)
       {
-        sum.add_to_owners();
-        sum.update_ghosts();
+        sum.sum_over_ranks();
       }
       std::vector<std::vector<double>> result = zero_for_cells(model);
       for_cells(model,

@@ -394,8 +394,7 @@ namespace tombolo
         }
     if (Utilities::MPI::max(any ? 1 : 0, communicator) == 0)
       return {};
-    marks.add_to_owners();
-    marks.update_ghosts();
+    marks.sum_over_ranks();
     return marks;
   }
 

@@ -290,8 +290,7 @@ namespace tombolo
     coupling.compress(VectorOperation::add);
     for (NodalVector *const sums : {&cell_forces, &absolute_row_sums, &rounded_forces})
     {
-      sums->add_to_owners();
-      sums->condense();
+      sums->collect();
     }
     find_scales();
   }

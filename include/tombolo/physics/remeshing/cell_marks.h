@@ -31,8 +31,7 @@ namespace tombolo
         if (is_chosen[c] == of_chosen)
           for (const unsigned int node : of_cells[c])
             *marks.node(node) = 1.;
-      marks.add_to_owners();
-      marks.update_ghosts();
+      marks.sum_over_ranks();
     }
 
     /** Which cells have a marked node. */
@@ -57,8 +56,7 @@ namespace tombolo
         if (cell.has_hanging_nodes())
           for (const dealii::types::global_dof_index node : cell.all_nodes())
             *result.node(partition->local_index(node)) = 1.;
-      result.add_to_owners();
-      result.update_ghosts();
+      result.sum_over_ranks();
       return result;
     }
   } // namespace CellMarks
