@@ -4,7 +4,7 @@
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/initial_state.h>
-#include <tombolo/simulation/mesh_adaptation.h>
+#include <tombolo/simulation/mesh_division.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 

@@ -43,7 +43,7 @@ namespace tombolo
     }
   } // namespace
 
-  const char *const graded_segments_syntax =
+  const char *const segments_syntax =
       "a count, or segments, each a count and the place where it ends (\"25 to 5 | 75 to 10\"; the "
       "last one may leave its end out), with equal cells or with \"ratio\" and the size of its "
       "last cell over that of its first (\"40 to 10 | 20 to 25 ratio 3\")";
@@ -63,7 +63,7 @@ namespace tombolo
       const std::string &part = parts[i];
       std::string count = part;
       AxisSegment segment;
-      const bool has_ratio = axis.may_be_graded && count.find("ratio") != std::string::npos;
+      const bool has_ratio = axis.may_have_ratio && count.find("ratio") != std::string::npos;
       const std::string ratio = has_ratio ? cut_at(count, "ratio") : "";
       const bool has_end = count.find("to") != std::string::npos;
       const std::string limit = cut_at(count, "to");

@@ -37,7 +37,7 @@ namespace tombolo
                     "The centre of the " + lower + ". Units: length");
     section.non_negative(words.length, mandatory, "", "The extent along the axis. Units: length");
     section.text(words.layers, mandatory, "",
-                 "The layers of cells from the " + lower + " on: " + graded_segments_syntax +
+                 "The layers of cells from the " + lower + " on: " + segments_syntax +
                      ". Places are heights above the " + lower + ".");
   }
 
@@ -58,7 +58,7 @@ namespace tombolo
     const auto layers =
         parse_segments(section, section.get(words.layers),
                        {words.layers, " along the axis", words.body,
-                        std::string("The layers are ") + graded_segments_syntax, 0, length, true});
+                        std::string("The layers are ") + segments_syntax, 0, length, true});
     round_section = std::make_unique<RoundSection>(
         section, std::array<char, 2>{{"xyz"[across[0]], "xyz"[across[1]]}}, words.body);
 

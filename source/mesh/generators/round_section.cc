@@ -45,8 +45,7 @@ namespace tombolo
         "as many. With symmetry planes it must be even.");
     section.text(
         "Rings", mandatory, "",
-        std::string("The rings of cells from the core to the circumference: ") +
-            graded_segments_syntax +
+        std::string("The rings of cells from the core to the circumference: ") + segments_syntax +
             ". Places are radii. The rings of the first segment lead from the core to a circle, "
             "those of the others are concentric circles.");
     section.non_negative(
@@ -70,10 +69,9 @@ namespace tombolo
   {
     const double radius = section.get_positive("Radius");
     n_core_cells = section.get_unsigned("Core cells");
-    rings =
-        parse_segments(section, section.get("Rings"),
-                       {"Rings", " in the rings", whole,
-                        std::string("The rings are ") + graded_segments_syntax, 0, radius, true});
+    rings = parse_segments(section, section.get("Rings"),
+                           {"Rings", " in the rings", whole,
+                            std::string("The rings are ") + segments_syntax, 0, radius, true});
     const double angle = section.get_double("Core corner angle");
     if (!(angle >= 90 && angle <= 150))
       section.fail("Core corner angle", "It must be from 90 to 150 degrees.");

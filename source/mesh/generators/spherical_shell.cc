@@ -32,7 +32,7 @@ namespace tombolo
         "The number of cells along each of the three edges of the octant's inner and outer "
         "surface, quarters of a circle. It must be even.");
     section.text("Cells through thickness", mandatory, "",
-                 std::string("The layers from the inner surface on: ") + graded_segments_syntax +
+                 std::string("The layers from the inner surface on: ") + segments_syntax +
                      ". Places are radii.");
   }
 
@@ -51,10 +51,10 @@ namespace tombolo
       section.fail("Cells along edge",
                    "Each edge belongs to two blocks: the number must be even, and at least 2.");
     n_block_cells = n_edge_cells / 2;
-    const auto layers = parse_segments(
-        section, section.get("Cells through thickness"),
-        {"Cells through thickness", " through the thickness", "shell",
-         std::string("The layers are ") + graded_segments_syntax, inner, outer, true});
+    const auto layers =
+        parse_segments(section, section.get("Cells through thickness"),
+                       {"Cells through thickness", " through the thickness", "shell",
+                        std::string("The layers are ") + segments_syntax, inner, outer, true});
     const double n_all = 3. * n_block_cells * n_block_cells * static_cast<double>(n_cells(layers));
     refuse_too_many_cells(section, "Cells along edge", "shell", n_all);
     radii = segment_coordinates(layers);

@@ -33,12 +33,12 @@ namespace tombolo
     std::string syntax; ///< how the entry is written, for messages; ends without a period
     double begin = 0;
     double end = 0;
-    bool may_be_graded = false; ///< whether segments may have a ratio
+    bool may_have_ratio = false; ///< whether segments may have a ratio
   };
 
-  /** How to write graded segments, for the documentation of entries: "60", "25 to 5 | 75 to 10",
+  /** How to write segments, for the documentation of entries: "60", "25 to 5 | 75 to 10",
    * "40 to 10 | 20 to 25 ratio 3". */
-  extern const char *const graded_segments_syntax;
+  extern const char *const segments_syntax;
 
   /** Parses segments that fill the axis: counts, each with the coordinate where it ends (the last
    * one may leave it out) and, where allowed, a ratio. Throws InputError. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/simulation/mesh_adaptation.h>
+#include <tombolo/simulation/mesh_division.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
