@@ -111,4 +111,18 @@ namespace tombolo
     Quantity kind = Quantity::scalar;
     unsigned int slots = 0;
   };
+
+  /** A scalar field with the values that @p value_of gives owned nodes, and current ghosts.
+   * Collective. */
+  template <typename ValueOf>
+  NodalVector scalar_field(const std::shared_ptr<const NodePartition> &partition,
+                           const ValueOf &value_of)
+  {
+    NodalVector result;
+    result.reinit(partition, Quantity::scalar);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *result.node(i) = value_of(i);
+    result.update_ghosts();
+    return result;
+  }
 } // namespace tombolo

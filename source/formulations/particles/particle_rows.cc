@@ -62,11 +62,9 @@ namespace tombolo
   {
     if (bodies == nullptr)
       return;
-    NodalVector body;
-    body.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *body.node(i) = static_cast<double>(bodies->body_of(partition->global_index(i)));
-    body.update_ghosts();
+    const NodalVector body =
+        scalar_field(partition, [&](const unsigned int i)
+                     { return static_cast<double>(bodies->body_of(partition->global_index(i))); });
     const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
     const auto body_at = [&](const unsigned int place)
     {

@@ -104,12 +104,10 @@ namespace tombolo
       const Bodies<dim> bodies(*setup.nodes);
       if (bodies.n_bodies() == 1)
         return;
-      NodalVector body;
       const auto partition = partition_of(own, nodes, setup.nodes->dof_handler().n_dofs());
-      body.reinit(partition, Quantity::scalar);
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        *body.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
-      body.update_ghosts();
+      const NodalVector body =
+          scalar_field(partition, [&](const unsigned int i)
+                       { return static_cast<double>(bodies.body_of(partition->global_index(i))); });
       for (const types::global_dof_index node : nodes)
         of_nodes.push_back(*body.node(partition->local_index(node)));
     }

@@ -20,11 +20,11 @@ namespace tombolo
   {
     /** Whether cells lie beside cells of half their size. Collective. */
     template <int dim>
-    bool is_graded(const PartSetup<dim> &setup)
+    bool has_cells_with_further_nodes(const PartSetup<dim> &setup)
     {
       bool result = false;
       for (const SmoothedCell<dim> &cell : smoothed_cells_of(setup))
-        result = result || cell.has_hanging_nodes();
+        result = result || cell.has_further_nodes();
       return Utilities::MPI::max(result ? 1 : 0, setup.communicator) != 0;
     }
 
@@ -64,7 +64,7 @@ namespace tombolo
     if (refill_settings.is_on() && !refill_settings.is_conservative())
       conversion.refuse("values at new places (`Refill remap`) say nothing of cells that have "
                         "become particles; allowed with it is conservative.");
-    if (is_graded(of_part))
+    if (has_cells_with_further_nodes(of_part))
       conversion.refuse("the part has cells beside cells of half their size (`Refine where`); "
                         "allowed are parts without such faces.");
     voids.initialize(of_part);
@@ -86,7 +86,7 @@ namespace tombolo
     if (of_part.scales_inertia)
       refill_settings.refuse("the mass of single cells is scaled (\"Scaling/Target time step\"), "
                              "which a refill would mix; allowed is a uniform \"Mass factor\".");
-    if (refill_settings.template motion<dim>() && is_graded(of_part))
+    if (refill_settings.template motion<dim>() && has_cells_with_further_nodes(of_part))
       refill_settings.refuse_motion("the part has cells beside cells of half their size (`Refine "
                                     "where`), whose nodes stay; allowed is one of both.");
     const auto is_void = refill_settings.template void_cells<dim>();

@@ -45,7 +45,7 @@ namespace tombolo
     for (unsigned int c = 0; c < cells.size(); ++c)
       for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
       {
-        if (cells[c].is_void || cells[c].has_hanging_nodes() || cells[c].is_on_boundary[face])
+        if (cells[c].is_void || cells[c].has_further_nodes() || cells[c].is_on_boundary[face])
           continue;
         Face next;
         unsigned int n = 0;

@@ -94,10 +94,8 @@ namespace tombolo
     }
     if (Utilities::MPI::max(leaving.row.empty() ? 0 : 1, partition->communicator()) == 0)
       return;
-    is_debris.reinit(partition, Quantity::scalar);
-    for (unsigned int node = 0; node < partition->n_owned(); ++node)
-      *is_debris.node(node) = has_left(node) ? 1. : 0.;
-    is_debris.update_ghosts();
+    is_debris =
+        scalar_field(partition, [&](const unsigned int node) { return has_left(node) ? 1. : 0.; });
 
     hand_over_velocity();
     if (!model.heat)

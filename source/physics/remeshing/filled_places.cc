@@ -26,11 +26,9 @@ namespace tombolo
     std::vector<typename CellFilling<dim>::Ids>
     ids_of_corners(const Model<dim> &model, const std::vector<SmoothedCell<dim>> &cells)
     {
-      NodalVector ids;
-      ids.reinit(model.state.partition(), Quantity::scalar);
-      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        *ids.node(i) = static_cast<double>(model.nodes->persistent_ids()[i]);
-      ids.update_ghosts();
+      const NodalVector ids =
+          scalar_field(model.state.partition(), [&](const unsigned int i)
+                       { return static_cast<double>(model.nodes->persistent_ids()[i]); });
       std::vector<typename CellFilling<dim>::Ids> result;
       for (const SmoothedCell<dim> &cell : cells)
       {
@@ -94,11 +92,9 @@ namespace tombolo
   {
     const auto &partition = model.state.partition();
     const IndexSet prescribed = model.conditions->prescribed_nodes();
-    NodalVector is_held;
-    is_held.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *is_held.node(i) = prescribed.is_element(partition->global_index(i)) ? 1. : 0.;
-    is_held.update_ghosts();
+    const NodalVector is_held =
+        scalar_field(partition, [&](const unsigned int i)
+                     { return prescribed.is_element(partition->global_index(i)) ? 1. : 0.; });
     const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
@@ -147,11 +143,9 @@ namespace tombolo
   NodalVector FilledPlaces<dim>::nodes_near_surface(const Model<dim> &model) const
   {
     const auto &partition = model.state.partition();
-    NodalVector result;
-    result.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *result.node(i) = surface->surface_nodes().is_on_boundary(i) ? 1. : 0.;
-    result.update_ghosts();
+    NodalVector result =
+        scalar_field(partition, [&](const unsigned int i)
+                     { return surface->surface_nodes().is_on_boundary(i) ? 1. : 0.; });
     const std::vector<bool> is_near = CellMarks::cells_marked(local_nodes, result);
     result.reinit(partition, Quantity::scalar);
     CellMarks::mark(local_nodes, is_near, true, result);
@@ -194,7 +188,7 @@ namespace tombolo
     {
       const Tensor<1, dim> sizes = sizes_of(cells[c]);
       bool is_displaced = false;
-      const bool counts = !voids.of_cells()[c] && !cells[c].has_hanging_nodes();
+      const bool counts = !voids.of_cells()[c] && !cells[c].has_further_nodes();
       for (unsigned int k = 0; k < local_nodes[c].size() && counts; ++k)
         for (unsigned int d = 0; d < dim; ++d)
           is_displaced =
@@ -249,12 +243,11 @@ namespace tombolo
                                          const Search &search) const
   {
     const auto &partition = position.partition();
-    NodalVector moves, result;
-    for (NodalVector *const vector : {&moves, &result})
-      vector->reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *moves.node(i) = *search.on_surface.node(i) > 0. && *is_bound.node(i) == 0. ? 1. : 0.;
-    moves.update_ghosts();
+    NodalVector result;
+    result.reinit(partition, Quantity::scalar);
+    const NodalVector moves = scalar_field(
+        partition, [&](const unsigned int i)
+        { return *search.on_surface.node(i) > 0. && *is_bound.node(i) == 0. ? 1. : 0.; });
     std::vector<Corners> next;
     for (const auto &nodes : local_nodes)
       next.push_back(corners_at<dim>(nodes, position));

@@ -23,7 +23,7 @@ namespace tombolo
         corners[k] = place_of(cell.nodes[k]);
       if (rule != SmoothedIntegrationRule::smoothed)
         return {determinant(PointOfCell<dim>(corners).jacobian)};
-      const auto volumes = !of_lattice.has_hanging_nodes()
+      const auto volumes = !of_lattice.has_further_nodes()
                                ? CellSimplices<dim>::volumes(corners)
                                : volumes_within<dim>(facets_at_hanging_nodes<dim>(
                                      of_lattice, [&](const types::global_dof_index node)

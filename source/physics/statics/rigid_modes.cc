@@ -211,12 +211,10 @@ namespace tombolo
     NodalVector bodies_of_nodes(const Bodies<dim> &bodies,
                                 const std::shared_ptr<const NodePartition> &partition)
     {
-      NodalVector result;
-      result.reinit(partition, Quantity::scalar);
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        *result.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
-      result.update_ghosts();
-      return result;
+      return scalar_field(partition,
+                          [&](const unsigned int i) {
+                            return static_cast<double>(bodies.body_of(partition->global_index(i)));
+                          });
     }
   } // namespace
 

@@ -29,8 +29,9 @@ namespace tombolo
     std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
     std::vector<RefinedEdge<dim>> refined_edges; ///< beside such cells
 
-    /** Whether nodes of cells of half its size lie on its faces or edges. */
-    bool has_hanging_nodes() const
+    /** Whether it has nodes besides its corners: those of cells of half its size on its faces or
+     * edges. */
+    bool has_further_nodes() const
     {
       return !refined_faces.empty() || !refined_edges.empty();
     }

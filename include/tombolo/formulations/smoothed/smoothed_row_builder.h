@@ -434,7 +434,7 @@ namespace tombolo
       for (auto &of_part : sums.areas)
         of_part.resize(hits.size());
       const bool is_plain =
-          position == nullptr ? cell.refined_faces.empty() : !cell.has_hanging_nodes();
+          position == nullptr ? cell.refined_faces.empty() : !cell.has_further_nodes();
       const std::string failure = is_plain ? add_facets(cell, Parts::facets(), sums)
                                            : add_facets(cell, present_graded_facets(cell), sums);
       if (!failure.empty())

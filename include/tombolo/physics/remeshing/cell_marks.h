@@ -53,7 +53,7 @@ namespace tombolo
       NodalVector result;
       result.reinit(partition, Quantity::scalar);
       for (const SmoothedCell<dim> &cell : cells)
-        if (cell.has_hanging_nodes())
+        if (cell.has_further_nodes())
           for (const dealii::types::global_dof_index node : cell.all_nodes())
             *result.node(partition->local_index(node)) = 1.;
       result.sum_over_ranks();
