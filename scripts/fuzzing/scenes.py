@@ -224,6 +224,15 @@ def is_refined_alike(scene):
     return axis < scene["dimension"] and axis not in divided and scene["cells"][axis] > 1
 
 
+def is_refined_beside_particles(scene):
+    """Whether small cells of the first part lie beside large ones of the second, one of them of particles."""
+    names = [name_of(scene, formulation) for formulation in formulations_of(scene)]
+    are_particles = [name in (PARTICLES, SMOOTHED_PARTICLES) for name in names]
+    return (scene["layout"] == "halves" and scene["mesh"] == "box" and scene["cells"][0] % 2 == 0
+            and scene["disorder"] <= 0.2 and scene["rotation"] == 0. and sorted(are_particles) == [False, True]
+            and scene["conversion"] is None and scene["erosion"] is None and names[1] != SMOOTHED_CELLS)
+
+
 def is_plastic(scene):
     return scene["model"] == "j2 plasticity"
 
@@ -272,9 +281,11 @@ def legal(scene):
             scene["refill"] = None
     else:
         scene["refill"] = None
-    if (uses_particles(scene) or scene["erosion"] is not None or scene["degree"] > 1
-            or (scene["refined"] is not None and not is_refined_alike(scene))):
-        scene["refined"] = None
+    if scene["refined"] is not None:
+        if uses_particles(scene):
+            scene["refined"] = {"axis": 0, "share": 0.5} if is_refined_beside_particles(scene) else None
+        elif scene["erosion"] is not None or scene["degree"] > 1 or not is_refined_alike(scene):
+            scene["refined"] = None
     if (uses_particles(scene) or scene["erosion"] is not None or scene["degree"] > 1 or scene["refill"] is not None
             or scene["scaling"] is not None or scene["layout"] != "one"):
         scene["adaptive"] = None

@@ -328,7 +328,7 @@ namespace tombolo
     for (unsigned int i = 0; i < change.partition()->n_owned(); ++i)
       store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(change.node(i)),
                  state.unsmoothed_velocity.node(i));
-    state.unsmoothed_velocity.update_ghosts();
+    state.unsmoothed_velocity.distribute();
     momentum_is_current = velocity_is_current = false;
     return work;
   }

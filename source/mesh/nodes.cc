@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_tools.h>
@@ -212,6 +213,51 @@ namespace tombolo
   const std::shared_ptr<const Symmetry> &Nodes<dim>::symmetry() const
   {
     return planes;
+  }
+
+  template <int dim>
+  void Nodes<dim>::set_dependent_nodes(std::vector<DependentNode> rows)
+  {
+    dependent = std::move(rows);
+    are_any_dependent = dealii::Utilities::MPI::max(dependent.empty() ? 0 : 1, communicator()) == 1;
+  }
+
+  template <int dim>
+  const std::vector<DependentNode> &Nodes<dim>::dependent_nodes() const
+  {
+    return dependent;
+  }
+
+  template <int dim>
+  bool Nodes<dim>::has_dependent_nodes() const
+  {
+    return are_any_dependent;
+  }
+
+  template <int dim>
+  const DependentNode *Nodes<dim>::dependent_node(const dealii::types::global_dof_index node) const
+  {
+    const auto found =
+        std::lower_bound(dependent.begin(), dependent.end(), node,
+                         [](const DependentNode &row, const dealii::types::global_dof_index other)
+                         { return row.node < other; });
+    return found != dependent.end() && found->node == node ? &*found : nullptr;
+  }
+
+  template <int dim>
+  std::map<dealii::types::global_dof_index, dealii::Point<dim>>
+  Nodes<dim>::points_depended_on() const
+  {
+    std::map<dealii::types::global_dof_index, dealii::Point<dim>> result;
+    for (const DependentNode &row : dependent)
+      for (const auto &weight : row.weights)
+        result[weight.first];
+    for (const auto &cell : handler.active_cell_iterators())
+      if (!result.empty() && !cell->is_artificial())
+        for (const unsigned int v : cell->vertex_indices())
+          if (const auto found = result.find(cell->vertex_dof_index(v, 0)); found != result.end())
+            found->second = cell->vertex(v);
+    return result;
   }
 
   template <int dim>

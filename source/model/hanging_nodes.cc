@@ -2,9 +2,7 @@
 #include <tombolo/model/hanging_nodes.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/contact/place_text.h>
-#include <tombolo/formulations/graded_cells.h>
+#include <tombolo/base/place_text.h>
 #include <tombolo/mesh/communicator_of.h>
 
 #include <deal.II/base/mpi.h>
@@ -45,27 +43,20 @@ namespace tombolo
       }
     };
 
-    template <int dim>
-    const GradedCells *graded_cells(const Part<dim> &part)
-    {
-      return dynamic_cast<const GradedCells *>(part.formulation.get());
-    }
-
     /** Why cells of a part cannot be the larger or the smaller ones at a face; empty: they can. */
     template <int dim>
     std::string why_unfit(const unsigned int number, const std::vector<Part<dim>> &parts)
     {
-      const Part<dim> &part = parts[number];
-      const GradedCells *const graded = graded_cells(part);
-      if (graded == nullptr)
+      const Formulation<dim> &formulation = *parts[number].formulation;
+      const MiddleNodes middle_nodes = formulation.middle_nodes();
+      if (middle_nodes == MiddleNodes::refused)
         return "take no nodes in the middle of their faces";
-      if (part.formulation->degree() > 1)
+      if (formulation.degree() > 1)
         return "of a degree above one take no nodes in the middle of their faces";
       const bool becomes_particles =
           std::any_of(parts.begin(), parts.end(),
                       [&](const Part<dim> &other) { return other.source == number; });
-      if (!graded->follows_middle_nodes() &&
-          (part.formulation->can_lose_cells() || becomes_particles))
+      if (middle_nodes != MiddleNodes::free && (formulation.can_lose_cells() || becomes_particles))
         return "whose cells can leave while the run goes on take no nodes in the middle of their "
                "faces";
       return {};
@@ -78,8 +69,11 @@ namespace tombolo
     {
       std::string reason = why_unfit(number, parts);
       if (reason.empty() && number != small_part &&
-          graded_cells(parts[number])->follows_middle_nodes())
+          parts[number].formulation->middle_nodes() == MiddleNodes::free)
         reason = "take nodes in the middle of their faces beside cells of their own part only";
+      if (reason.empty() && parts[number].particles != nullptr &&
+          parts[small_part].particles != nullptr)
+        reason = "take no nodes in the middle of their faces beside cells of particles";
       return reason;
     }
 
@@ -149,42 +143,6 @@ namespace tombolo
           rows[face->child(k)->vertex_dof_index(other, 0)] = weights;
         }
     }
-
-    /** The nodes of particles, with their places, as far as this rank sees cells. */
-    template <int dim>
-    std::map<types::global_dof_index, Point<dim>>
-    particle_nodes(const Nodes<dim> &nodes, const PartCells<dim> &part_cells,
-                   const std::vector<Part<dim>> &parts)
-    {
-      std::map<types::global_dof_index, Point<dim>> result;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        if (!cell->is_artificial() && parts[part_cells.part_of(cell)].particles != nullptr)
-          for (const unsigned int v : cell->vertex_indices())
-            result[cell->vertex_dof_index(v, 0)] = cell->vertex(v);
-      return result;
-    }
-
-    /** The nodes in the middle of faces and edges of cells that do not follow them, as far as this
-     * rank sees cells: all around nodes that it owns. */
-    template <int dim>
-    std::map<types::global_dof_index, Weights> middle_nodes(const Nodes<dim> &nodes,
-                                                            const PartCells<dim> &part_cells,
-                                                            const std::vector<Part<dim>> &parts)
-    {
-      std::map<types::global_dof_index, Weights> rows;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (cell->is_artificial())
-          continue;
-        const GradedCells *const graded = graded_cells(parts[part_cells.part_of(cell)]);
-        if (graded == nullptr || graded->follows_middle_nodes())
-          continue;
-        for (const unsigned int f : cell->face_indices())
-          if (!cell->at_boundary(f) && cell->face(f)->has_children())
-            add_middle_nodes<dim>(cell, f, rows);
-      }
-      return rows;
-    }
   } // namespace
 
   template <int dim>
@@ -215,40 +173,21 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<std::vector<DependentNode>>
-  find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                     const PartCells<dim> &part_cells, const std::vector<Part<dim>> &parts)
+  std::vector<DependentNode> find_hanging_nodes(const Nodes<dim> &nodes,
+                                                const PartCells<dim> &part_cells,
+                                                const std::vector<Part<dim>> &parts)
   {
-    if (!mesh.triangulation.has_hanging_nodes())
-      return std::nullopt;
-    const std::map<types::global_dof_index, Point<dim>> particles =
-        particle_nodes(nodes, part_cells, parts);
-    std::vector<DependentNode> rows;
-    std::string failure;
-    for (const auto &[node, weights] : middle_nodes(nodes, part_cells, parts))
-      if (nodes.owned().is_element(node))
-      {
-        rows.push_back({node, weights});
-        const auto particle = particles.find(node);
-        if (particle == particles.end())
-          continue;
-        failure = "Section Mesh, entry \"Refine where\": at " + place_text(particle->second) +
-                  " a particle lies in the middle of an edge of large elements. Let elements "
-                  "change their size elsewhere.";
-      }
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
-    if (Utilities::MPI::sum(rows.size(), nodes.communicator()) == 0)
-      return std::nullopt;
-    return rows;
-  }
-
-  void add_nodes_depended_on(const std::optional<std::vector<DependentNode>> &dependent_nodes,
-                             IndexSet &result)
-  {
-    if (dependent_nodes)
-      for (const DependentNode &row : *dependent_nodes)
-        for (const auto &[node, weight] : row.weights)
-          result.add_index(node);
+    std::map<types::global_dof_index, Weights> rows;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      if (!cell->is_artificial() &&
+          parts[part_cells.part_of(cell)].formulation->middle_nodes() == MiddleNodes::means)
+        for (const unsigned int f : cell->face_indices())
+          if (!cell->at_boundary(f) && cell->face(f)->has_children())
+            add_middle_nodes<dim>(cell, f, rows);
+    std::vector<DependentNode> result;
+    for (const auto &[node, weights] : rows)
+      result.push_back({node, weights});
+    return result;
   }
 
   template void refuse_unfit_gradings<2>(const Mesh<2> &, const PartCells<2> &,
@@ -257,10 +196,8 @@ namespace tombolo
   template void refuse_unfit_gradings<3>(const Mesh<3> &, const PartCells<3> &,
                                          const std::vector<Part<3>> &,
                                          const std::vector<Section> &);
-  template std::optional<std::vector<DependentNode>>
-  find_hanging_nodes<2>(const Mesh<2> &, const Nodes<2> &, const PartCells<2> &,
-                        const std::vector<Part<2>> &);
-  template std::optional<std::vector<DependentNode>>
-  find_hanging_nodes<3>(const Mesh<3> &, const Nodes<3> &, const PartCells<3> &,
-                        const std::vector<Part<3>> &);
+  template std::vector<DependentNode> find_hanging_nodes<2>(const Nodes<2> &, const PartCells<2> &,
+                                                            const std::vector<Part<2>> &);
+  template std::vector<DependentNode> find_hanging_nodes<3>(const Nodes<3> &, const PartCells<3> &,
+                                                            const std::vector<Part<3>> &);
 } // namespace tombolo

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/mesh_transfer.h>
 
+#include <tombolo/base/place_text.h>
 #include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/contact/place_text.h>
-#include <tombolo/formulations/graded_cells.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -270,12 +269,11 @@ namespace tombolo
     std::set<std::uint64_t> free;
     for (std::size_t p = 0; p < visible.size(); ++p)
     {
-      const auto *const graded =
-          dynamic_cast<const GradedCells *>(model.parts[p].formulation.get());
+      const bool are_free = model.parts[p].formulation->middle_nodes() == MiddleNodes::free;
       for (std::size_t c = 0; c < visible[p].cells.size(); ++c)
       {
         const CellSource &source = visible[p].sources[c];
-        if (source.kind == CellSource::Kind::same && graded->follows_middle_nodes())
+        if (source.kind == CellSource::Kind::same && are_free)
           for (unsigned int k = 0; k < n_corners; ++k)
             free.insert(visible[p].node(source.ids[0], k));
         if (source.kind != CellSource::Kind::children)

@@ -96,7 +96,7 @@ namespace tombolo
                      { return part.formulation->cost_per_cell(*part.material, box_ratio); });
     balance(mesh, *part_cells, work);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
-    dependent_nodes = find_hanging_nodes(mesh, *nodes, *part_cells, parts);
+    nodes->set_dependent_nodes(find_hanging_nodes(*nodes, *part_cells, parts));
   }
 
   template <int dim>
@@ -204,14 +204,9 @@ namespace tombolo
     required.add_indices(conditions->required_nodes());
     if (heat)
       required.add_indices(heat->required_nodes());
-    add_nodes_depended_on(dependent_nodes, required);
-    required.compress();
-    const auto next = std::make_shared<NodePartition>(nodes->owned(), required, communicator,
-                                                      nodes->symmetry(), images);
+    const auto next = partition_of(*nodes, required, images);
     if (partition != nullptr)
       next->continue_counting(*partition);
-    if (dependent_nodes)
-      next->set_dependent_nodes(*dependent_nodes);
     partition = next;
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/point_transfer.h>
 
-#include <tombolo/formulations/graded_cells.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -251,7 +250,7 @@ namespace tombolo
     };
     for_new_points([&](const unsigned int i, const auto &, CellSource::Kind)
                    { are_new[i] = true; });
-    dynamic_cast<GradedCells &>(formulation).find_volumes(model.state.position, are_new);
+    formulation.find_volumes(model.state.position, are_new);
     // A volume at these positions over a volume ratio is not quite the initial volume.
     std::map<std::pair<std::size_t, unsigned int>, double> taken;
     for_new_points(

@@ -38,19 +38,19 @@ namespace tombolo
     const NodePartition::DependentNodes &dependent = partition.dependent_nodes();
     if (dependent.depth > 0)
     {
-      std::vector<DependentNode> owned;
+      std::vector<std::pair<types::global_dof_index, Weights>> owned;
       for (std::size_t row = 0; row < dependent.node.size(); ++row)
       {
         owned.push_back({partition.global_index(dependent.node[row]), {}});
         for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
           if (const auto &[other, weight] = dependent.weights[k]; !(*is_zero.node(other) > 0.))
-            owned.back().weights.emplace_back(partition.global_index(other), weight);
+            owned.back().second.emplace_back(partition.global_index(other), weight);
       }
       for (const auto &of_rank : Utilities::MPI::all_gather(partition.communicator(), owned))
-        for (const DependentNode &row : of_rank)
+        for (const auto &[node, weights] : of_rank)
         {
-          rows.add_line(row.node);
-          rows.add_entries(row.node, row.weights);
+          rows.add_line(node);
+          rows.add_entries(node, weights);
         }
     }
     rows.close();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/node_partition.h>
 
+#include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
@@ -205,4 +206,29 @@ namespace tombolo
   {
     return vector_partitioner;
   }
+
+  template <int dim>
+  std::shared_ptr<NodePartition> partition_of(const Nodes<dim> &nodes, IndexSet required,
+                                              const std::vector<MirrorNode> &images)
+  {
+    std::vector<DependentNode> rows;
+    for (const DependentNode &row : nodes.dependent_nodes())
+      if (nodes.owned().is_element(row.node))
+      {
+        rows.push_back(row);
+        for (const auto &weight : row.weights)
+          required.add_index(weight.first);
+      }
+    required.compress();
+    const auto result = std::make_shared<NodePartition>(
+        nodes.owned(), required, nodes.communicator(), nodes.symmetry(), images);
+    if (nodes.has_dependent_nodes())
+      result->set_dependent_nodes(rows);
+    return result;
+  }
+
+  template std::shared_ptr<NodePartition> partition_of(const Nodes<2> &, IndexSet,
+                                                       const std::vector<MirrorNode> &);
+  template std::shared_ptr<NodePartition> partition_of(const Nodes<3> &, IndexSet,
+                                                       const std::vector<MirrorNode> &);
 } // namespace tombolo

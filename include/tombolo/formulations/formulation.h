@@ -70,6 +70,15 @@ namespace tombolo
     neighbours ///< rows have other neighbours; shape functions are rebuilt
   };
 
+  /** What the nodes in the middle of the faces and edges of a cell are, where cells of half its
+   * size lie beside it. */
+  enum class MiddleNodes
+  {
+    refused,
+    means, ///< of the corners between which they lie
+    free   ///< they move by themselves, since the field of the cell follows them
+  };
+
   /** The motion that a step's forces are computed from. */
   struct MechanicalInput
   {
@@ -112,6 +121,24 @@ namespace tombolo
     /** The degree of the nodes this formulation needs; the parts of a scene must agree. Zero: any.
      */
     virtual unsigned int degree() const = 0;
+
+    virtual MiddleNodes middle_nodes() const
+    {
+      return MiddleNodes::refused;
+    }
+
+    /** Whether a run can divide cells of the part. */
+    virtual bool can_be_divided() const
+    {
+      return false;
+    }
+
+    /** Gives the points that @p are_new, in cells that a run has divided or joined, the volumes
+     * that they have at these positions, which have ghosts. Their volumes so far say how the points
+     * of a cell share its volume, where they do. */
+    virtual void find_volumes(const NodalVector & /*position*/,
+                              const std::vector<bool> & /*are_new*/)
+    {}
 
     /** The cost of a step for a cell of the part with points of @p material, in the relative units
      * of StepCost, where the box along the axes around the cell has @p box_ratio times its volume:

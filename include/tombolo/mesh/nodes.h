@@ -4,11 +4,13 @@
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/fe/fe_q.h>
 
+#include <tombolo/mesh/dependent_node.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/mesh/symmetry.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,6 +51,17 @@ namespace tombolo
     void set_symmetry(std::shared_ptr<const Symmetry> symmetry);
     const std::shared_ptr<const Symmetry> &symmetry() const;
 
+    /** Those nodes of the cells that this rank sees which depend on others: at least those of cells
+     * around owned nodes, ascending. Collective. */
+    void set_dependent_nodes(std::vector<DependentNode> rows);
+    const std::vector<DependentNode> &dependent_nodes() const;
+    bool has_dependent_nodes() const; ///< on any rank
+    /** The row of a node; null where it does not depend on others, or is not seen. */
+    const DependentNode *dependent_node(dealii::types::global_dof_index node) const;
+    /** Initial positions of the nodes on which dependent_nodes() depend, as far as this rank sees
+     * cells around them. */
+    std::map<dealii::types::global_dof_index, dealii::Point<dim>> points_depended_on() const;
+
     /** Whether the body ends at a face of a cell: at the boundary of the mesh, unless it is in a
      * plane of symmetry. What acts on the surface of a body acts on these faces. */
     bool is_outer_face(const Cell &cell, unsigned int face) const;
@@ -70,5 +83,7 @@ namespace tombolo
     std::vector<std::vector<unsigned int>> places_of_faces;
     std::vector<std::uint64_t> ids;
     std::shared_ptr<const Symmetry> planes;
+    std::vector<DependentNode> dependent;
+    bool are_any_dependent = false;
   };
 } // namespace tombolo

@@ -34,6 +34,13 @@ namespace tombolo
     /** The part of a cell. Only meaningful after check(), or as a guess for weights before. */
     unsigned int part_of(const Cell &cell) const;
 
+    /** The part of the cell beyond an inner face, or of one of the smaller cells there. */
+    unsigned int part_beyond(const Cell &cell, const unsigned int face) const
+    {
+      return part_of(cell->face(face)->has_children() ? cell->neighbor_child_on_subface(face, 0)
+                                                      : cell->neighbor(face));
+    }
+
     /** Throws InputError where a cell is in no part or in two (with the place of the cell), or a
      * part has no cells. Collective. */
     void check(const dealii::Triangulation<dim> &triangulation) const;

@@ -128,7 +128,6 @@ namespace tombolo
     std::vector<Part<dim>> parts;
     bool has_mechanics = true; ///< false where no material has stresses: a scene of heat alone
     std::unique_ptr<MechanicalConditions<dim>> conditions;
-    std::optional<std::vector<DependentNode>> dependent_nodes; ///< owned; none on any rank
     NodalState state;
     NodalVector element_mass; ///< inertia of the elements at nodes, scalar, owned values [M]
     NodalVector true_mass;    ///< scalar, owned values [M]; only where inertia is scaled

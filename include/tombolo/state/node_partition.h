@@ -4,6 +4,7 @@
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
 
+#include <tombolo/mesh/dependent_node.h>
 #include <tombolo/mesh/symmetry.h>
 
 #include <cstddef>
@@ -13,6 +14,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class Nodes;
+
   /** Doubles per node in nodal vectors: three components and a pad, so that a node is one 256-bit
    * load. In two dimensions the third component is zero. */
   constexpr unsigned int node_stride = 4;
@@ -24,20 +28,6 @@ namespace tombolo
     unsigned long n_messages = 0;  ///< that this rank has sent
     unsigned long n_doubles = 0;   ///< that this rank has sent
     double seconds = 0;            ///< in exchanges, including the wait for other ranks
-  };
-
-  /** A node that is no unknown: in any field it has the mean of others, with these weights, which
-   * sum to one. */
-  struct DependentNode
-  {
-    dealii::types::global_dof_index node;
-    std::vector<std::pair<dealii::types::global_dof_index, double>> weights;
-
-    template <typename Archive>
-    void serialize(Archive &archive, const unsigned int)
-    {
-      archive &node &weights;
-    }
   };
 
   /**
@@ -139,4 +129,10 @@ namespace tombolo
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> vector_partitioner;
     std::shared_ptr<ExchangeCost> cost = std::make_shared<ExchangeCost>();
   };
+
+  /** A partition of the @p nodes of a mesh with the ghosts @p required, those on which owned nodes
+   * depend, and @p images. Collective. */
+  template <int dim>
+  std::shared_ptr<NodePartition> partition_of(const Nodes<dim> &nodes, dealii::IndexSet required,
+                                              const std::vector<MirrorNode> &images = {});
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/row_sharing.h>
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
 
@@ -16,23 +17,6 @@ namespace tombolo
 
   namespace
   {
-    constexpr double gradient_sharpness = 2.;
-    constexpr double value_sharpness = 1.5;
-
-    /** Π_k (1 ± s ξ_k) / 2 of the corner @p corner at @p point of the unit cell. */
-    template <int dim>
-    double weight_of_corner(const double sharpness, const unsigned int corner,
-                            const Point<dim> &point)
-    {
-      double result = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double side = ((corner >> d) & 1u) != 0 ? 1. : -1.;
-        result *= 0.5 * (1. + side * sharpness * (2. * point[d] - 1.));
-      }
-      return result;
-    }
-
     /** The planes of symmetry, as bits, on which @p point is. */
     template <int dim>
     unsigned int planes_at(const Symmetry *symmetry, const Point<dim> &point,
@@ -46,39 +30,28 @@ namespace tombolo
             result |= 1u << p;
       return result;
     }
-  } // namespace
 
-  template <int dim>
-  struct CellAverages<dim>::CellIntegrals
-  {
-    static constexpr unsigned int n = 1u << dim;
-
-    explicit CellIntegrals(const FEValues<dim> &fe_values,
-                           const std::vector<unsigned int> &hierarchic,
-                           const std::vector<Point<dim>> &points)
+    /** Whether nodes on which nodes of the part depend do so themselves. Collective. */
+    template <int dim>
+    bool has_cells_of_three_sizes(const PartSetup<dim> &setup)
     {
-      for (const unsigned int q : fe_values.quadrature_point_indices())
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          const Point<dim> &place = fe_values.get_quadrature().point(q);
-          const double of_gradient =
-              weight_of_corner<dim>(gradient_sharpness, i, place) * fe_values.JxW(q);
-          const double of_value =
-              weight_of_corner<dim>(value_sharpness, i, place) * fe_values.JxW(q);
-          volume[i] += of_gradient;
-          weight[i] += of_value;
-          moment[i] += of_value * (fe_values.quadrature_point(q) - points[i]);
-          for (unsigned int j = 0; j < n; ++j)
-          {
-            value[i][j] += of_value * fe_values.shape_value(hierarchic[j], q);
-            gradient[i][j] += of_gradient * fe_values.shape_grad(hierarchic[j], q);
-          }
-        }
+      if (!setup.nodes->has_dependent_nodes())
+        return false;
+      std::vector<types::global_dof_index> of_rank;
+      for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned() && setup.part_cells->part_of(cell) == setup.index)
+          for (const unsigned int v : cell->vertex_indices())
+            if (const DependentNode *const row =
+                    setup.nodes->dependent_node(cell->vertex_dof_index(v, 0)))
+              for (const auto &weight : row->weights)
+                of_rank.push_back(weight.first);
+      bool has_some = false;
+      for (const auto &all : Utilities::MPI::all_gather(setup.communicator, of_rank))
+        for (const types::global_dof_index node : all)
+          has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
+      return Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
     }
-
-    double volume[n] = {}, weight[n] = {}, value[n][n] = {};
-    Tensor<1, dim> moment[n], gradient[n][n];
-  };
+  } // namespace
 
   template <int dim>
   void CellAverages<dim>::declare_parameters(ParameterHandler &handler)
@@ -119,6 +92,8 @@ namespace tombolo
       return "a target time step";
     if (setup.source || setup.cells_can_leave)
       return "cells that become particles or are removed while the run goes on";
+    if (has_cells_of_three_sizes(setup))
+      return "cells of three sizes side by side";
     return setup.nodes->degree() > 1 ? "cells of a degree above 1" : "";
   }
 
@@ -154,24 +129,20 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellAverages<dim>::add_cell(const std::vector<types::global_dof_index> &cell_nodes,
-                                   const std::vector<Point<dim>> &points,
-                                   const CellIntegrals &integrals,
-                                   const std::vector<types::global_dof_index> &numbers,
-                                   std::vector<Sums> &sums) const
+  void CellAverages<dim>::add_cell(const CellIntegrals<dim> &integrals,
+                                   const std::function<Sums *(Node)> &sums_of) const
   {
-    constexpr unsigned int n_corners = 1u << dim;
-    const double tolerance = 1e-6 * points.front().distance(points.back());
-    unsigned int planes[n_corners];
-    for (unsigned int j = 0; j < n_corners; ++j)
-      planes[j] = planes_at<dim>(symmetry.get(), points[j], tolerance);
-    for (unsigned int i = 0; i < n_corners; ++i)
+    const auto n = static_cast<unsigned int>(integrals.nodes.size());
+    const double tolerance = 1e-6 * integrals.points.front().distance(integrals.points.back());
+    std::vector<unsigned int> planes;
+    for (const Point<dim> &point : integrals.points)
+      planes.push_back(planes_at<dim>(symmetry.get(), point, tolerance));
+    for (unsigned int i = 0; i < n; ++i)
     {
-      const auto particle = std::lower_bound(numbers.begin(), numbers.end(), cell_nodes[i]);
-      if (particle == numbers.end() || *particle != cell_nodes[i])
+      Sums *const sum = sums_of(integrals.nodes[i]);
+      if (sum == nullptr)
         continue;
-      Sums &sum = sums[std::size_t(particle - numbers.begin())];
-      sum.volume += integrals.volume[i];
+      sum->volume += integrals.volume[i];
       // With the images of the cell through all combinations of the planes of the particle.
       for (unsigned int through = 0; through <= planes[i]; ++through)
       {
@@ -179,19 +150,97 @@ namespace tombolo
           continue;
         const Symmetry::Reflection reflection =
             symmetry != nullptr ? symmetry->reflection(through) : Symmetry::Reflection();
-        sum.image_volume += integrals.volume[i];
-        sum.weight += integrals.weight[i];
+        sum->image_volume += integrals.volume[i];
+        sum->weight += integrals.weight[i];
         for (unsigned int d = 0; d < dim; ++d)
-          sum.moment[d] += reflection.sign[d] * integrals.moment[i][d];
-        for (unsigned int j = 0; j < n_corners; ++j)
+          sum->moment[d] += reflection.sign[d] * integrals.moment[i][d];
+        for (unsigned int j = 0; j < n; ++j)
         {
-          Entry &target = sum.at({cell_nodes[j], through & ~planes[j]});
-          target.value += integrals.value[i][j];
+          Entry &target = sum->at({integrals.nodes[j], through & ~planes[j]});
+          target.value += integrals.value[i * n + j];
           for (unsigned int d = 0; d < dim; ++d)
-            target.gradient[d] += reflection.sign[d] * integrals.gradient[i][j][d];
+            target.gradient[d] += reflection.sign[d] * integrals.gradient[i * n + j][d];
         }
       }
     }
+  }
+
+  template <int dim>
+  void CellAverages<dim>::add_from_ranks(const std::map<Node, Sums> &of_rank,
+                                         const std::function<Sums *(Node)> &sums_of) const
+  {
+    std::vector<double> numbers;
+    for (const auto &[node, sum] : of_rank)
+    {
+      for (const double number : {static_cast<double>(node), sum.volume, sum.image_volume,
+                                  sum.weight, static_cast<double>(sum.entries.size())})
+        numbers.push_back(number);
+      numbers.insert(numbers.end(), sum.moment, sum.moment + dim);
+      for (const Entry &entry : sum.entries)
+      {
+        for (const double number : {static_cast<double>(entry.node.source),
+                                    static_cast<double>(entry.node.planes), entry.value})
+          numbers.push_back(number);
+        numbers.insert(numbers.end(), entry.gradient, entry.gradient + dim);
+      }
+    }
+    for (const auto &all : Utilities::MPI::all_gather(nodes->communicator(), numbers))
+      for (auto next = all.begin(); next != all.end();)
+      {
+        Sums unused;
+        Sums *const found = sums_of(static_cast<Node>(*next++));
+        Sums &sum = found != nullptr ? *found : unused;
+        for (double *const number : {&sum.volume, &sum.image_volume, &sum.weight})
+          *number += *next++;
+        const auto n_entries = static_cast<std::size_t>(*next++);
+        for (unsigned int d = 0; d < dim; ++d)
+          sum.moment[d] += *next++;
+        for (std::size_t k = 0; k < n_entries; ++k)
+        {
+          const auto source = static_cast<Node>(*next++);
+          Entry &entry = sum.at({source, static_cast<unsigned int>(*next++)});
+          entry.value += *next++;
+          for (unsigned int d = 0; d < dim; ++d)
+            entry.gradient[d] += *next++;
+        }
+      }
+  }
+
+  template <int dim>
+  void CellAverages<dim>::widen_supports(ParticleSet<dim> &particles) const
+  {
+    if (!nodes->has_dependent_nodes())
+      return;
+    IndexSet sources(particles.owned_nodes().size());
+    for (const std::vector<Entry> &row : rows)
+      for (const Entry &entry : row)
+        sources.add_index(entry.node.source);
+    NodalVector position;
+    position.reinit(particles.partition(sources, {}), Quantity::scalars);
+    for (unsigned int i = 0; i < particles.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        position.node(position.partition()->local_index(particles.nodes()[i]))[d] =
+            particles.initial_positions()[i][d];
+    position.update_ghosts();
+    // A particle is in the rows of those that are in its own.
+    constexpr double beyond = 1.01;
+    std::vector<double> supports = particles.initial_supports();
+    for (unsigned int i = 0; i < particles.size(); ++i)
+      for (const Entry &entry : rows[i])
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const Symmetry::Reflection reflection = symmetry != nullptr
+                                                      ? symmetry->reflection(entry.node.planes)
+                                                      : Symmetry::Reflection();
+          const double other =
+              reflection.sign[d] *
+                  position.node(position.partition()->local_index(entry.node.source))[d] +
+              reflection.offset[d];
+          double &support = supports[std::size_t(i) * node_stride + d];
+          support =
+              std::max(support, beyond * std::abs(other - particles.initial_positions()[i][d]));
+        }
+    particles.set_initial_supports(supports);
   }
 
   template <int dim>
@@ -214,9 +263,9 @@ namespace tombolo
     // S_A is 1 + κ h² ∂² on long waves, with κ the value of φ at the next node of a lattice. The
     // energy of v̂ is that of v but for its gradient in the bulk and, where this ends within the
     // body, v ∂v there: a layer of mass κ h in the wrong place.
-    constexpr double kappa = 0.25 - value_sharpness / 12.;
+    constexpr double kappa = 0.25 - CellIntegrals<dim>::value_sharpness / 12.;
     NodalVector shift;
-    shift.reinit(particles.partition(nodes->relevant(), {}), Quantity::scalar);
+    shift.reinit(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
     const NodePartition &partition = *shift.partition();
     std::vector<types::global_dof_index> cell_nodes;
     for (const auto &cell : nodes->dof_handler().active_cell_iterators())
@@ -226,7 +275,7 @@ namespace tombolo
       nodes->cell_nodes(cell, cell_nodes);
       const double volume = kappa * cell->measure() / (1u << (dim - 1));
       for (const unsigned int face : cell->face_indices())
-        if (!cell->at_boundary(face) && part_cells->part_of(cell->neighbor(face)) != part)
+        if (!cell->at_boundary(face) && part_cells->part_beyond(cell, face) != part)
           for (const unsigned int place : nodes->face_places(face))
           {
             const unsigned int opposite = place ^ (1u << (face / 2));
@@ -234,7 +283,7 @@ namespace tombolo
             *shift.node(partition.local_index(cell_nodes[opposite])) -= volume;
           }
     }
-    shift.add_to_owners();
+    shift.collect();
     std::vector<double> shares;
     for (unsigned int i = 0; i < particles.size(); ++i)
       shares.push_back(1. + *shift.node(partition.local_index(particles.nodes()[i])) /
@@ -251,7 +300,18 @@ namespace tombolo
     FEValues<dim> fe_values(nodes->dof_handler().get_fe(), quadrature,
                             update_values | update_gradients | update_quadrature_points |
                                 update_JxW_values);
-    std::vector<types::global_dof_index> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
+    const auto sums_of = [&](const Node node)
+    {
+      const std::vector<Node> &numbers = particles.nodes();
+      const auto particle = std::lower_bound(numbers.begin(), numbers.end(), node);
+      return particle != numbers.end() && *particle == node
+                 ? &sums[std::size_t(particle - numbers.begin())]
+                 : nullptr;
+    };
+    // The owner of a particle sees all cells around it, but not those around nodes that follow it.
+    const std::map<Node, Point<dim>> places = nodes->points_depended_on();
+    std::map<Node, Sums> of_rank;
+    std::vector<Node> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
     std::vector<Point<dim>> points;
     std::vector<unsigned int> hierarchic;
     for (const auto &cell : nodes->dof_handler().active_cell_iterators())
@@ -259,16 +319,28 @@ namespace tombolo
       if (cell->is_artificial() || part_cells->part_of(cell) != part)
         continue;
       nodes->cell_nodes(cell, cell_nodes);
+      const bool follows =
+          std::any_of(cell_nodes.begin(), cell_nodes.end(),
+                      [&](const Node node) { return nodes->dependent_node(node) != nullptr; });
+      if (follows && !cell->is_locally_owned())
+        continue;
       nodes->cell_points(cell, points);
       cell->get_dof_indices(cell_dofs);
       hierarchic.clear();
-      for (const types::global_dof_index node : cell_nodes)
+      for (const Node node : cell_nodes)
         hierarchic.push_back(static_cast<unsigned int>(
             std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
       fe_values.reinit(cell);
-      add_cell(cell_nodes, points, CellIntegrals(fe_values, hierarchic, points), particles.nodes(),
-               sums);
+      CellIntegrals<dim> integrals(cell_nodes, points);
+      integrals.add(fe_values, hierarchic);
+      if (follows)
+        add_cell(integrals.of_nodes_that_move(*nodes, places),
+                 [&](const Node node) { return &of_rank[node]; });
+      else
+        add_cell(integrals, sums_of);
     }
+    if (nodes->has_dependent_nodes())
+      add_from_ranks(of_rank, sums_of);
 
     std::vector<double> volumes;
     rows.clear();
@@ -287,6 +359,7 @@ namespace tombolo
       rows.push_back(std::move(sum.entries));
     }
     particles.set_initial_volumes(volumes);
+    widen_supports(particles);
   }
 
   template <int dim>

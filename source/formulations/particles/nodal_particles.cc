@@ -18,7 +18,8 @@ namespace tombolo
                                                              const CellSelection<dim> &is_taken,
                                                              const NodalVector *const volumes)
   {
-    std::vector<double> masses = set.collect(setup, dilation, is_taken);
+    std::vector<double> masses =
+        set.collect(setup, dilation, is_taken, ParticleSet<dim>::DependentNodes::give_way);
     if (volumes != nullptr)
     {
       std::vector<double> of_particles;

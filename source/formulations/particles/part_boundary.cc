@@ -26,7 +26,7 @@ namespace tombolo
       {
         const bool at_boundary = cell->face(face)->at_boundary();
         if (!at_boundary && (setup.part_cells == nullptr ||
-                             setup.part_cells->part_of(cell->neighbor(face)) == setup.index))
+                             setup.part_cells->part_beyond(cell, face) == setup.index))
           continue;
         if (at_boundary && !all_nodes.is_outer_face(cell, face))
           continue;

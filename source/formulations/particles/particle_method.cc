@@ -88,7 +88,10 @@ namespace tombolo
     collect([&](const typename Nodes<dim>::Cell &cell)
             { return setup.part_cells->part_of(cell) == index; });
     if (rows->choose_functions(setup, set))
+    {
       fibres = find_surface_fibres<dim>(setup);
+      kernel.reset(set);
+    }
     check_setup();
     integration.initialize(setup);
     rows->set_symmetry(setup.symmetry);

@@ -2,6 +2,9 @@
 #include <tombolo/formulations/particles/particle_set.h>
 
 #include <tombolo/approximation/support_size.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/place_text.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
@@ -11,6 +14,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <string>
 
 namespace tombolo
 {
@@ -99,17 +104,92 @@ namespace tombolo
                                    seen.half_widths.data());
       return seen;
     }
+
+    /** Lets the nodes of @p seen on which others of them depend reach each other. */
+    template <int dim>
+    void widen_supports(const Nodes<dim> &nodes, SeenNodes &seen)
+    {
+      const auto places = nodes.points_depended_on();
+      for (const DependentNode &row : nodes.dependent_nodes())
+      {
+        if (seen.index_of_node.count(row.node) == 0)
+          continue;
+        std::vector<unsigned int> ends(row.weights.size());
+        std::iota(ends.begin(), ends.end(), 0u);
+        std::vector<double> positions, half_widths(ends.size() * node_stride, 0.);
+        for (const auto &weight : row.weights)
+          for (unsigned int d = 0; d < node_stride; ++d)
+            positions.push_back(d < dim ? places.at(weight.first)[d] : 0.);
+        SupportSize::accumulate<dim>(ends, static_cast<unsigned int>(ends.size()), positions.data(),
+                                     half_widths.data());
+        for (const unsigned int end : ends)
+          if (const auto found = seen.index_of_node.find(row.weights[end].first);
+              found != seen.index_of_node.end())
+            for (unsigned int d = 0; d < dim; ++d)
+            {
+              double &of_node = seen.half_widths[found->second * node_stride + d];
+              of_node = std::max(of_node, half_widths[end * node_stride + d]);
+            }
+      }
+    }
+
+    /** Gives the masses of nodes that depend on others to these. Collective. */
+    template <int dim>
+    void move_masses(const PartSetup<dim> &setup, SeenNodes &seen)
+    {
+      const Nodes<dim> &nodes = *setup.nodes;
+      const auto partition = partition_of(nodes, nodes.relevant());
+      NodalVector masses, before;
+      masses.reinit(partition, Quantity::scalar);
+      for (const auto &[node, index] : seen.index_of_node)
+        if (nodes.owned().is_element(node))
+          *masses.node(partition->local_index(node)) = seen.masses[index];
+      before.reinit_like(masses);
+      before.copy_from(masses);
+      before.update_ghosts();
+      const NodePartition::DependentNodes &dependent = partition->dependent_nodes();
+      std::string failure;
+      for (std::size_t row = 0; row < dependent.node.size(); ++row)
+        for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
+          if (*masses.node(dependent.node[row]) > 0. &&
+              *before.node(dependent.weights[k].first) == 0.)
+          {
+            Point<dim> place;
+            const double *const x = &seen.positions[seen.index_of_node.at(partition->global_index(
+                                                        dependent.node[row])) *
+                                                    node_stride];
+            std::copy_n(x, dim, place.begin_raw());
+            failure =
+                "Section Mesh, entry \"Refine where\": at " + place_text(place) +
+                " a node of a cell of the particle part \"" + setup.name +
+                "\" lies in the middle of a face or edge of a large cell that ends beyond the "
+                "part. Let the part and the small cells end at the same large cells.";
+          }
+      throw_on_all_ranks<InputError>(failure, setup.communicator);
+      masses.condense();
+      for (const auto &[node, index] : seen.index_of_node)
+        if (nodes.owned().is_element(node))
+          seen.masses[index] = *masses.node(partition->local_index(node));
+    }
   } // namespace
 
   template <int dim>
   std::vector<double> ParticleSet<dim>::collect(const PartSetup<dim> &setup, const double dilation,
-                                                const CellSelection<dim> &is_taken)
+                                                const CellSelection<dim> &is_taken,
+                                                const DependentNodes dependent_nodes)
   {
     mesh_nodes = setup.nodes;
     planes = setup.symmetry;
     mpi_communicator = setup.communicator;
     const double density = setup.material->density();
-    const SeenNodes seen = find_seen_nodes<dim>(*mesh_nodes, density, is_taken);
+    SeenNodes seen = find_seen_nodes<dim>(*mesh_nodes, density, is_taken);
+    const bool give_way =
+        dependent_nodes == DependentNodes::give_way && mesh_nodes->has_dependent_nodes();
+    if (give_way)
+    {
+      widen_supports(*mesh_nodes, seen);
+      move_masses(setup, seen);
+    }
 
     std::vector<double> masses;
     numbers.clear();
@@ -119,7 +199,8 @@ namespace tombolo
     spacing = std::numeric_limits<double>::max();
     for (const auto &[node, index] : seen.index_of_node)
     {
-      if (!mesh_nodes->owned().is_element(node))
+      if (!mesh_nodes->owned().is_element(node) ||
+          (give_way && mesh_nodes->dependent_node(node) != nullptr))
         continue;
       numbers.push_back(node);
       masses.push_back(seen.masses[index]);

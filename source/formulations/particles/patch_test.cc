@@ -35,7 +35,7 @@ namespace tombolo
         boundary.add_areas(position, target, target);
       else
         boundary.add_areas(position, areas, setup.trace_bridge ? areas : target);
-      areas.add_to_owners();
+      areas.collect();
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
       {
         const double *const area = areas.node(shape.particle_node[i]);
@@ -55,7 +55,7 @@ namespace tombolo
             add(row.neighbour[k], row.value[k]);
         }
       }
-      target.add_to_owners();
+      target.collect();
       return target;
     }
 

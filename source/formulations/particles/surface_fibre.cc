@@ -24,7 +24,7 @@ namespace tombolo
       {
         const unsigned int opposite = face ^ 1u;
         if (!nodes.is_outer_face(cell, face) || cell->at_boundary(opposite) ||
-            setup.part_cells->part_of(cell->neighbor(opposite)) != setup.index)
+            setup.part_cells->part_beyond(cell, opposite) != setup.index)
           continue;
         nodes.cell_nodes(typename Nodes<dim>::Cell(&nodes.dof_handler().get_triangulation(),
                                                    cell->neighbor(opposite)->level(),

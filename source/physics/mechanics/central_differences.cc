@@ -58,7 +58,7 @@ namespace tombolo
     bridge.positions_have_changed();
     x.distribute();
     // The scatter of eq. (10) reads owned values only.
-    if (bridge.operators() == Bridge::Operators::identity || model.dependent_nodes)
+    if (bridge.operators() == Bridge::Operators::identity || x.partition()->has_dependent_nodes())
       v_hat.distribute();
     else if (bridge.operators() != Bridge::Operators::affine)
       v_hat.make_symmetric();

@@ -94,7 +94,7 @@ namespace tombolo
       start(sections[p].subsection("rigid"), bodies.size() - 1, model);
     }
     masses_have_changed(model);
-    model.state.unsmoothed_velocity.update_ghosts();
+    model.state.unsmoothed_velocity.distribute();
   }
 
   template <int dim>
@@ -172,7 +172,7 @@ namespace tombolo
       }
       rotation_after += bodies[b].energy_beyond_nodes_before(clock.previous_step);
     }
-    v_hat.update_ghosts();
+    v_hat.distribute();
     const ModelContent after = ModelContent::of(model);
     lost += before.energy + rotation_before - after.energy - rotation_after;
     for (unsigned int d = 0; is_first_rank && d < 3; ++d)
@@ -390,7 +390,7 @@ namespace tombolo
       bodies[b].continue_from(archive, start_interval);
       set_velocity(b, model.state);
     }
-    model.state.unsmoothed_velocity.update_ghosts();
+    model.state.unsmoothed_velocity.distribute();
   }
 
   template <int dim>

@@ -61,17 +61,32 @@ namespace tombolo
                               "or a rigid part by itself.");
     }
 
+    /** Leaves out the nodes that follow others, which must be of the part as well: then they move
+     * with it, and what they have is at these. */
     template <int dim>
-    void refuse_hanging_nodes(const Section &section, const Model<dim> &model,
-                              const std::vector<unsigned int> &nodes)
+    void leave_out_dependent_nodes(const Section &section, const Model<dim> &model,
+                                   std::vector<unsigned int> &nodes)
     {
-      const bool any = std::any_of(nodes.begin(), nodes.end(),
-                                   [&](const unsigned int node)
-                                   { return *model.bridge->mass().node(node) == 0.; });
-      if (Utilities::MPI::max(any ? 1 : 0, model.communicator) == 1)
+      NodalVector is_rigid;
+      is_rigid.reinit(model.state.partition(), Quantity::scalar);
+      for (const unsigned int node : nodes)
+        *is_rigid.node(node) = 1.;
+      is_rigid.update_ghosts();
+      const NodePartition::DependentNodes &dependent = model.state.partition()->dependent_nodes();
+      bool follows_others = false;
+      for (std::size_t row = 0; row < dependent.node.size(); ++row)
+        if (const auto found = std::lower_bound(nodes.begin(), nodes.end(), dependent.node[row]);
+            found != nodes.end() && *found == dependent.node[row])
+        {
+          nodes.erase(found);
+          for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
+            follows_others = follows_others || *is_rigid.node(dependent.weights[k].first) == 0.;
+        }
+      if (Utilities::MPI::max(follows_others ? 1 : 0, model.communicator) == 1)
         section.fail("Cells", "a node of the part lies in the middle of an edge of large elements, "
-                              "whose ends it would follow; let elements change their size "
-                              "elsewhere (`Refine where` in section Mesh).");
+                              "whose ends it would follow, and which are not all of the part; let "
+                              "elements change their size elsewhere (`Refine where` in section "
+                              "Mesh).");
     }
 
     template <int dim>
@@ -216,23 +231,23 @@ namespace tombolo
   template <int dim>
   void check_rigid_part(const Section &section, const RigidBodySettings<dim> &motion,
                         const Model<dim> &model, const unsigned int part,
-                        const std::vector<unsigned int> &nodes)
+                        std::vector<unsigned int> &nodes)
   {
     refuse_shared_nodes(section, model, part, nodes);
-    refuse_hanging_nodes(section, model, nodes);
     refuse_conditions(section, model, nodes);
     refuse_contacts(section, model, nodes);
     refuse_motion_out_of_planes(section, motion, model, nodes);
+    leave_out_dependent_nodes(section, model, nodes);
   }
 
   template std::vector<unsigned int> owned_nodes_of_part(const Model<2> &, unsigned int);
   template RigidInertia inertia_of_part(const Model<2> &, unsigned int,
                                         const std::vector<unsigned int> &);
   template void check_rigid_part(const Section &, const RigidBodySettings<2> &, const Model<2> &,
-                                 unsigned int, const std::vector<unsigned int> &);
+                                 unsigned int, std::vector<unsigned int> &);
   template std::vector<unsigned int> owned_nodes_of_part(const Model<3> &, unsigned int);
   template RigidInertia inertia_of_part(const Model<3> &, unsigned int,
                                         const std::vector<unsigned int> &);
   template void check_rigid_part(const Section &, const RigidBodySettings<3> &, const Model<3> &,
-                                 unsigned int, const std::vector<unsigned int> &);
+                                 unsigned int, std::vector<unsigned int> &);
 } // namespace tombolo

@@ -5,6 +5,7 @@
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
+#include <tombolo/state/dependent_nodes.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -87,6 +88,7 @@ namespace tombolo
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (*mark.node(i) > 0.)
         touched.push_back(i);
+    touched = with_nodes_depended_on(partition, touched);
   }
 
   template <int dim>
@@ -123,7 +125,7 @@ namespace tombolo
     for (const unsigned int node : touched)
       std::fill_n(viscous_force.node(node), node_stride, 0.);
     add_to(model.state.position, *tangent.velocity, viscous_force);
-    viscous_force.add_to_owners();
+    viscous_force.collect();
     for (const unsigned int node : touched)
       for (unsigned int d = 0; d < dim; ++d)
         tangent.force->node(node)[d] -= tangent.factor * viscous_force.node(node)[d];

@@ -5,7 +5,6 @@
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/base/words_of_type.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/formulations/graded_cells.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/model/model_input.h>
@@ -129,8 +128,7 @@ namespace tombolo
           std::any_of(parts.begin(), parts.end(),
                       [&](const Part<dim> &other)
                       { return other.source && parts[*other.source].name == part.name; });
-      if (dynamic_cast<const GradedCells *>(part.formulation.get()) == nullptr ||
-          part.formulation->degree() > 1)
+      if (!part.formulation->can_be_divided() || part.formulation->degree() > 1)
         of_part.fail("Formulation", "cells of this part cannot be divided in a run (\"" +
                                         std::string(adaptive_path) +
                                         "\"); allowed are elements of degree one and smoothed "

@@ -3,7 +3,7 @@
 
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/place_text.h>
+#include <tombolo/base/place_text.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>

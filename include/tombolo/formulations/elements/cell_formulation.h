@@ -14,7 +14,6 @@
 #include <tombolo/formulations/elements/erosion_criterion.h>
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/graded_cells.h>
 
 #include <memory>
 #include <string>
@@ -30,8 +29,7 @@ namespace tombolo
   template <int dim, typename Element>
   class CellFormulation : public Formulation<dim>,
                           public ErodingCells<dim>,
-                          public LosingCells<dim>,
-                          public GradedCells
+                          public LosingCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -52,9 +50,13 @@ namespace tombolo
       return Element::degree;
     }
 
-    bool follows_middle_nodes() const override
+    MiddleNodes middle_nodes() const override
     {
-      return false;
+      return MiddleNodes::means;
+    }
+    bool can_be_divided() const override
+    {
+      return true;
     }
     void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override;
 

@@ -40,6 +40,11 @@ namespace tombolo
       return p;
     }
 
+    MiddleNodes middle_nodes() const override
+    {
+      return MiddleNodes::means;
+    }
+
     double cost_per_cell(const Material &material, double box_ratio) const override;
 
     void initialize(const PartSetup<dim> &setup) override;

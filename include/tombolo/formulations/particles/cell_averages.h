@@ -4,8 +4,11 @@
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/particles/cell_integrals.h>
 #include <tombolo/formulations/particles/particle_set.h>
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,6 +33,9 @@ namespace tombolo
    * across by (1, 10, 1)/12, and φ is (1, 6, 1)/8 an axis, for which affine smoothing has the phase
    * speed of linear elements with lumped mass.
    *
+   * Corners of cells that depend on others are no particles: with N = Σ C N of the others, χ and ψ
+   * of these have their shares C of those of such a corner, and all of the above stays.
+   *
    * The functions are those of the initial configuration. doc/method.md, section 2.
    */
   template <int dim>
@@ -52,7 +58,7 @@ namespace tombolo
     std::string description() const;
 
     /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
-     * the volumes V_I. Collective. */
+     * the volumes V_I, and supports that reach all in whose rows they are. Collective. */
     void establish(ParticleSet<dim> &particles);
 
     /** Leaves in the rows of @p found those that have functions. */
@@ -79,16 +85,18 @@ namespace tombolo
       double volume = 0, image_volume = 0, weight = 0;
       double moment[dim] = {};
     };
-    /** Of one cell, by corner I and corner J. */
-    struct CellIntegrals;
-
+    using Node = dealii::types::global_dof_index;
     /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
     std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const;
-    /** Adds the integrals of a cell to the particles @p numbers among its nodes. */
-    void add_cell(const std::vector<dealii::types::global_dof_index> &cell_nodes,
-                  const std::vector<dealii::Point<dim>> &points, const CellIntegrals &integrals,
-                  const std::vector<dealii::types::global_dof_index> &numbers,
-                  std::vector<Sums> &sums) const;
+    /** Adds the integrals of a cell to the sums of its nodes, where @p sums_of has some. */
+    void add_cell(const CellIntegrals<dim> &integrals,
+                  const std::function<Sums *(Node)> &sums_of) const;
+    /** Adds what all ranks have for particles. Collective. */
+    void add_from_ranks(const std::map<Node, Sums> &of_rank,
+                        const std::function<Sums *(Node)> &sums_of) const;
+    /** Widens supports of @p particles where they do not reach rows that they are in. Collective.
+     */
+    void widen_supports(ParticleSet<dim> &particles) const;
     const Entry *find(const Neighbourhoods<dim> &found, unsigned int row, unsigned int place) const;
 
     Section section;

@@ -21,6 +21,12 @@ namespace tombolo
   class NodalParticles : public ParticleFormulation<dim>
   {
   public:
+    /** Where elements of half the size lie beside cells of particles, or these beside elements of
+     * twice their size. Such nodes are no particles. */
+    MiddleNodes middle_nodes() const override
+    {
+      return MiddleNodes::means;
+    }
     const ParticleSet<dim> &particle_set() const override;
     dealii::Point<dim> support(unsigned int i) const override;
     dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const override;

@@ -28,14 +28,23 @@ namespace tombolo
   class ParticleSet
   {
   public:
+    /** Of nodes of the cells of a part that depend on others. */
+    enum class DependentNodes
+    {
+      stay,
+      give_way ///< the others have their shares of the volume, and reach each other
+    };
+
     /**
      * Finds the particles of the cells of @p is_taken on this rank: their lumped volumes (row sums
      * of ∫ N_k dV), and half widths of supports, @p dilation times the largest distance to a node
      * of the same cell, axis by axis. Returns the masses of the particles with the density of the
-     * material of @p setup [M]. No communication: the owner of a node sees all cells around it.
+     * material of @p setup [M]. Throws InputError where nodes should give way to nodes that have no
+     * such cell. Collective.
      */
     std::vector<double> collect(const PartSetup<dim> &setup, double dilation,
-                                const CellSelection<dim> &is_taken);
+                                const CellSelection<dim> &is_taken,
+                                DependentNodes dependent_nodes = DependentNodes::stay);
 
     unsigned int size() const;
 

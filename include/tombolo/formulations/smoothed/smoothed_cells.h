@@ -4,7 +4,6 @@
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/graded_cells.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 #include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
@@ -27,7 +26,7 @@ namespace tombolo
    * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public Formulation<dim>, public LosingCells<dim>, public GradedCells
+  class SmoothedCells : public Formulation<dim>, public LosingCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -38,7 +37,11 @@ namespace tombolo
     {
       return 1;
     }
-    bool follows_middle_nodes() const override
+    MiddleNodes middle_nodes() const override
+    {
+      return MiddleNodes::free;
+    }
+    bool can_be_divided() const override
     {
       return true;
     }

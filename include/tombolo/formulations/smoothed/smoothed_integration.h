@@ -44,7 +44,7 @@ namespace tombolo
     /** To the nodes of the cells by mass, hanging ones too. */
     void add_plastic_heat(const HangingMasses<dim> &hanging_masses, NodalVector &heat);
     double pending_plastic_heat() const;
-    /** See GradedCells::find_volumes(). */
+    /** See Formulation::find_volumes(). */
     void take_volumes(const NodalVector &position, const std::vector<bool> &are_new);
     EnergyAccounts energies() const;
     const std::string &failure() const;

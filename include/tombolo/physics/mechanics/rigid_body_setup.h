@@ -23,10 +23,11 @@ namespace tombolo
 
   /** Refuses scenes in which the nodes of the part, whose section is @p section, cannot move as a
    * rigid body: nodes shared with particles, with cells that can be removed or with another rigid
-   * part, nodes that hang on edges of elements, conditions and contacts that move its nodes one by
-   * one, motion out of a plane of symmetry. Throws InputError. Collective. */
+   * part, nodes that depend on nodes of other parts, conditions and contacts that move its nodes
+   * one by one, motion out of a plane of symmetry. Leaves out of @p nodes those that depend on
+   * others. Throws InputError. Collective. */
   template <int dim>
   void check_rigid_part(const Section &section, const RigidBodySettings<dim> &motion,
                         const Model<dim> &model, unsigned int part,
-                        const std::vector<unsigned int> &nodes);
+                        std::vector<unsigned int> &nodes);
 } // namespace tombolo

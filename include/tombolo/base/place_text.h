@@ -8,7 +8,7 @@
 
 namespace tombolo
 {
-  /** A place as messages about surfaces give it: "(1, 2, 3)". */
+  /** A place as messages give it: "(1, 2, 3)". */
   template <int dim>
   std::string place_text(const dealii::Tensor<1, dim> &place)
   {
