@@ -277,8 +277,6 @@ def legal(scene):
         scene["formulations"] = ["lagrange hexahedron"] * 2
     if scene["smoothed cells"] and ELEMENTS[1] in formulations_of(scene):
         scene["erosion"] = None
-        if scene["scaling"] and scene["scaling"]["target"]:
-            scene["refill"] = None
     else:
         scene["refill"] = None
     if scene["refined"] is not None:
@@ -298,9 +296,7 @@ def legal(scene):
             scene["pair terms"] = [name for name in scene["pair terms"] if name == PAIR_TERMS[0]]
     if scene["bonds"] is not None and scene["bonds"]["combination"] == "either":
         scene["bonds"] = dict(scene["bonds"], stretch=1.02)
-    if scene["conversion"] is not None and scene["scaling"] is not None:
-        scene["scaling"] = dict(scene["scaling"], target=None)
-    if scene["bonds"] is None or scene["symmetry"] or (scene["scaling"] and scene["scaling"]["target"]):
+    if scene["bonds"] is None or scene["symmetry"]:
         scene["self-contact"] = False
     if scene["heat"] is None:
         scene["temperature"] = False

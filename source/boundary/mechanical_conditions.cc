@@ -272,10 +272,9 @@ namespace tombolo
   template <int dim>
   void MechanicalConditions<dim>::compute_loads(
       const NodalState &state, const double time, const NodalVector &places, NodalVector &loads,
-      std::vector<LoadSum> &sums, const NodalVector *const body_mass,
+      std::vector<LoadSum> &sums, const NodalVector &mass,
       const std::function<void(unsigned int, const NodalVector &)> &take_alone) const
   {
-    const NodalVector &mass = body_mass != nullptr ? *body_mass : state.mass;
     loads.set_zero();
     sums.assign(conditions.size(), {});
     areas.update(state.position);

@@ -31,7 +31,7 @@ namespace tombolo
   double MassSplit::Masses::of_row(const std::size_t part, const unsigned int row) const
   {
     const double mass = (weights.empty() ? 1. : weights[part]) * particle_parts[part]->mass[row];
-    return row_weights.empty() ? mass : row_weights[part][row] * mass;
+    return row_weights.empty() || row_weights[part].empty() ? mass : row_weights[part][row] * mass;
   }
 
   void MassSplit::reinit(const std::shared_ptr<const NodePartition> &partition,

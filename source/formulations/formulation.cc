@@ -5,6 +5,7 @@
 #include <tombolo/formulations/step_cost.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace tombolo
 {
@@ -38,10 +39,38 @@ namespace tombolo
   }
 
   template <int dim>
-  void Formulation<dim>::scale_inertia(const std::vector<double> & /*factors*/)
+  StepLimit Formulation<dim>::courant_limit(const NodalVector &position,
+                                            const std::vector<double> &inertia) const
   {
-    throw InputError("A part has a formulation whose cells cannot be given mass one by one, as "
-                     "\"Scaling/Target time step\" asks for.");
+    std::vector<double> time_steps;
+    courant_limits(position, time_steps);
+    StepLimit limit;
+    limit.entity = particle_nodes().empty() ? "cell" : "particle";
+    unsigned int shortest = 0;
+    for (unsigned int i = 0; i < time_steps.size(); ++i)
+      if (const double step = time_steps[i] * std::sqrt(inertia.empty() ? 1. : inertia[i]);
+          step < limit.time_step)
+      {
+        limit.time_step = step;
+        shortest = i;
+      }
+    if (limit.time_step == StepLimit().time_step)
+      return limit;
+    std::vector<dealii::Point<dim>> points;
+    point_positions(position, points);
+    const bool is_point = !particle_nodes().empty();
+    const unsigned int n_points = is_point ? 1 : n_points_per_cell();
+    for (unsigned int q = 0; q < n_points; ++q)
+      for (unsigned int d = 0; d < dim; ++d)
+        limit.place[d] += points[is_point ? shortest : point_of_cell(shortest, q)][d] / n_points;
+    return limit;
+  }
+
+  template <int dim>
+  void Formulation<dim>::add_extra_mass(const std::vector<double> & /*inertia*/,
+                                        NodalVector & /*mass*/) const
+  {
+    throw InputError("A part has a formulation whose cells cannot be given mass one by one.");
   }
 
   template class Formulation<2>;

@@ -7,7 +7,6 @@
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
-#include <tombolo/model/scaling_settings.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -52,11 +51,10 @@ namespace tombolo
     const Physics<dim> physics(parts, part_sections);
     has_mechanics = physics.has_mechanics;
     const bool trace = parameters.section("Coupling").get("Bridge") == "trace";
-    const ScalingSettings scaling(parameters.section("Scaling"));
-    has_scaled_inertia = scaling.is_active();
-    inertia_factor = scaling.inertia_factor();
-    const SmoothingSettings smoothing =
-        initialize_parts(part_sections, physics.has_heat, trace, scaling.is_selective());
+    inertia_is_mass =
+        std::all_of(parts.begin(), parts.end(),
+                    [](const Part<dim> &part) { return part.material->relative_inertia() == 1.; });
+    const SmoothingSettings smoothing = initialize_parts(part_sections, physics.has_heat, trace);
     if (has_mechanics)
     {
       bridge = std::make_unique<Bridge>(smoothing, trace);
@@ -101,8 +99,7 @@ namespace tombolo
 
   template <int dim>
   SmoothingSettings Model<dim>::initialize_parts(const std::vector<Section> &part_sections,
-                                                 const bool has_heat, const bool trace,
-                                                 const bool scales_single_cells)
+                                                 const bool has_heat, const bool trace)
   {
     SmoothingSettings smoothing;
     const Part<dim> *first_smoothed = nullptr;
@@ -127,7 +124,6 @@ namespace tombolo
       setup.has_mechanics = has_mechanics;
       setup.source = part.source;
       setup.trace_bridge = trace;
-      setup.scales_inertia = scales_single_cells;
       setup.cells_can_leave = cells_can_leave;
       setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
@@ -285,31 +281,41 @@ namespace tombolo
   void Model<dim>::set_element_mass()
   {
     element_mass.reinit(partition, Quantity::scalar);
+    NodalVector of_part;
     for (const Part<dim> &part : parts)
-      if (part.particles == nullptr)
-      {
-        part.formulation->add_mass(element_mass);
-        part.formulation->add_extra_mass(element_mass);
-      }
+    {
+      if (part.particles != nullptr)
+        continue;
+      of_part.reinit(partition, Quantity::scalar);
+      part.formulation->add_mass(of_part);
+      if (std::any_of(part.inertia.begin(), part.inertia.end(),
+                      [](const double factor) { return factor != 1.; }))
+        part.formulation->add_extra_mass(part.inertia, of_part);
+      for (unsigned int i = 0; i < partition->n_local(); ++i)
+        *element_mass.node(i) += part.material->relative_inertia() * *of_part.node(i);
+    }
     element_mass.collect();
-    if (!is_scaled())
+    if (inertia_is_mass)
       return;
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *element_mass.node(i) *= inertia_factor;
-    true_mass.reinit(partition, Quantity::scalar);
+    mass_of_bodies.reinit(partition, Quantity::scalar);
     for (const Part<dim> &part : parts)
-      part.formulation->add_mass(true_mass);
-    true_mass.collect();
+      part.formulation->add_mass(mass_of_bodies);
+    mass_of_bodies.collect();
   }
 
   template <int dim>
   void Model<dim>::set_inertia()
   {
-    const std::vector<Stencils *> stencils = stencils_of_parts();
-    bridge->reinit(partition, stencils, element_mass, conditions->constrained_components(),
-                   is_scaled() ? std::vector<double>(stencils.size(), inertia_factor)
-                               : std::vector<double>(),
-                   row_inertia);
+    std::vector<double> weights;
+    std::vector<std::vector<double>> row_weights;
+    for (const Part<dim> &part : parts)
+      if (part.particles != nullptr)
+      {
+        weights.push_back(part.material->relative_inertia());
+        row_weights.push_back(part.inertia);
+      }
+    bridge->reinit(partition, stencils_of_parts(), element_mass,
+                   conditions->constrained_components(), weights, row_weights);
     state.mass.copy_from(bridge->mass_split().loaded_mass());
   }
 

@@ -9,7 +9,6 @@
 #include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/scaling_settings.h>
 #include <tombolo/model/thermal_model.h>
 
 #include <deal.II/base/mpi.h>
@@ -117,22 +116,16 @@ namespace tombolo
     return sections;
   }
 
-  using Materials = std::map<std::string, std::shared_ptr<const Material>>;
+  using Materials = std::map<std::string, std::shared_ptr<Material>>;
 
   Materials create_materials(const Parameters &parameters)
   {
-    double inertia_factor = 1.;
-    parameters.attempt(
-        [&] { inertia_factor = ScalingSettings(parameters.section("Scaling")).inertia_factor(); });
     Materials materials;
     for (const std::string &name : section_names(parameters, "Materials"))
       parameters.attempt(
-          [&]
-          {
-            auto material =
+          [&] {
+            materials[name] =
                 create_selected<Material>(parameters.section("Material: " + name), "Model");
-            material->scale_inertia(inertia_factor);
-            materials[name] = std::move(material);
           });
     return materials;
   }
@@ -140,7 +133,7 @@ namespace tombolo
   namespace
   {
     /** The material of a part. Throws InputError. */
-    std::shared_ptr<const Material> material_of(const Section &section, const Materials &materials)
+    std::shared_ptr<Material> material_of(const Section &section, const Materials &materials)
     {
       const std::string material = section.get("Material");
       const auto found = materials.find(material);

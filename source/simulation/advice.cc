@@ -372,7 +372,7 @@ namespace tombolo
     {
       constexpr double many_crossings = 1000.;
       const double n_crossings = end_time / crossing_time(model);
-      if (n_crossings < many_crossings || model.is_scaled() || moves_at_start(model))
+      if (n_crossings < many_crossings || !model.inertia_is_mass || moves_at_start(model))
         return;
       log.print("Advice: waves cross the body " + short_number(n_crossings) +
                 " times before the end. If the process is that slow, `Scaling/Process time factor` "

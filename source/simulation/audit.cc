@@ -150,7 +150,7 @@ namespace tombolo
       double mass = 0;
       if (model.has_mechanics)
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-          mass += *(model.is_scaled() ? model.true_mass : model.state.mass).node(i);
+          mass += *model.body_mass().node(i);
       text << "  ";
       if (model.has_mechanics)
         text << "mass " << Utilities::MPI::sum(mass, model.communicator) << ", ";

@@ -62,10 +62,6 @@ namespace mock
     void apply_elastic_stiffness(const NodalVector &, const NodalVector &, double,
                                  NodalVector &) const override
     {}
-    StepLimit courant_limit(const NodalVector &) const override
-    {
-      return {};
-    }
     EnergyAccounts energies() const override
     {
       return {};

@@ -63,15 +63,13 @@ namespace tombolo
 
     /** Loads at positions (force per node) at @p time: ∫ t over the tributary part of the faces in
      * their current positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure likewise, m b
-     * for body forces. m is @p body_mass (scalar), or, where that is null, the m̂ of the state.
-     * Owned values are complete. @p loads is zeroed; @p sums are this rank's shares of each
-     * condition, by number, with the moments of forces at @p places (current ghosts). Where @p
-     * take_alone is given it is called with the number of each load and its own loads, whose owned
-     * values are complete. Collective.
+     * for body forces, where m is @p body_mass (scalar). Owned values are complete. @p loads is
+     * zeroed; @p sums are this rank's shares of each condition, by number, with the moments of
+     * forces at @p places (current ghosts). Where @p take_alone is given it is called with the
+     * number of each load and its own loads, whose owned values are complete. Collective.
      */
     void compute_loads(const NodalState &state, double time, const NodalVector &places,
-                       NodalVector &loads, std::vector<LoadSum> &sums,
-                       const NodalVector *body_mass = nullptr,
+                       NodalVector &loads, std::vector<LoadSum> &sums, const NodalVector &body_mass,
                        const std::function<void(unsigned int condition, const NodalVector &loads)>
                            &take_alone = {}) const;
 

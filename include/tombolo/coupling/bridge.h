@@ -63,7 +63,7 @@ namespace tombolo
      * @p constrained has a bit per component for each owned node, or is empty. For heat, masses are
      * capacities: @p element_mass is one, and @p weights are the factors c of the masses of the
      * particle parts; empty, they are one. @p row_weights are further factors of single particles,
-     * by part and row; empty, they are one. Collective.
+     * by part and row; empty, they are one, and those of a part too. Collective.
      */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
                 const std::vector<Stencils *> &particle_parts, const NodalVector &element_mass,

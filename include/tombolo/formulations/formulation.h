@@ -40,9 +40,8 @@ namespace tombolo
     MPI_Comm communicator = MPI_COMM_NULL;
     std::shared_ptr<const Symmetry> symmetry;      ///< null: no planes of symmetry
     std::shared_ptr<const ThermalProperties> heat; ///< null: a scene without heat
-    bool has_mechanics = true;   ///< otherwise the scene is one of heat alone: no material points
-    bool trace_bridge = false;   ///< elements see the particles' field at shared nodes
-    bool scales_inertia = false; ///< scale_inertia() will be called
+    bool has_mechanics = true; ///< otherwise the scene is one of heat alone: no material points
+    bool trace_bridge = false; ///< elements see the particles' field at shared nodes
     /** Cells of some part can be removed or become particles while the run goes on. */
     bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
@@ -210,25 +209,21 @@ namespace tombolo
       return std::nullopt;
     }
 
-    /** eq. (41) without its factor: characteristic length over wave speed, smallest over this
-     * rank's cells or particles. */
-    virtual StepLimit courant_limit(const NodalVector &position) const = 0;
-
-    /** eq. (41) without its factor of every cell or particle of this rank by itself, without the
-     * factors of scale_inertia(): cells in the order of active cells of the triangulation,
-     * particles in that of their shape functions. None where the formulation does not know them. */
+    /** eq. (41) without its factor, characteristic length over wave speed, of every cell or
+     * particle of this rank with the inertial density of the material: cells in the order of active
+     * cells of the triangulation, particles in that of their shape functions, 1e300 of cells that
+     * are removed. None where the formulation does not know them. */
     virtual void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const;
 
-    /** Multiplies the inertia of each cell or particle by a factor, in the order of
-     * courant_limits(): courant_limit() knows it from then on, and add_extra_mass() of elements;
-     * to particles whoever smooths their masses gives it (Bridge::reinit()). Forces of
-     * hourglass control and artificial viscosity stay those of the density of the material. Only
-     * with PartSetup::scales_inertia. Throws InputError where the formulation cannot do it. */
-    virtual void scale_inertia(const std::vector<double> &factors);
+    /** The smallest of courant_limits(), each times the root of its factor among @p inertia
+     * (Part::inertia). */
+    StepLimit courant_limit(const NodalVector &position,
+                            const std::vector<double> &inertia = {}) const;
 
-    /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. Elements
-     * only. */
-    virtual void add_extra_mass(NodalVector & /*mass*/) const {}
+    /** Adds, as add_mass() does, what is more than the mass where each cell, in the order of
+     * courant_limits(), has its factor among @p inertia times it. Elements only: the masses of
+     * particles are those of their rows (Bridge::reinit()). */
+    virtual void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const;
 
     /** Energies of the part, this rank's shares, from the stored state of its points:
      * "elastic energy" (Σ ½ σ : C⁻¹ : σ V), "hourglass energy" (of zero-energy modes),

@@ -56,14 +56,20 @@ namespace tombolo
      * Wave speeds and artificial viscosity follow from it; heat and body forces from density(). */
     double inertial_density() const
     {
-      return inertia_factor * density();
+      return inertia_over_mass * density();
+    }
+
+    /** inertial_density() over density(). */
+    double relative_inertia() const
+    {
+      return inertia_over_mass;
     }
 
     /** Multiplies the inertia: uniform mass scaling, or the process run faster. Before a part is
      * made of the material. */
     void scale_inertia(const double factor)
     {
-      inertia_factor *= factor;
+      inertia_over_mass *= factor;
     }
 
     /**
@@ -142,7 +148,7 @@ namespace tombolo
                                         const double *temperature, double *energy_density) const;
 
   private:
-    double inertia_factor = 1.;
+    double inertia_over_mass = 1.;
   };
 
   template <>

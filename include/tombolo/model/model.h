@@ -102,10 +102,11 @@ namespace tombolo
       return !particle_parts().empty();
     }
 
-    /** Whether inertia is not that of the true mass. */
-    bool is_scaled() const
+    /** What body forces act on, and what is lost with a body that leaves; scalar, owned values [M].
+     */
+    const NodalVector &body_mass() const
     {
-      return has_scaled_inertia;
+      return inertia_is_mass ? state.mass : mass_of_bodies;
     }
 
     /** Whether plastic work or processes heat. */
@@ -130,10 +131,9 @@ namespace tombolo
     std::unique_ptr<MechanicalConditions<dim>> conditions;
     NodalState state;
     NodalVector element_mass; ///< inertia of the elements at nodes, scalar, owned values [M]
-    NodalVector true_mass;    ///< scalar, owned values [M]; only where inertia is scaled
-    double inertia_factor = 1.;
-    /** Further factors of the inertia of particles, by particle part and row; empty: one. */
-    std::vector<std::vector<double>> row_inertia;
+    /** Whether inertia is that of the mass everywhere: for all materials, and without a
+     * Part::inertia on any rank. */
+    bool inertia_is_mass = true;
     std::unique_ptr<Bridge> bridge;                       ///< null without mechanics
     std::unique_ptr<ThermalModel<dim>> heat;              ///< null where no material has heat
     std::vector<std::unique_ptr<Process<dim>>> processes; ///< in their order in a step
@@ -155,12 +155,12 @@ namespace tombolo
     void set_inertia();
     void notify_processes();
     SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
-                                       bool trace, bool scales_single_cells);
+                                       bool trace);
     void set_initial_positions();
     std::vector<Stencils *> stencils_of_parts() const;
 
     std::shared_ptr<const NodePartition> partition;
-    bool has_scaled_inertia = false;
+    NodalVector mass_of_bodies; // where inertia is not that of the mass
   };
 
   template <int dim>

@@ -15,11 +15,14 @@ namespace tombolo
   struct Part
   {
     std::string name;
-    std::shared_ptr<const Material> material;
+    std::shared_ptr<Material> material;
     std::shared_ptr<const ThermalProperties> heat; ///< null in scenes without heat
     std::unique_ptr<Formulation<dim>> formulation;
     ParticleFormulation<dim> *particles = nullptr; ///< the formulation, if it is one of particles
     std::optional<unsigned int> source;            ///< the part whose cells become these particles
+    /** The inertia of each cell or particle over that of its inertial density, in the order of
+     * Formulation::courant_limits(); empty: one. */
+    std::vector<double> inertia;
   };
 
   /** Whether velocities are smoothed in the particle parts among @p parts, in their order: what

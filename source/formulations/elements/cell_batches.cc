@@ -188,8 +188,7 @@ namespace tombolo
         node_mass[node] += mass;
         if (can_remove)
           nodes_of_cells.push_back(node);
-        if (can_remove || setup.scales_inertia)
-          cell_mass.push_back(mass);
+        cell_mass.push_back(mass);
       }
     }
   }

@@ -88,8 +88,6 @@ namespace tombolo
       return "`Bond failure`";
     if (setup.trace_bridge)
       return "the trace bridge";
-    if (setup.scales_inertia)
-      return "a target time step";
     if (setup.source || setup.cells_can_leave)
       return "cells that become particles or are removed while the run goes on";
     if (has_cells_of_three_sizes(setup))

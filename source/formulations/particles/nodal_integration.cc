@@ -7,7 +7,6 @@
 #include <tombolo/formulations/point_stiffness.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace tombolo
@@ -181,32 +180,6 @@ namespace tombolo
   }
 
   template <int dim>
-  StepLimit NodalIntegration<dim>::courant_limit(const ParticleSet<dim> &particles,
-                                                 const KernelConfiguration<dim> &kernel,
-                                                 const Stencils &shape,
-                                                 const NodalVector &position) const
-  {
-    StepLimit limit;
-    limit.entity = "particle";
-    const PointStiffness stiffness(*part_material, material_points, strain_measure);
-    const double speed = part_material->longitudinal_wave_speed();
-    kernel.for_present_supports(
-        particles, shape, position,
-        [&](const unsigned int i, const double *half_width)
-        {
-          const double factor = inertia_factors.empty() ? 1. : inertia_factors[i];
-          const double width = *std::min_element(half_width, half_width + dim);
-          const double step = width / (speed * stiffness.relative_speed(i)) * std::sqrt(factor);
-          if (step >= limit.time_step)
-            return;
-          limit.time_step = step;
-          for (unsigned int c = 0; c < dim; ++c)
-            limit.place[c] = position.node(shape.particle_node[i])[c];
-        });
-    return limit;
-  }
-
-  template <int dim>
   std::vector<double> NodalIntegration<dim>::courant_limits(const ParticleSet<dim> &particles,
                                                             const KernelConfiguration<dim> &kernel,
                                                             const Stencils &shape,
@@ -251,12 +224,6 @@ namespace tombolo
                                   }
                                 });
     return limit;
-  }
-
-  template <int dim>
-  void NodalIntegration<dim>::scale_inertia(const std::vector<double> &factors)
-  {
-    inertia_factors = factors;
   }
 
   template <int dim>

@@ -73,23 +73,10 @@ namespace tombolo
   }
 
   template <int dim>
-  StepLimit NodalParticles<dim>::courant_limit(const NodalVector &position) const
-  {
-    return integration.courant_limit(set, kernel, this->stencils(), position);
-  }
-
-  template <int dim>
   void NodalParticles<dim>::courant_limits(const NodalVector &position,
                                            std::vector<double> &time_steps) const
   {
     time_steps = integration.courant_limits(set, kernel, this->stencils(), position);
-  }
-
-  template <int dim>
-  void NodalParticles<dim>::scale_inertia(const std::vector<double> &factors)
-  {
-    AssertDimension(factors.size(), set.size());
-    integration.scale_inertia(factors);
   }
 
   template <int dim>

@@ -73,9 +73,6 @@ namespace tombolo
       section.fail("Self-contact",
                    "not with planes of symmetry: fragments are not followed through "
                    "them. Model the whole body");
-    if (self_contact && setup.scales_inertia)
-      section.fail("Self-contact", "not with a target time step: springs between particles that "
-                                   "have not got their mass would take it back");
     set.check_symmetry(section, rows->support_entry());
   }
 
@@ -122,7 +119,7 @@ namespace tombolo
     const Material &material = integration.material();
     std::vector<double> inertia;
     for (const double mass : rows->stencils().mass)
-      inertia.push_back(mass * material.inertial_density() / material.density());
+      inertia.push_back(mass * material.relative_inertia());
     self_contact->set_particles({set.nodes(), set.persistent_ids(), set.initial_volumes(), inertia},
                                 material.longitudinal_wave_speed() / smallest_spacing_at_start,
                                 setup.communicator);

@@ -83,9 +83,6 @@ namespace tombolo
     if (!of_part.has_mechanics)
       refill_settings.refuse("the scene has no mechanics, since its materials have no stresses; "
                              "nothing is deformed.");
-    if (of_part.scales_inertia)
-      refill_settings.refuse("the mass of single cells is scaled (\"Scaling/Target time step\"), "
-                             "which a refill would mix; allowed is a uniform \"Mass factor\".");
     if (refill_settings.template motion<dim>() && has_cells_with_further_nodes(of_part))
       refill_settings.refuse_motion("the part has cells beside cells of half their size (`Refine "
                                     "where`), whose nodes stay; allowed is one of both.");

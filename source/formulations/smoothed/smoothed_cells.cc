@@ -148,27 +148,11 @@ namespace tombolo
   }
 
   template <int dim>
-  StepLimit SmoothedCells<dim>::courant_limit(const NodalVector &position) const
+  void SmoothedCells<dim>::add_extra_mass(const std::vector<double> &inertia,
+                                          NodalVector &mass) const
   {
-    std::vector<double> time_steps;
-    courant_limits(position, time_steps);
-    return smoothed_step_limit(cells, time_steps, inertia_factors, position);
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::scale_inertia(const std::vector<double> &factors)
-  {
-    AssertDimension(factors.size(), n_cells());
-    inertia_factors = factors;
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::add_extra_mass(NodalVector &mass) const
-  {
-    if (inertia_factors.empty())
-      return;
-    cells.add_extra_mass(inertia_factors, mass);
-    hanging_masses.add_extra_mass(inertia_factors, mass);
+    cells.add_extra_mass(inertia, mass);
+    hanging_masses.add_extra_mass(inertia, mass);
   }
 
   template <int dim>

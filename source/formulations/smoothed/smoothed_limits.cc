@@ -4,37 +4,9 @@
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
 
-#include <cmath>
-
 namespace tombolo
 {
   using namespace dealii;
-
-  template <int dim>
-  StepLimit
-  smoothed_step_limit(const CellBatches<dim> &cells, const std::vector<double> &time_steps,
-                      const std::vector<double> &inertia_factors, const NodalVector &position)
-  {
-    constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
-    StepLimit limit;
-    limit.entity = "cell";
-    for (unsigned int cell = 0; cell < time_steps.size(); ++cell)
-    {
-      const double step =
-          time_steps[cell] * std::sqrt(inertia_factors.empty() ? 1. : inertia_factors[cell]);
-      if (!(step < limit.time_step))
-        continue;
-      limit.time_step = step;
-      limit.place = Point<3>();
-      const unsigned int place = cells.place(cell);
-      for (unsigned int k = 0; k < n_corners; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          limit.place[d] +=
-              position.node(cells.nodes(place / n_lanes)[k * n_lanes + place % n_lanes])[d] /
-              n_corners;
-    }
-    return limit;
-  }
 
   template <int dim>
   StepLimit smoothed_diffusion_limit(const CellBatches<dim> &cells, const double diffusivity,
@@ -65,10 +37,6 @@ namespace tombolo
     return limit;
   }
 
-  template StepLimit smoothed_step_limit(const CellBatches<2> &, const std::vector<double> &,
-                                         const std::vector<double> &, const NodalVector &);
-  template StepLimit smoothed_step_limit(const CellBatches<3> &, const std::vector<double> &,
-                                         const std::vector<double> &, const NodalVector &);
   template StepLimit smoothed_diffusion_limit(const CellBatches<2> &, double, const NodalVector &);
   template StepLimit smoothed_diffusion_limit(const CellBatches<3> &, double, const NodalVector &);
 } // namespace tombolo

@@ -8,7 +8,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
-#include <tombolo/model/scaling_settings.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
 
@@ -41,6 +40,37 @@ namespace tombolo
     bool is_on_any_rank(const std::vector<unsigned int> &cells, const MPI_Comm communicator)
     {
       return Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 1;
+    }
+
+    /** What the inertia of the cells or particles of a part is more than that of their inertial
+     * density, at owned nodes [M]. Collective. */
+    template <int dim>
+    NodalVector extra_mass(const Model<dim> &model, const Part<dim> &part)
+    {
+      NodalVector result;
+      result.reinit(model.state.partition(), Quantity::scalar);
+      for (unsigned int i = 0; part.particles != nullptr && i < part.inertia.size(); ++i)
+      {
+        const Stencils &rows = part.particles->stencils();
+        *result.node(rows.particle_node[i]) += (part.inertia[i] - 1.) * rows.mass[i];
+      }
+      if (part.particles == nullptr && !part.inertia.empty())
+        part.formulation->add_extra_mass(part.inertia, result);
+      result.add_to_owners();
+      return result;
+    }
+
+    /** Particles have the mean inertia of the cells and particles of which they are made, with @p
+     * extra mass. */
+    template <int dim>
+    void set_inertia(const NodalVector &extra, Part<dim> &part)
+    {
+      const ParticleSet<dim> &particles = part.particles->particle_set();
+      part.inertia.assign(particles.size(), 1.);
+      for (unsigned int i = 0; i < particles.size(); ++i)
+        part.inertia[i] += *extra.node(static_cast<unsigned int>(
+                               particles.owned_nodes().index_within_set(particles.nodes()[i]))) /
+                           part.particles->stencils().mass[i];
     }
 
     /** Adds layers of cells around @p cells. Collective. */
@@ -176,8 +206,10 @@ namespace tombolo
       const std::vector<unsigned int> &cells = converting_cells[k];
       if (!is_on_any_rank(cells, communicator))
         continue;
-      const Part<dim> &source = model.parts[pair.source], &target = model.parts[pair.target];
+      const Part<dim> &source = model.parts[pair.source];
+      Part<dim> &target = model.parts[pair.target];
       EnergyAccounts change = energies_of(source, target);
+      const NodalVector extra = extra_mass(model, source), of_particles = extra_mass(model, target);
       StateTransfer converted(model.state.partition(), source.formulation->points(),
                               target.formulation->points());
       pair.cells->add_state(cells, converted);
@@ -190,6 +222,13 @@ namespace tombolo
       if (pair.cells->masses_move())
         volumes = volumes_of_particles(model, pair, &converted);
       give_cells(model, pair, &converted, pair.cells->masses_move() ? &volumes : nullptr);
+      if (!model.inertia_is_mass)
+      {
+        NodalVector moved = extra_mass(model, source);
+        for (unsigned int i = 0; i < moved.partition()->n_owned(); ++i)
+          *moved.node(i) = *extra.node(i) + *of_particles.node(i) - *moved.node(i);
+        set_inertia(moved, target);
+      }
       change.add(energies_of(source, target), -1.);
       pair.cells->keep_dissipated(change);
       lost += change.sum_of(EnergyKind::stored) + change["failure dissipation"];
@@ -387,10 +426,6 @@ namespace tombolo
                                      parts[p].name + "`.");
         if (cells->conversion().gap())
           check_contact(parameters, cells->conversion());
-        if (ScalingSettings(parameters.section("Scaling")).is_selective())
-          cells->conversion().refuse(
-              "the mass of single cells is scaled (\"Scaling/Target time step\"), which particles "
-              "could not take over; allowed is a uniform \"Mass factor\".");
       }
     }
 

@@ -74,9 +74,9 @@ namespace tombolo
       lost.energy += removed.energy;
       pending_heat += removed.pending_heat;
     }
-    NodalVector old_mass, old_true_mass;
+    NodalVector old_mass, old_body_mass;
     copy(model.state.mass, old_mass);
-    copy(model.is_scaled() ? model.true_mass : model.state.mass, old_true_mass);
+    copy(model.body_mass(), old_body_mass);
     // Particles beside the cells are smoothed with other masses, and strain at another velocity.
     const double step = clock.previous_step;
     const bool smooths = step > 0. && !model.particle_parts().empty();
@@ -84,7 +84,7 @@ namespace tombolo
     remove_faces(model);
     ++model.revisions.cells;
     model.renew_masses();
-    lose_mass(model, old_mass, old_true_mass, pending_heat);
+    lose_mass(model, old_mass, old_body_mass, pending_heat);
     if (smooths)
     {
       model.bridge->smooth_velocity(model.state);
@@ -104,10 +104,10 @@ namespace tombolo
 
   template <int dim>
   void Erosion<dim>::lose_mass(Model<dim> &model, const NodalVector &old_mass,
-                               const NodalVector &old_true_mass, const double pending_heat)
+                               const NodalVector &old_body_mass, const double pending_heat)
   {
     NodalState &state = model.state;
-    const NodalVector &true_mass = model.is_scaled() ? model.true_mass : state.mass;
+    const NodalVector &body_mass = model.body_mass();
     std::vector<unsigned int> lighter;
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
@@ -115,7 +115,7 @@ namespace tombolo
       if (mass == 0.)
         continue;
       lighter.push_back(i);
-      lost.mass += *old_true_mass.node(i) - *true_mass.node(i);
+      lost.mass += *old_body_mass.node(i) - *body_mass.node(i);
       const double *const x = state.position_of_unsmoothed().node(i);
       double *const v = state.unsmoothed_velocity.node(i);
       std::array<double, 3> momentum;

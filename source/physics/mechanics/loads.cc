@@ -89,8 +89,7 @@ namespace tombolo
       };
     loads.touched_nodes() = loaded_nodes;
     conditions.compute_loads(model.state, clock.time, has_particles ? places : model.state.position,
-                             loads.at_touched_nodes(), resultants,
-                             model.is_scaled() ? &model.true_mass : nullptr, take_alone);
+                             loads.at_touched_nodes(), resultants, model.body_mass(), take_alone);
   }
 
   template <int dim>

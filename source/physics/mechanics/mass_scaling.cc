@@ -19,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <ostream>
+#include <set>
 
 namespace tombolo
 {
@@ -33,20 +34,26 @@ namespace tombolo
       return;
     start(model);
     raise_factors(model);
-    give_factors(model);
+    model.inertia_is_mass = false;
     model.renew_masses();
   }
 
   template <int dim>
-  void MassScaling<dim>::start(const Model<dim> &model)
+  void MassScaling<dim>::start(Model<dim> &model)
   {
-    factors.resize(model.parts.size());
     std::vector<double> steps;
     double smallest = 1e300;
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
+    for (Part<dim> &part : model.parts)
     {
-      model.parts[p].formulation->courant_limits(model.state.position, steps);
-      factors[p].assign(steps.size(), 1.);
+      part.formulation->courant_limits(model.state.position, steps);
+      const bool knows_all =
+          steps.size() >= std::max<std::size_t>(part.formulation->n_cells(),
+                                                part.formulation->particle_nodes().size());
+      if (Utilities::MPI::min(knows_all ? 1 : 0, communicator) == 0)
+        section.fail("Target time step", "cells of part \"" + part.name +
+                                             "\" cannot be given mass one by one; allowed is a "
+                                             "uniform `Mass factor`.");
+      part.inertia.assign(steps.size(), 1.);
       for (const double step : steps)
         smallest = std::min(smallest, step);
     }
@@ -63,35 +70,25 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MassScaling<dim>::raise_factors(const Model<dim> &model)
+  bool MassScaling<dim>::raise_factors(Model<dim> &model) const
   {
     int has_risen = 0;
     std::vector<double> steps;
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
+    for (Part<dim> &part : model.parts)
     {
-      model.parts[p].formulation->courant_limits(model.state.position, steps);
+      part.formulation->courant_limits(model.state.position, steps);
       for (std::size_t i = 0; i < steps.size(); ++i)
       {
         const double ratio = settings.target_time_step / steps[i];
         // A cell turned inside out has no step; the forces say so.
         const double wanted = std::min(ratio * ratio, ScalingSettings::largest_factor);
-        if (!(steps[i] > 0.) || !(wanted > factors[p][i]))
+        if (!(steps[i] > 0.) || !(wanted > part.inertia[i]))
           continue;
-        factors[p][i] = wanted;
+        part.inertia[i] = wanted;
         has_risen = 1;
       }
-      model.parts[p].formulation->scale_inertia(factors[p]);
     }
     return Utilities::MPI::max(has_risen, communicator) == 1;
-  }
-
-  template <int dim>
-  void MassScaling<dim>::give_factors(Model<dim> &model) const
-  {
-    model.row_inertia.clear();
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
-      if (model.parts[p].particles != nullptr)
-        model.row_inertia.push_back(factors[p]);
   }
 
   template <int dim>
@@ -102,7 +99,6 @@ namespace tombolo
     NodalVector before;
     before.reinit(model.state.partition(), Quantity::scalar);
     before.copy_from(model.state.mass);
-    give_factors(model);
     model.renew_inertia();
     account_for_added_mass(model, before);
     return true;
@@ -152,9 +148,8 @@ namespace tombolo
   {
     Extent extent;
     double smallest = 1e300;
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
+    for (const Part<dim> &part : model.parts)
     {
-      const Part<dim> &part = model.parts[p];
       if (settings.is_selective())
       {
         unsigned long &count = part.particles != nullptr ? extent.particles : extent.cells;
@@ -163,7 +158,7 @@ namespace tombolo
         for (std::size_t i = 0; i < steps.size(); ++i)
         {
           constexpr double of_removed_cells = 1e299;
-          if (factors[p][i] > 1. && steps[i] < of_removed_cells)
+          if (part.inertia[i] > 1. && steps[i] < of_removed_cells)
             ++count;
           smallest = std::min(smallest, steps[i]);
         }
@@ -185,7 +180,7 @@ namespace tombolo
     std::array<double, 2> sums{};
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      sums[0] += *model.true_mass.node(i);
+      sums[0] += *model.body_mass().node(i);
       sums[1] += *model.state.mass.node(i);
     }
     sums = ordered_sum(sums, communicator);
@@ -271,21 +266,11 @@ namespace tombolo
       return;
     for (unsigned int p = 0; p < model.parts.size(); ++p)
     {
-      const Part<dim> &part = model.parts[p];
+      Part<dim> &part = model.parts[p];
       const auto group = archive.group("inertia of part " + part.name);
       archive.set_rows(model.persistent_ids_of_points(p));
-      archive.rows("inertia factors", 1, factors[p]);
+      archive.rows("inertia factors", 1, part.inertia);
     }
-  }
-
-  template <int dim>
-  void MassScaling<dim>::parts_were_read(Model<dim> &model)
-  {
-    if (!settings.is_selective())
-      return;
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
-      model.parts[p].formulation->scale_inertia(factors[p]);
-    give_factors(model);
   }
 
   template <int dim>
@@ -307,6 +292,15 @@ namespace tombolo
         handler.enter_subsection("Scaling");
         ScalingSettings::declare_parameters(handler);
         handler.leave_subsection();
+      }
+
+      void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
+      {
+        const double factor = ScalingSettings(parameters.section("Scaling")).inertia_factor();
+        std::set<Material *> materials;
+        for (const Part<dim> &part : parts)
+          if (materials.insert(part.material.get()).second)
+            part.material->scale_inertia(factor);
       }
 
       void validate(const Parameters &parameters,

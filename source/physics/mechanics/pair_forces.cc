@@ -129,7 +129,8 @@ namespace tombolo
                                                      const typename Process<dim>::Occasion occasion)
   {
     if (occasion != Process<dim>::Occasion::end || viscosity == nullptr ||
-        !(model.inertia_factor > 1.))
+        std::none_of(model.parts.begin(), model.parts.end(),
+                     [](const Part<dim> &part) { return part.material->relative_inertia() > 1.; }))
       return {};
     double plastic = 0;
     for (const Part<dim> &part : model.parts)

@@ -43,7 +43,8 @@ namespace tombolo
     {
       double step = beyond_all_steps;
       for (const Part<dim> &part : model.parts)
-        step = std::min(step, part.formulation->courant_limit(model.state.position).time_step);
+        step = std::min(
+            step, part.formulation->courant_limit(model.state.position, part.inertia).time_step);
       step = Utilities::MPI::min(step, model.communicator);
       if (step >= beyond_all_steps)
         step = fixed_step(parameters);

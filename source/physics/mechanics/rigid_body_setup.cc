@@ -4,7 +4,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/scaling_settings.h>
 #include <tombolo/model/shown_by_processes.h>
 
 #include <deal.II/base/mpi.h>
@@ -36,13 +35,11 @@ namespace tombolo
     void refuse_shared_nodes(const Section &section, const Model<dim> &model,
                              const unsigned int part, const std::vector<unsigned int> &nodes)
     {
-      bool is_shared = false;
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &other = model.parts[p];
         if (p == part || !share_a_node(nodes, owned_nodes_of_part(model, p), model.communicator))
           continue;
-        is_shared = true;
         const std::string begin = "the part shares nodes with part \"" + other.name + "\", ";
         if (rigid_cells(other) != nullptr)
           section.fail("Cells", begin + "which is rigid too: bodies that are joined move as one; "
@@ -55,10 +52,6 @@ namespace tombolo
                                         "part would change; allowed are shared nodes with elements "
                                         "that stay.");
       }
-      if (is_shared && ScalingSettings(section.all().section("Scaling")).is_selective())
-        section.fail("Cells", "the part shares nodes with others, to whose cells "
-                              "`Scaling/Target time step` adds mass; allowed is a `Mass factor`, "
-                              "or a rigid part by itself.");
     }
 
     /** Leaves out the nodes that follow others, which must be of the part as well: then they move
@@ -200,12 +193,13 @@ namespace tombolo
       result.centre[d] = first[d] / first[3];
 
     const NodalVector own_mass = mass_of_part(model, *model.parts[part].formulation);
+    const double relative_inertia = model.parts[part].material->relative_inertia();
     std::array<double, 18> second{}; // of all masses of nodes, of those of other parts
     for (const unsigned int node : nodes)
     {
       const Tensor<1, 3> r = vector_at(model.state.initial_position.node(node)) - result.centre;
       // A node that is not shared gets nothing of round-off.
-      const double of_others = *mass.node(node) - model.inertia_factor * *own_mass.node(node);
+      const double of_others = *mass.node(node) - relative_inertia * *own_mass.node(node);
       const bool is_shared = of_others > 1e-12 * *mass.node(node);
       for (unsigned int a = 0; a < 3; ++a)
         for (unsigned int b = 0; b < 3; ++b)
@@ -222,7 +216,7 @@ namespace tombolo
       {
         result.nodal_second[a][b] = second[3 * a + b];
         result.second[a][b] =
-            model.inertia_factor * (cells.second[a][b] + cells.mass * offset[a] * offset[b]) +
+            relative_inertia * (cells.second[a][b] + cells.mass * offset[a] * offset[b]) +
             second[9 + 3 * a + b];
       }
     return result;

@@ -249,7 +249,8 @@ namespace tombolo
     NodalVector inertia;
     inertia.reinit(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *inertia.node(i) = *model.bridge->mass().node(i) / model.inertia_factor;
+      *inertia.node(i) =
+          *model.bridge->mass().node(i) / model.parts[part].material->relative_inertia();
     std::vector<const NodalVector *> fields(1, &state.unsmoothed_velocity);
     state.unsmoothed_velocity.update_ghosts();
     if (model.heat)

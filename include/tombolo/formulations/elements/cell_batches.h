@@ -74,7 +74,7 @@ namespace tombolo
     /** The nodes of a cell, present or not; only where cells can be removed. */
     std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
 
-    /** The lumped mass of node @p k of a cell; only where cells can be removed [M]. */
+    /** The lumped mass of node @p k of a cell [M]. */
     double mass_of_node(const unsigned int cell, const unsigned int k) const
     {
       return cell_mass[std::size_t(cell) * node_count + k];
@@ -113,8 +113,7 @@ namespace tombolo
     void add_mass(NodalVector &mass) const;
 
     /** Adds (f - 1) m of each present cell and node, with a factor f for each cell, removed ones
-     * included. Only where the setup says that inertia is scaled: the masses of single cells are
-     * not kept otherwise. */
+     * included. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
     std::size_t memory_consumption() const;
@@ -128,7 +127,7 @@ namespace tombolo
     unsigned int node_count = 0;
     dealii::IndexSet node_set;
     std::vector<double> node_mass;          // in the order of node_set [M]
-    std::vector<double> cell_mass;          // of the nodes of all cells, where they are kept [M]
+    std::vector<double> cell_mass;          // of the nodes of all cells [M]
     std::vector<unsigned int> set_to_local; // in the order of node_set
     std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
     std::vector<unsigned int> local_nodes;

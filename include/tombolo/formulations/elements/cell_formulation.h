@@ -5,10 +5,10 @@
 #include <tombolo/formulations/elements/cell_conduction.h>
 #include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/elements/cell_erosion.h>
-#include <tombolo/formulations/elements/cell_inertia.h>
 #include <tombolo/formulations/elements/cell_integration.h>
 #include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_stiffness.h>
+#include <tombolo/formulations/elements/crossing_times.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/erosion_criterion.h>
@@ -112,25 +112,14 @@ namespace tombolo
       return CellStiffness<dim, Element>::unfit_to_linearize(integration);
     }
 
-    StepLimit courant_limit(const NodalVector &position) const override
-    {
-      return inertia.courant_limit(cell_points, integration, position);
-    }
-
     void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
     {
-      inertia.courant_limits(cell_points, integration, position, time_steps);
+      find_crossing_times(cell_points, integration, position, time_steps);
     }
 
-    void scale_inertia(const std::vector<double> &factors) override
+    void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override
     {
-      AssertDimension(factors.size(), n_cells());
-      inertia.scale_inertia(factors);
-    }
-
-    void add_extra_mass(NodalVector &mass) const override
-    {
-      inertia.add_extra_mass(cell_points.cells(), mass);
+      cell_points.cells().add_extra_mass(inertia, mass);
     }
 
     EnergyAccounts energies() const override;
@@ -253,7 +242,6 @@ namespace tombolo
 
     Points cell_points;
     CellIntegration<dim, Element> integration;
-    CellInertia<dim, Element> inertia;
     std::shared_ptr<const ThermalProperties> thermal_properties;
     ErosionCriterion erosion;
     bool has_points = true;

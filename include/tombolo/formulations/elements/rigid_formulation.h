@@ -71,15 +71,12 @@ namespace tombolo
     void apply_elastic_stiffness(const NodalVector & /*position*/, const NodalVector & /*velocity*/,
                                  const double /*time_step*/, NodalVector & /*force*/) const override
     {}
-    StepLimit courant_limit(const NodalVector & /*position*/) const override
-    {
-      return {};
-    }
     /** No cell has a limit. */
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
-    /** No cell has mass added, since none limits the step. */
-    void scale_inertia(const std::vector<double> & /*factors*/) override {}
+    void add_extra_mass(const std::vector<double> & /*inertia*/,
+                        NodalVector & /*mass*/) const override
+    {}
     EnergyAccounts energies() const override
     {
       return {};

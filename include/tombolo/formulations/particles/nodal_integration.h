@@ -59,16 +59,12 @@ namespace tombolo
     void add_plastic_heat(const Stencils &shape, NodalVector &heat);
     double pending_plastic_heat() const;
     EnergyAccounts energies() const;
-    StepLimit courant_limit(const ParticleSet<dim> &particles,
-                            const KernelConfiguration<dim> &kernel, const Stencils &shape,
-                            const NodalVector &position) const;
     std::vector<double> courant_limits(const ParticleSet<dim> &particles,
                                        const KernelConfiguration<dim> &kernel,
                                        const Stencils &shape, const NodalVector &position) const;
     StepLimit diffusion_limit(const ParticleSet<dim> &particles,
                               const KernelConfiguration<dim> &kernel, const Stencils &shape,
                               const NodalVector &position) const;
-    void scale_inertia(const std::vector<double> &factors);
     ///@}
 
     /** For the tangent of the points. */
@@ -103,6 +99,5 @@ namespace tombolo
     StrainMeasure strain_measure = StrainMeasure::rate;
     PlasticHeating plastic_heating;
     MaterialPoints material_points;
-    std::vector<double> inertia_factors; // empty: one
   };
 } // namespace tombolo

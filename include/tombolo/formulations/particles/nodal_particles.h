@@ -34,10 +34,8 @@ namespace tombolo
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const override;
-    StepLimit courant_limit(const NodalVector &position) const override;
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
-    void scale_inertia(const std::vector<double> &factors) override;
     EnergyAccounts energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;

@@ -61,11 +61,9 @@ namespace tombolo
     }
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const override;
-    StepLimit courant_limit(const NodalVector &position) const override;
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
-    void scale_inertia(const std::vector<double> &factors) override;
-    void add_extra_mass(NodalVector &mass) const override;
+    void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override;
     EnergyAccounts energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
@@ -185,7 +183,6 @@ namespace tombolo
     std::shared_ptr<const ThermalProperties> heat;
     bool has_points = true;
     std::vector<dealii::Point<dim>> initial_points;
-    std::vector<double> inertia_factors; // of cells; empty: one
     RefilledCells<dim> refilled;
     NodalVector reference; // of the rows; empty: the initial positions, or nothing needs it
     using LosingCells<dim>::criterion;

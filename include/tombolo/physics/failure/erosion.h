@@ -57,7 +57,7 @@ namespace tombolo
   private:
     void remove_faces(Model<dim> &model) const;
     /** Takes the momentum and the kinetic energy of the mass that nodes have lost, and its heat. */
-    void lose_mass(Model<dim> &model, const NodalVector &old_mass, const NodalVector &old_true_mass,
+    void lose_mass(Model<dim> &model, const NodalVector &old_mass, const NodalVector &old_body_mass,
                    double pending_heat);
     /** Sums over all ranks. Collective. */
     ErosionLoss total_loss() const;

@@ -6,14 +6,12 @@
 
 #include <mpi.h>
 
-#include <vector>
-
 namespace tombolo
 {
   /**
    * The inertia of the parts of a scene where it is not that of their densities. The uniform factor
-   * is known to the materials (Material::scale_inertia) and to the model; this process keeps the
-   * factors of single cells and particles, which bring each of them to the target step, and reports
+   * is that of the materials (Material::scale_inertia); this process finds the factors of single
+   * cells and particles (Part::inertia), which bring each of them to the target step, and reports
    * what was scaled. By the theorem of element eigenvalues the step of a mesh is at least the
    * smallest one of its elements, each with its own mass.
    */
@@ -36,7 +34,6 @@ namespace tombolo
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
-    void parts_were_read(Model<dim> &model) override;
     void serialize_structure(Model<dim> &model, StateArchive &archive) override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
@@ -61,17 +58,15 @@ namespace tombolo
     Masses masses(const Model<dim> &model) const;
 
   private:
-    void start(const Model<dim> &model);
+    void start(Model<dim> &model);
     /** Finds the factors for the present positions; whether any has risen. Collective. */
-    bool raise_factors(const Model<dim> &model);
-    void give_factors(Model<dim> &model) const;
+    bool raise_factors(Model<dim> &model) const;
     /** Energy and momentum of mass that was added to nodes in motion, whose velocity stays. */
     void account_for_added_mass(Model<dim> &model, const NodalVector &previous_mass);
 
     Section section;
     ScalingSettings settings;
     MPI_Comm communicator;
-    std::vector<std::vector<double>> factors; ///< by part, of cells or particles; selective only
-    double work = 0;                          ///< this rank's share [M L^2/T^2]
+    double work = 0; ///< this rank's share [M L^2/T^2]
   };
 } // namespace tombolo

@@ -32,6 +32,7 @@ namespace tombolo
       bool has_strain = true;
       unsigned int n_layers = 0;
       std::string contact; ///< the name of a wall 0.1 below the body; empty: none
+      double target_step = 0.;
     };
 
     std::string text_of(const ConversionCase &words)
@@ -74,6 +75,8 @@ namespace tombolo
         text << "subsection Heat\nset Specific heat capacity = 3\nset Conductivity = 0.3\nset "
                 "Initial temperature = 5\nend\n";
       text << contact << "end\n";
+      if (words.target_step > 0.)
+        text << "subsection Scaling\nset Target time step = " << words.target_step << "\nend\n";
       return text.str();
     }
 
@@ -388,6 +391,41 @@ namespace tombolo
       ASSERT_TRUE(body.convert());
       EXPECT_NEAR(body.mass(), mass, 1e-13 * mass);
       EXPECT_EQ(body.conversion().n_converted_cells(), 48u);
+    }
+
+    TEST(Conversion, particles_have_the_inertia_of_the_cells_that_they_are_made_of)
+    {
+      for (const bool is_smooth : {false, true})
+      {
+        ConversionCase words;
+        words.smoothing = is_smooth ? "affine" : "none";
+        words.target_step = 0.16;
+        ConvertingBody body(words);
+        Model<3> &model = *body.model;
+        const auto copy_of = [&](const NodalVector &mass)
+        {
+          NodalVector copy;
+          copy.reinit(model.state.partition(), Quantity::scalar);
+          copy.copy_from(mass);
+          return copy;
+        };
+        const NodalVector inertia = copy_of(model.bridge->mass()),
+                          mass = copy_of(model.body_mass());
+        double added = 0;
+        for (unsigned int i = 0; i < mass.partition()->n_owned(); ++i)
+          added += *inertia.node(i) - *mass.node(i);
+        EXPECT_GT(dealii::Utilities::MPI::sum(added, MPI_COMM_WORLD), 1.);
+        for (const auto &where : {is_in_corner, is_beside_corner, is_anywhere})
+        {
+          body.strain(where);
+          ASSERT_TRUE(body.convert());
+          for (unsigned int i = 0; i < mass.partition()->n_owned(); ++i)
+          {
+            EXPECT_NEAR(*model.bridge->mass().node(i), *inertia.node(i), 1e-12);
+            EXPECT_NEAR(*model.body_mass().node(i), *mass.node(i), 1e-12);
+          }
+        }
+      }
     }
 
     TEST(Conversion, looks_at_the_distance_from_a_contact)
