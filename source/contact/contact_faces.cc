@@ -9,20 +9,22 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  ContactFaces<dim>::ContactFaces(
-      const Nodes<dim> &nodes, const std::function<bool(const Cell &, unsigned int face)> &selects)
+  ContactFaces<dim>::ContactFaces(const Nodes<dim> &nodes, const Selector &selects,
+                                  const IsGone &is_gone)
   {
+    const auto is_exposed = [&](const Cell &cell, const unsigned int f)
+    { return is_gone && !cell->at_boundary(f) && is_gone(cell->neighbor(f)); };
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> points;
     for (const auto &cell : nodes.dof_handler().active_cell_iterators())
     {
-      if (!cell->is_locally_owned() || !cell->at_boundary())
+      if (!cell->is_locally_owned() || (is_gone ? is_gone(cell) : !cell->at_boundary()))
         continue;
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, points);
       for (const unsigned int f : cell->face_indices())
       {
-        if (!nodes.is_outer_face(cell, f) || !selects(cell, f))
+        if (!(nodes.is_outer_face(cell, f) || is_exposed(cell, f)) || !selects(cell, f))
           continue;
         const std::vector<unsigned int> &places = nodes.face_places(f);
         Face face;

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/body_distance.h>
-#include <tombolo/contact/mean_and_largest.h>
 #include <tombolo/contact/mortar_geometry.h>
 #include <tombolo/contact/nodal_geometry.h>
 
@@ -77,14 +76,16 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MortarContact<dim>::find_normal(const unsigned int node, Tensor<1, dim> &normal) const
+  void MortarContact<dim>::renew_faces(const Nodes<dim> &nodes, const Selector &is_slave,
+                                       const Selector &is_master, const IsGone &is_gone)
   {
-    normal = vector_of<dim>(segments.sums().normal.node(node));
-    const double length = normal.norm();
-    if (!(segments.sums().scalars.node(node)[MortarSegments<dim>::area] > 0. && length > 0.))
-      return false;
-    normal /= -length;
-    return true;
+    const std::vector<unsigned int> former_nodes = slaves.owned_nodes();
+    slaves = ContactFaces<dim>(nodes, is_slave, is_gone);
+    masters = ContactFaces<dim>(nodes, is_master, is_gone);
+    stiffness.forget_masses();
+    set_partition(std::shared_ptr<const NodePartition>(traction.partition()));
+    faces_are_new = true;
+    totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
   }
 
   template <int dim>
@@ -100,7 +101,7 @@ namespace tombolo
     {
       const unsigned int node = slaves.owned_nodes()[k];
       NodeHistory &history = histories[k];
-      if (!find_normal(node, history.normal))
+      if (!segments.find_normal(node, history.normal))
         continue;
       ++n_near;
       history.area = segments.sums().scalars.node(node)[MortarSegments<dim>::area];
@@ -198,6 +199,7 @@ namespace tombolo
     if (settings.has_heat)
       heat_flow.update_ghosts();
     segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, loads, heat);
+    faces_are_new = false;
   }
 
   template <int dim>
@@ -209,7 +211,7 @@ namespace tombolo
     const auto &sums = segments.sums();
     history.traction = 0.;
     Tensor<1, dim> normal;
-    if (!find_normal(node, normal))
+    if (!segments.find_normal(node, normal))
     {
       if (history.spring.is_closed())
         release(history, node, 0., true, heat);
@@ -239,13 +241,16 @@ namespace tombolo
     if (!(-distance - history.offset > -touch_distance) && !history.is_bonded)
     {
       if (spring.is_closed())
-        release(history, node, -(motion * normal), false, heat);
+        release(history, node, -(motion * normal), faces_are_new, heat);
       history.area = area;
       return;
     }
     // What comes into contact, or leaves it, at a depth that others have.
     if (spring.is_closed())
       totals.damping -= (area - history.area) * spring.elastic_energy();
+    if (spring.is_closed() && faces_are_new) // no motion has led to the new depth
+      totals.damping -= 0.5 * area * spring.stiffness * (spring.depth + pressed_depth(history)) *
+                        (pressed_depth(history) - spring.depth + motion * normal);
     history.area = area;
     press(history, node, motion, step);
     conduct(history, node, step.time_step);
@@ -334,26 +339,6 @@ namespace tombolo
   double MortarContact<dim>::stable_fraction() const
   {
     return settings.is_tied ? settings.bond.stable_fraction() : settings.law.stable_fraction();
-  }
-
-  template <int dim>
-  std::array<double, 2>
-  MortarContact<dim>::temperatures_in_contact(const NodalVector *const of_slave) const
-  {
-    using Segments = MortarSegments<dim>;
-    std::vector<double> values;
-    for (std::size_t k = 0; k < histories.size(); ++k)
-    {
-      const unsigned int node = slaves.owned_nodes()[k];
-      if (!histories[k].spring.is_closed())
-        continue;
-      if (of_slave != nullptr)
-        values.push_back(*of_slave->node(node));
-      else if (segments.sums().scalars.node(node)[Segments::area] > 0.)
-        values.push_back(mean(node, Segments::mean_temperature) +
-                         0.5 * mean(node, Segments::temperature_difference));
-    }
-    return mean_and_largest(values, communicator);
   }
 
   template class MortarContact<2>;

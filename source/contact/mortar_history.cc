@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_history.h>
 
+#include <tombolo/contact/mean_and_largest.h>
+#include <tombolo/contact/mortar_geometry.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/state_archive.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace tombolo
 {
@@ -59,6 +65,89 @@ namespace tombolo
     archive.nodal("is bonded", nodes, bonded);
     for (std::size_t k = 0; k < histories.size(); ++k)
       histories[k].is_bonded = bonded[k][0] > 0.;
+  }
+
+  template <int dim>
+  double MortarHistory<dim>::move(const std::vector<unsigned int> &former,
+                                  const std::vector<unsigned int> &nodes,
+                                  std::vector<MortarHistory> &histories)
+  {
+    double cut = 0;
+    const std::vector<MortarHistory> before = std::move(histories);
+    histories.assign(nodes.size(), {});
+    for (std::size_t k = 0; k < former.size(); ++k)
+    {
+      const auto found = std::lower_bound(nodes.begin(), nodes.end(), former[k]);
+      if (found != nodes.end() && *found == former[k])
+        histories[static_cast<std::size_t>(found - nodes.begin())] = before[k];
+      else
+        cut += before[k].area * before[k].spring.elastic_energy();
+    }
+    return cut;
+  }
+
+  template <int dim>
+  void MortarHistory<dim>::place(const NodalVector &before, const NodalVector &position,
+                                 const std::vector<unsigned int> &nodes,
+                                 MortarSegments<dim> &segments,
+                                 std::vector<MortarHistory<dim>> &histories)
+  {
+    const auto gap_at = [&](const unsigned int node, Tensor<1, dim> &normal)
+    {
+      return segments.find_normal(node, normal)
+                 ? std::optional<double>(
+                       -(vector_of<dim>(segments.sums().gap.node(node)) * normal) /
+                       segments.area_of(node))
+                 : std::nullopt;
+    };
+    Tensor<1, dim> normal;
+    std::vector<std::optional<double>> gaps;
+    segments.gather(before, before, nullptr);
+    for (const unsigned int node : nodes)
+      gaps.push_back(gap_at(node, normal));
+    segments.gather(position, position, nullptr);
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+    {
+      MortarHistory<dim> &history = histories[k];
+      const auto gap = gap_at(nodes[k], normal);
+      if (!gap || !gaps[k])
+        continue; // the next forces release it
+      ContactSpring<dim> &spring = history.spring;
+      if (spring.is_closed())
+      {
+        spring.elastic_slip = rotated_tangent(spring.elastic_slip, history.normal, normal);
+        spring.depth = std::max(0., spring.depth + *gaps[k] - *gap);
+        history.area = segments.area_of(nodes[k]);
+      }
+      else
+        history.offset = std::max(history.offset, -*gap);
+      history.normal = normal;
+      history.gap += *gap - *gaps[k];
+    }
+  }
+
+  template <int dim>
+  std::array<double, 2>
+  MortarHistory<dim>::temperatures(const NodalVector *const of_slave,
+                                   const std::vector<unsigned int> &nodes,
+                                   const std::vector<MortarHistory<dim>> &histories,
+                                   const MortarSegments<dim> &segments, const MPI_Comm communicator)
+  {
+    using Segments = MortarSegments<dim>;
+    std::vector<double> values;
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      if (!histories[k].spring.is_closed())
+        continue;
+      const double *const sums = segments.sums().scalars.node(nodes[k]);
+      if (of_slave != nullptr)
+        values.push_back(*of_slave->node(nodes[k]));
+      else if (sums[Segments::area] > 0.)
+        values.push_back(
+            (sums[Segments::mean_temperature] + 0.5 * sums[Segments::temperature_difference]) /
+            sums[Segments::area]);
+    }
+    return mean_and_largest(values, communicator);
   }
 
   template struct MortarHistory<2>;

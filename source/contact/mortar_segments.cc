@@ -178,6 +178,17 @@ namespace tombolo
   }
 
   template <int dim>
+  bool MortarSegments<dim>::find_normal(const unsigned int node, Tensor<1, dim> &normal) const
+  {
+    normal = vector_of<dim>(at_slaves.normal.node(node));
+    const double length = normal.norm();
+    if (!(area_of(node) > 0. && length > 0.))
+      return false;
+    normal /= -length;
+    return true;
+  }
+
+  template <int dim>
   void MortarSegments<dim>::fix(const NodalVector &position)
   {
     find_pairs(position);

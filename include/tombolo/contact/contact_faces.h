@@ -17,7 +17,8 @@ namespace tombolo
 {
   /**
    * The faces of one side of a contact between bodies: outer faces (Nodes::is_outer_face) of cells
-   * of degree 1, each on the rank that owns its cell. Nodes are numbered locally.
+   * of degree 1, and those below cells that are gone, each on the rank that owns its cell. Nodes
+   * are numbered locally.
    */
   template <int dim>
   class ContactFaces
@@ -34,9 +35,11 @@ namespace tombolo
       double thickness;                          ///< initial volume of the cell over the area [L]
     };
 
-    /** Takes the faces that @p selects, and of which the cell is alive. */
-    ContactFaces(const Nodes<dim> &nodes,
-                 const std::function<bool(const Cell &, unsigned int face)> &selects);
+    using Selector = std::function<bool(const Cell &, unsigned int face)>;
+    using IsGone = std::function<bool(const Cell &)>; ///< of owned and ghost cells
+
+    /** Takes the faces that @p selects. */
+    ContactFaces(const Nodes<dim> &nodes, const Selector &selects, const IsGone &is_gone = {});
 
     /** Translates node numbers to those of @p partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);

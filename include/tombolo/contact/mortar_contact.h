@@ -46,7 +46,8 @@ namespace tombolo
   class MortarContact
   {
   public:
-    using Selector = std::function<bool(const typename Nodes<dim>::Cell &, unsigned int face)>;
+    using Selector = typename ContactFaces<dim>::Selector;
+    using IsGone = typename ContactFaces<dim>::IsGone;
 
     /** Takes the faces that the selectors choose. Throws InputError where a side has none, or where
      * the bodies overlap at the start, or tied ones are apart. Collective. */
@@ -55,6 +56,18 @@ namespace tombolo
 
     /** Translates node numbers to those of @p partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Takes the faces of the cells that are left, and cuts the springs of nodes that have none any
+     * more. Not of tied surfaces. */
+    void renew_faces(const Nodes<dim> &nodes, const Selector &is_slave, const Selector &is_master,
+                     const IsGone &is_gone);
+
+    /** See Process::nodes_were_placed(). Positions have current ghosts. Not of tied surfaces.
+     * Collective. */
+    void place_nodes(const NodalVector &before, const NodalVector &position)
+    {
+      NodeHistory::place(before, position, slaves.owned_nodes(), segments, histories);
+    }
 
     /** Adds the forces at t_n to @p loads, and heat since the step before to @p heat (scalar; null
      * without heat); ghosts of both are not collected. @p last_position are the positions at
@@ -105,7 +118,11 @@ namespace tombolo
     /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of @p
      * of_slave, or where that is null of the master below them in the last step; zero without such.
      * Collective. */
-    std::array<double, 2> temperatures_in_contact(const NodalVector *of_slave) const;
+    std::array<double, 2> temperatures_in_contact(const NodalVector *of_slave) const
+    {
+      return NodeHistory::temperatures(of_slave, slaves.owned_nodes(), histories, segments,
+                                       communicator);
+    }
 
     const std::string &name() const
     {
@@ -160,8 +177,6 @@ namespace tombolo
 
     /** Finds the gaps at the start and refuses or takes them. Collective. */
     void start(const Section &section, const Nodes<dim> &nodes, const NodalState &state);
-    /** Whether a slave node has a master near, and the normal out of it. */
-    bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
     /** Null where no temperature is needed. Collective. */
     const NodalVector *find_thermal(const NodalHeat &nodal_heat);
     /** The traction of a slave node. */
@@ -200,6 +215,7 @@ namespace tombolo
     NodalVector traction, heat_flow, thermal;
     MortarTotals<dim> totals; ///< of this rank
     bool is_static = false;
-    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
+    bool faces_are_new = false; ///< since the last forces
+    double touch_distance = 0;  ///< what is nearer touches; zero in explicit steps [L]
   };
 } // namespace tombolo

@@ -4,7 +4,9 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/contact/contact_law.h>
+#include <tombolo/contact/mortar_segments.h>
 
+#include <array>
 #include <vector>
 
 namespace tombolo
@@ -27,5 +29,26 @@ namespace tombolo
     /** Writes those of these owned nodes to a checkpoint or reads them. Collective. */
     static void serialize(StateArchive &archive, const std::vector<unsigned int> &nodes,
                           std::vector<MortarHistory> &histories);
+
+    /** Those of @p former owned nodes become those of owned @p nodes. Returns the energy of the
+     * springs of nodes that are gone [M L^2/T^2]. */
+    static double move(const std::vector<unsigned int> &former,
+                       const std::vector<unsigned int> &nodes,
+                       std::vector<MortarHistory> &histories);
+
+    /** Where bodies have come from positions @p before to others without a motion: springs are as
+     * much deeper as the gap is smaller, and what comes to overlap has no force. Positions have
+     * current ghosts. Collective. */
+    static void place(const NodalVector &before, const NodalVector &position,
+                      const std::vector<unsigned int> &nodes, MortarSegments<dim> &segments,
+                      std::vector<MortarHistory> &histories);
+
+    /** Mean and largest of the temperatures of slave @p nodes in contact, which are in slot 0 of @p
+     * of_slave, or where that is null of the master below them. Collective. */
+    static std::array<double, 2> temperatures(const NodalVector *of_slave,
+                                              const std::vector<unsigned int> &nodes,
+                                              const std::vector<MortarHistory> &histories,
+                                              const MortarSegments<dim> &segments,
+                                              MPI_Comm communicator);
   };
 } // namespace tombolo

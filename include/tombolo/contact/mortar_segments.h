@@ -88,6 +88,14 @@ namespace tombolo
       return at_slaves;
     }
 
+    double area_of(const unsigned int node) const
+    {
+      return at_slaves.scalars.node(node)[area];
+    }
+
+    /** Whether a slave node has a master near, by sums(), and the normal out of it. */
+    bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
+
     /** Adds the forces Σ_I w^s_IJ t_I on slave nodes and -Σ_I w^m_IL t_I on master nodes to @p
      * loads, for the @p traction t per area at slave nodes, with current ghosts; ghosts of the
      * results are not collected. With @p heat_flow, whose slots are what a slave node gets of

@@ -7,13 +7,17 @@
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/removed_cells.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/state/state_archive.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <algorithm>
 #include <ostream>
+#include <utility>
 
 namespace tombolo
 {
@@ -41,15 +45,26 @@ namespace tombolo
       if (!section.get(side + " boundary").empty())
         boundaries = boundary_ids(model.mesh, section, side + " boundary");
       for (unsigned int p = 0; p < model.parts.size(); ++p)
-        if ((parts.empty() || parts.count(p) > 0) && model.parts[p].formulation->can_lose_cells())
-          section.fail(side + " parts", "cells of the part \"" + model.parts[p].name +
-                                            "\" can be removed, and what is below them has no "
-                                            "faces; allowed are other parts.");
+      {
+        const Part<dim> &part = model.parts[p];
+        const bool gives_particles =
+            std::any_of(model.parts.begin(), model.parts.end(),
+                        [&](const Part<dim> &other) { return other.source == p; });
+        if ((parts.empty() || parts.count(p) > 0) &&
+            (gives_particles ||
+             (section.get("Type") == "tied" && part.formulation->can_lose_cells())))
+          section.fail(side + " parts",
+                       "cells of the part \"" + part.name +
+                           (gives_particles ? "\" become particles, which have no faces"
+                                            : "\" can be removed, with what is tied to them") +
+                           "; allowed are other parts.");
+      }
       return [parts, boundaries, &model](const typename Nodes<dim>::Cell &cell,
                                          const unsigned int face)
       {
         return (parts.empty() || parts.count(model.part_cells->part_of(cell)) > 0) &&
-               (boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0);
+               (boundaries.empty() || !cell->at_boundary(face) ||
+                boundaries.count(cell->face(face)->boundary_id()) > 0);
       };
     }
   } // namespace
@@ -66,16 +81,32 @@ namespace tombolo
       if (model.degree > 1)
         section.fail("", "elements have degree " + std::to_string(model.degree) +
                              "; contact between bodies needs degree 1.");
+      selectors.push_back(
+          {{selector(section, "Slave", model), selector(section, "Master", model)}});
       members.push_back(std::make_unique<MortarContact<dim>>(
-          section, heat != nullptr, *model.nodes, model.state, selector(section, "Slave", model),
-          selector(section, "Master", model)));
+          section, heat != nullptr, *model.nodes, model.state, selectors.back()[0],
+          selectors.back()[1]));
     }
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::renew_faces(const Model<dim> &model)
+  {
+    std::vector<bool> now = removed_cells(model);
+    if (Utilities::MPI::max(now == is_gone ? 0 : 1, communicator) == 0)
+      return;
+    is_gone = std::move(now);
+    for (std::size_t k = 0; k < members.size(); ++k)
+      members[k]->renew_faces(*model.nodes, selectors[k][0], selectors[k][1],
+                              [&](const typename Nodes<dim>::Cell &cell)
+                              { return is_gone[cell->active_cell_index()]; });
   }
 
   template <int dim>
   void MortarContacts<dim>::model_changed(Model<dim> &model)
   {
     const auto &partition = model.state.partition();
+    renew_faces(model);
     for (const auto &contact : members)
       contact->set_partition(partition);
     nodes.clear();
@@ -91,6 +122,37 @@ namespace tombolo
     }
     else if (last_position.partition() != partition)
       last_position.move_to(partition);
+  }
+
+  template <int dim>
+  typename Process<dim>::Role
+  MortarContacts<dim>::role(const typename Process<dim>::Situation situation) const
+  {
+    const bool is_tied = std::any_of(members.begin(), members.end(),
+                                     [](const auto &contact) { return contact->is_tied(); });
+    return situation == Process<dim>::Situation::rest ||
+                   (situation == Process<dim>::Situation::placed_nodes && !is_tied)
+               ? Process<dim>::Role::acts
+               : Process<dim>::Role::is_refused;
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::nodes_were_placed(Model<dim> &model, const Clock &,
+                                              const NodalVector &before)
+  {
+    NodalVector places; // with ghosts
+    places.reinit(model.state.partition(), Quantity::position);
+    for (unsigned int i = 0; i < places.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        places.node(i)[d] = before.node(i)[d];
+        last_position.node(i)[d] += model.state.position.node(i)[d] - before.node(i)[d];
+      }
+    places.update_ghosts();
+    last_position.update_ghosts();
+    model.state.position.update_ghosts();
+    for (const auto &contact : members)
+      contact->place_nodes(places, model.state.position);
   }
 
   template <int dim>

@@ -4,6 +4,7 @@
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/model/process.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,11 +25,9 @@ namespace tombolo
 
     void model_changed(Model<dim> &model) override;
     typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::acts
-                                                        : Process<dim>::Role::is_refused;
-    }
+    role(typename Process<dim>::Situation situation) const override;
+    void nodes_were_placed(Model<dim> &model, const Clock &clock,
+                           const NodalVector &before) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     double stable_fraction(double stable_step) const override;
@@ -48,7 +47,12 @@ namespace tombolo
     }
 
   private:
+    void renew_faces(const Model<dim> &model);
+
     MPI_Comm communicator;
+    /** Of slave and master of each contact. */
+    std::vector<std::array<typename MortarContact<dim>::Selector, 2>> selectors;
+    std::vector<bool> is_gone; ///< active cells, ghosts among them; empty: none can
     std::vector<std::unique_ptr<MortarContact<dim>>> members;
     std::vector<unsigned int> nodes; ///< owned, on faces of any contact
     NodalVector last_position;       ///< at t_{n-1}; empty before the first step
