@@ -5,7 +5,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/physics/mechanics/rigid_body_setup.h>
-#include <tombolo/physics/statics/rest_entries.h>
 
 #include <limits>
 #include <utility>
@@ -98,8 +97,6 @@ namespace tombolo
         if (section.is_set("Rate") && !has_mechanics)
           section.fail("Rate", "the scene has no mechanics, since its materials have no stresses; "
                                "nothing moves.");
-        if (section.get("Rate") != "0")
-          refuse_at_rest<dim>(section, "Rate", "it resists velocities", "0, or no such entry");
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,

@@ -8,7 +8,6 @@
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
-#include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -24,6 +23,59 @@
 namespace tombolo
 {
   using namespace dealii;
+
+  void ScalingSettings::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Mass factor", "1", Patterns::Double(),
+        "Mass scaling: inertia is that of so many times the density, and steps are larger by its "
+        "root. Heat capacity and body forces stay. Units: 1.");
+    handler.declare_entry(
+        "Process time factor", "1", Patterns::Double(),
+        "The process is run so many times faster, and conductivities, film and radiation "
+        "coefficients and reference strain rates are carried along. All entries, functions and "
+        "results stay in the time of the process: steps are so many times larger. Units: 1.");
+    handler.declare_entry(
+        "Target time step", "", Patterns::Anything(),
+        "Selective mass scaling: mass is added to each cell and particle whose own stable step by "
+        "eq. (41) of Pan et al. 2019 is smaller, so that it becomes this one; empty for none. "
+        "Units: T.");
+    handler.declare_entry(
+        "Interval", "20", Patterns::Integer(1, 1000000),
+        "With a target: after so many steps mass is added again where cells have become smaller. "
+        "It is never taken away.");
+  }
+
+  ScalingSettings::ScalingSettings(const Section &section)
+      : mass_factor(section.get_positive("Mass factor")),
+        process_time_factor(section.get_positive("Process time factor"))
+  {
+    const double factor = inertia_factor();
+    if (!(factor <= largest_factor && factor >= 1. / largest_factor))
+      section.fail(process_time_factor == 1. ? "Mass factor" : "Process time factor",
+                   "inertia would be multiplied by " + format_number(mass_factor) + " x " +
+                       format_number(process_time_factor) +
+                       "^2; allowed are factors from 1e-12 to 1e12.");
+    if (!section.is_set("Target time step"))
+      return;
+    target_time_step = section.get_positive("Target time step");
+    interval = section.get_unsigned("Interval");
+  }
+
+  double ScalingSettings::inertia_factor() const
+  {
+    return mass_factor * process_time_factor * process_time_factor;
+  }
+
+  bool ScalingSettings::is_active() const
+  {
+    return inertia_factor() != 1. || is_selective();
+  }
+
+  bool ScalingSettings::is_selective() const
+  {
+    return target_time_step > 0.;
+  }
 
   template <int dim>
   MassScaling<dim>::MassScaling(const Section &section, const ScalingSettings &settings,
@@ -98,7 +150,7 @@ namespace tombolo
       return false;
     NodalVector before;
     before.reinit(model.state.partition(), Quantity::scalar);
-    before.copy_from(model.state.mass);
+    before.copy_from(model.bridge->mass());
     model.renew_inertia();
     account_for_added_mass(model, before);
     return true;
@@ -120,7 +172,7 @@ namespace tombolo
     ImpulseAccount::Vector impulse{}, moment{};
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double added = *model.state.mass.node(i) - *previous_mass.node(i);
+      const double added = *model.bridge->mass().node(i) - *previous_mass.node(i);
       if (added == 0.)
         continue;
       const double *const v_hat = model.state.unsmoothed_velocity.node(i);
@@ -312,11 +364,6 @@ namespace tombolo
                          [](const Part<dim> &part) { return has_motion(part); }))
           scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "
                            "scaled inertia would do nothing.");
-        if (!ScalingSettings(scaling).is_active())
-          return;
-        for (const char *const entry : {"Process time factor", "Mass factor", "Target time step"})
-          if (scaling.is_set(entry))
-            refuse_at_rest<dim>(scaling, entry, "it scales inertia", "no such entry");
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,

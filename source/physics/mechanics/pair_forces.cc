@@ -167,8 +167,6 @@ namespace tombolo
       void validate(const Parameters &parameters,
                     const std::vector<Part<dim>> &parts) const override
       {
-        refuse_switch_at_rest<dim>(parameters, parts, "Artificial viscosity",
-                                   "it resists velocities");
         refuse_switch_at_rest<dim>(parameters, parts, "Artificial stress",
                                    "it acts in kernels that follow a motion");
       }

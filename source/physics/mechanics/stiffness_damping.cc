@@ -6,7 +6,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
-#include <tombolo/physics/statics/rest_entries.h>
 
 #include <limits>
 
@@ -92,9 +91,7 @@ namespace tombolo
                     const std::vector<Part<dim>> &parts) const override
       {
         const Section section = parameters.section("Damping");
-        if (section.get_double(factor_entry) != 0.)
-          refuse_at_rest<dim>(section, factor_entry, "it resists velocities",
-                              "0, or no such entry");
+        section.get_double(factor_entry);
         bool has_mechanics = false;
         for (const Part<dim> &part : parts)
           has_mechanics = has_mechanics || part.material->has_mechanics();

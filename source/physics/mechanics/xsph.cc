@@ -6,7 +6,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
-#include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/state/state_archive.h>
 
 #include <cstdint>
@@ -132,12 +131,6 @@ namespace tombolo
     class XsphKind : public ProcessKind<dim>
     {
     public:
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        refuse_switch_at_rest<dim>(parameters, parts, "XSPH", "it smooths velocities");
-      }
-
       std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
       {
         if (!model.has_mechanics)

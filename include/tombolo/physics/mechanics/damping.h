@@ -22,6 +22,10 @@ namespace tombolo
     /** @p rate is α, a function of time [1/T]. */
     explicit Damping(LimitedFunction<dim> rate);
 
+    typename Process<dim>::AtRest at_rest() const override
+    {
+      return Process<dim>::AtRest::is_idle;
+    }
     void model_changed(Model<dim> &model) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
 

@@ -22,6 +22,10 @@ namespace tombolo
     /** @p factor is β [T]. */
     explicit StiffnessDamping(double factor);
 
+    typename Process<dim>::AtRest at_rest() const override
+    {
+      return Process<dim>::AtRest::is_idle;
+    }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;

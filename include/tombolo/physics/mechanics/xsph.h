@@ -21,8 +21,11 @@ namespace tombolo
     typename Process<dim>::Role
     role(const typename Process<dim>::Situation situation) const override
     {
-      return situation == Process<dim>::Situation::placed_nodes ? Process<dim>::Role::acts
-                                                                : Process<dim>::Role::is_refused;
+      using Situation = typename Process<dim>::Situation;
+      using Role = typename Process<dim>::Role;
+      return situation == Situation::rest           ? Role::is_idle
+             : situation == Situation::placed_nodes ? Role::acts
+                                                    : Role::is_refused;
     }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
