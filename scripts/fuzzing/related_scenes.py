@@ -56,9 +56,11 @@ def legal(scene):
     if scene["rigid"] is not None:
         make_rigid(scene)
     if scene["second body"] is not None:
-        scene.update(layout="halves", refined=None, adaptive=None, erosion=None, rotation=0., bonds=None)
+        scene.update(layout="halves", refined=None, adaptive=None, rotation=0., bonds=None)
         if scene["conversion"] is not None:
             scene["conversion"] = None
+        if scene["second body"]["type"] == "tied":
+            scene["erosion"] = None
         if scene["refill"] is not None:
             scene["refill"] = None
     if scene["layout"] == "one":
@@ -107,7 +109,7 @@ def make_static(scene):
 
 def make_rigid(scene):
     """The second part is rigid, beside elements."""
-    scene.update(erosion=None, conversion=None, refined=None, adaptive=None, refill=None, degree=1, scaling=None)
+    scene.update(conversion=None, refined=None, adaptive=None, refill=None, degree=1)
     scene["smoothed cells"] = False
     scene["layout"] = "halves"
     first = scene["formulations"][0]

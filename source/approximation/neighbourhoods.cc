@@ -19,33 +19,29 @@ namespace tombolo
   {}
 
   template <int dim>
-  void Neighbourhoods<dim>::set_symmetry(const std::shared_ptr<const Symmetry> &symmetry)
+  void Neighbourhoods<dim>::set_images(const std::shared_ptr<const Images> &images)
   {
-    planes = symmetry;
+    images_of_body = images;
   }
 
   template <int dim>
   void Neighbourhoods<dim>::add_images(const RemoteParticles &remote)
   {
-    // Closer than this share of its support a particle is on a plane, and its own image.
-    constexpr double on_plane = 1e-6;
+    // Closer than this share of its support a particle is on a mirror, and its own image.
+    constexpr double on_mirror = 1e-6;
     const unsigned int n_sources = n_own + static_cast<unsigned int>(remote.node.size());
     std::vector<unsigned int> is_near(n_sources, 0), is_on(n_sources, 0);
-    for (unsigned int p = 0; p < planes->planes.size(); ++p)
+    for (unsigned int j = 0; j < n_sources; ++j)
     {
-      const auto [axis, coordinate] = planes->planes[p];
-      for (unsigned int j = 0; j < n_sources; ++j)
-      {
-        const std::size_t slot = std::size_t(j) * node_stride + axis;
-        const double distance = std::abs(all_positions[slot] - coordinate);
-        // An image is farther from all particles than from the plane.
-        is_near[j] |= distance < all_supports[slot] * (1. + skin) ? 1u << p : 0u;
-        is_on[j] |= distance < all_supports[slot] * on_plane ? 1u << p : 0u;
-      }
+      const double *const x = &all_positions[std::size_t(j) * node_stride];
+      const double *const reach = &all_supports[std::size_t(j) * node_stride];
+      // An image is farther from all particles than from the mirror.
+      is_near[j] = images_of_body->near(x, reach, 1. + skin);
+      is_on[j] = images_of_body->near(x, reach, on_mirror);
     }
-    for (const unsigned int through : planes->combinations())
+    for (const unsigned int through : images_of_body->combinations())
     {
-      const Symmetry::Reflection reflection = planes->reflection(through);
+      const Images::Map map = images_of_body->map(through);
       for (unsigned int j = 0; j < n_sources; ++j)
       {
         if ((is_near[j] & through) != through || (is_on[j] & through) != 0)
@@ -55,7 +51,7 @@ namespace tombolo
         for (unsigned int d = 0; d < node_stride; ++d)
         {
           const std::size_t slot = std::size_t(j) * node_stride + d;
-          all_positions.push_back(reflection.sign[d] * all_positions[slot] + reflection.offset[d]);
+          all_positions.push_back(map.sign[d] * all_positions[slot] + map.offset[d]);
           all_supports.push_back(all_supports[slot]);
         }
       }
@@ -82,7 +78,7 @@ namespace tombolo
     std::iota(rows.begin(), rows.end(), 0u);
     all_images.clear();
     image_source.clear();
-    if (planes != nullptr)
+    if (!images_of_body->empty())
       add_images(remote);
     const auto n_places = static_cast<unsigned int>(all_positions.size() / node_stride);
     const unsigned int n_received = n_own + static_cast<unsigned int>(remote.node.size());
@@ -122,7 +118,7 @@ namespace tombolo
             image_source[k] < n_own ? image_source[k] : place[image_source[k] - n_own];
         const auto new_place = static_cast<unsigned int>(all_nodes.size()) + n_images;
         place[n_received - n_own + k] = new_place;
-        all_images[n_images++] = {all_nodes[source], all_images[k].planes};
+        all_images[n_images++] = {all_nodes[source], all_images[k].mirrors};
         std::copy_n(&all_positions[(n_received + k) * node_stride], node_stride,
                     &all_positions[std::size_t(new_place) * node_stride]);
         std::copy_n(&all_supports[(n_received + k) * node_stride], node_stride,
@@ -193,7 +189,7 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::vector<MirrorNode> &Neighbourhoods<dim>::images() const
+  const std::vector<ImageNode> &Neighbourhoods<dim>::images() const
   {
     return all_images;
   }
@@ -276,11 +272,9 @@ namespace tombolo
         local[2 * dim + d] =
             std::max(local[2 * dim + d], support[slot] - all_supports[slot] * (1. + skin));
       }
-    // Images in a plane move the other way.
-    if (planes != nullptr)
-      for (const SymmetryPlane &plane : planes->planes)
-        local[plane.axis] = local[dim + plane.axis] =
-            std::max(local[plane.axis], local[dim + plane.axis]);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (images_of_body->are_opposite_along(d))
+        local[d] = local[dim + d] = std::max(local[d], local[dim + d]);
     std::array<double, 3 * dim> global;
     Utilities::MPI::max(ArrayView<const double>(local.data(), local.size()), communicator,
                         ArrayView<double>(global.data(), global.size()));
@@ -295,7 +289,7 @@ namespace tombolo
   {
     return finder.memory_consumption() +
            (all_positions.capacity() + all_supports.capacity()) * sizeof(double) +
-           all_images.capacity() * sizeof(MirrorNode) +
+           all_images.capacity() * sizeof(ImageNode) +
            all_nodes.capacity() * sizeof(types::global_dof_index) +
            (image_source.capacity() + rows.capacity() + columns.capacity() +
             numbers_in_use.capacity() + neighbour_place.capacity()) *

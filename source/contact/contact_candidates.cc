@@ -148,15 +148,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void refuse_motion_out_of_symmetry(const Section &section, const Symmetry &symmetry,
-                                     ContactSurface<dim> &surface)
+  void refuse_motion_out_of_mirrors(const Section &section, const Images &images,
+                                    ContactSurface<dim> &surface)
   {
-    for (const SymmetryPlane &plane : symmetry.planes)
-      if (surface.translation().moves_along(plane.axis))
+    for (unsigned int d = 0; d < dim; ++d)
+      if (images.are_opposite_along(d) && surface.translation().moves_along(d))
         section.subsection(section.get("Surface"))
-            .fail("Directions", std::string("a body with a mass would move out of a plane of "
-                                            "symmetry; allowed are directions without ") +
-                                    "xyz"[plane.axis] + ".");
+            .fail("Directions", "a body with a mass would move out of a " + Images::words(true) +
+                                    "; allowed are directions without " + "xyz"[d] + ".");
   }
 
   template void validate_contact_candidates<2>(const Section &);
@@ -211,8 +210,6 @@ namespace tombolo
                                                              const std::vector<bool> &);
   template void refuse_penetration(const Section &, const Nodes<3> &, const NodalState &,
                                    const std::vector<unsigned int> &, const std::vector<double> &);
-  template void refuse_motion_out_of_symmetry(const Section &, const Symmetry &,
-                                              ContactSurface<2> &);
-  template void refuse_motion_out_of_symmetry(const Section &, const Symmetry &,
-                                              ContactSurface<3> &);
+  template void refuse_motion_out_of_mirrors(const Section &, const Images &, ContactSurface<2> &);
+  template void refuse_motion_out_of_mirrors(const Section &, const Images &, ContactSurface<3> &);
 } // namespace tombolo

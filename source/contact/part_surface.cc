@@ -46,7 +46,7 @@ namespace tombolo
     layer = std::move(part.layer);
     is_driven = part.is_driven;
     set_partition(*state.partition());
-    if (state.partition()->symmetry() != nullptr)
+    if (!state.partition()->images_of_body().empty())
       section.parent().fail("Surface", "where planes of symmetry cut bodies, the surface of a "
                                        "contact cannot be a part; allowed is another surface, or "
                                        "no plane of symmetry.");

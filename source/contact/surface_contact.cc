@@ -49,8 +49,7 @@ namespace tombolo
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
 
-    if (nodes.symmetry() != nullptr)
-      refuse_motion_out_of_symmetry(section, *nodes.symmetry(), *surface);
+    refuse_motion_out_of_mirrors(section, *nodes.images(), *surface);
   }
 
   template <int dim>

@@ -204,15 +204,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void Nodes<dim>::set_symmetry(std::shared_ptr<const Symmetry> symmetry)
+  void Nodes<dim>::set_images(std::shared_ptr<const Images> images)
   {
-    planes = std::move(symmetry);
+    images_of_body = std::move(images);
   }
 
   template <int dim>
-  const std::shared_ptr<const Symmetry> &Nodes<dim>::symmetry() const
+  const std::shared_ptr<const Images> &Nodes<dim>::images() const
   {
-    return planes;
+    return images_of_body;
   }
 
   template <int dim>
@@ -264,24 +264,19 @@ namespace tombolo
   bool Nodes<dim>::is_outer_face(const Cell &cell, const unsigned int face) const
   {
     const auto of_cell = cell->face(face);
-    const double tolerance = 1e-6 * cell->diameter();
-    const auto is_in = [&](const SymmetryPlane &plane)
-    {
-      const auto vertices = of_cell->vertex_indices();
-      return std::all_of(
-          vertices.begin(), vertices.end(),
-          [&](const unsigned int v)
-          { return std::abs(of_cell->vertex(v)[plane.axis] - plane.coordinate) <= tolerance; });
-    };
-    return of_cell->at_boundary() &&
-           (planes == nullptr || std::none_of(planes->planes.begin(), planes->planes.end(), is_in));
+    if (!of_cell->at_boundary())
+      return false;
+    unsigned int mirrors = ~0u;
+    for (const unsigned int v : of_cell->vertex_indices())
+      mirrors &= images_of_body->at(of_cell->vertex(v), 1e-6 * cell->diameter());
+    return mirrors == 0;
   }
 
   template <int dim>
   std::string Nodes<dim>::outer_face_text() const
   {
-    return std::string("face of the boundary") +
-           (planes == nullptr ? "" : " outside of planes of symmetry");
+    return "face of the boundary" +
+           (images_of_body->empty() ? std::string() : " outside of " + Images::words(false));
   }
 
   template class Nodes<2>;

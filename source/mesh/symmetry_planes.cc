@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/mesh/symmetry_planes.h>
+#include <tombolo/mesh/image_conditions.h>
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/section_names.h>
@@ -189,7 +189,7 @@ namespace tombolo
 
     template <int dim>
     void refuse_body_on_both_sides(const Section &section, const Extent<dim> &body,
-                                   const SymmetryPlane &plane, const double tolerance)
+                                   const Images::Mirror &plane, const double tolerance)
     {
       const double below = plane.coordinate - body.lowest[plane.axis];
       const double above = body.highest[plane.axis] - plane.coordinate;
@@ -206,7 +206,7 @@ namespace tombolo
     /** Owned nodes on a plane, all of which must be @p selected. Throws InputError. Collective. */
     template <int dim>
     std::vector<types::global_dof_index>
-    nodes_on_plane(const Section &section, const SymmetryPlane &plane,
+    nodes_on_plane(const Section &section, const Images::Mirror &plane,
                    const std::set<types::global_dof_index> &selected,
                    const NodePoints<dim> &all_nodes, const double tolerance,
                    const MPI_Comm communicator)
@@ -229,13 +229,13 @@ namespace tombolo
     }
   } // namespace
 
-  bool is_symmetry(const Section &condition)
+  bool makes_images(const Section &condition)
   {
     return condition.get("Type") == "symmetry";
   }
 
   template <int dim>
-  void validate_symmetry(const Section &condition)
+  void validate_images(const Section &condition)
   {
     if (!condition.get("Where").empty())
       Predicate<dim> where(condition, "Where");
@@ -247,24 +247,24 @@ namespace tombolo
   }
 
   template <int dim>
-  std::shared_ptr<const Symmetry> find_symmetry(const Parameters &scene, const Mesh<dim> &mesh,
-                                                const Nodes<dim> &nodes)
+  std::shared_ptr<const Images> find_images(const Parameters &scene, const Mesh<dim> &mesh,
+                                            const Nodes<dim> &nodes)
   {
     std::vector<Section> conditions;
     for (const std::string &name : section_names(scene, "Conditions"))
-      if (const Section condition = scene.section("Condition: " + name); is_symmetry(condition))
+      if (const Section condition = scene.section("Condition: " + name); makes_images(condition))
         conditions.push_back(condition);
     if (conditions.empty())
-      return nullptr;
+      return Images::none();
     const MPI_Comm communicator = nodes.communicator();
     const auto [all_nodes, body] = owned_nodes(nodes);
     const double tolerance = coordinate_tolerance * body.longest();
 
-    auto symmetry = std::make_shared<Symmetry>();
+    auto images = std::make_shared<Images>();
     for (unsigned int p = 0; p < conditions.size(); ++p)
     {
       const Section &section = conditions[p];
-      validate_symmetry<dim>(section);
+      validate_images<dim>(section);
       const auto selected = selected_nodes(section, mesh, nodes, all_nodes);
       if (Utilities::MPI::sum(static_cast<unsigned long>(selected.size()), communicator) == 0)
         section.fail(entry_of(section), "the condition selects no node; it would do nothing.");
@@ -273,27 +273,82 @@ namespace tombolo
         of_plane.add(all_nodes.at(node));
       of_plane.merge_ranks(communicator);
 
-      SymmetryPlane plane;
+      Images::Mirror plane;
       plane.axis = axis_of(section, of_plane, tolerance);
       plane.coordinate = 0.5 * (of_plane.lowest[plane.axis] + of_plane.highest[plane.axis]);
       refuse_body_on_both_sides(section, body, plane, tolerance);
       for (unsigned int q = 0; q < p; ++q)
-        if (symmetry->planes[q].axis == plane.axis &&
-            std::abs(symmetry->planes[q].coordinate - plane.coordinate) <= tolerance)
+        if (images->all[q].axis == plane.axis &&
+            std::abs(images->all[q].coordinate - plane.coordinate) <= tolerance)
           section.fail(entry_of(section), "condition \"" + conditions[q].name() +
                                               "\" is the same plane of symmetry, " +
                                               plane_text(plane.axis, plane.coordinate) + ".");
-      symmetry->planes.push_back(plane);
-      symmetry->nodes_on_plane.push_back(
-          nodes_on_plane(section, plane, selected, all_nodes, tolerance, communicator));
+      plane.own_images =
+          nodes_on_plane(section, plane, selected, all_nodes, tolerance, communicator);
+      images->all.push_back(plane);
     }
-    return symmetry;
+    return images;
   }
 
-  template void validate_symmetry<2>(const Section &);
-  template void validate_symmetry<3>(const Section &);
-  template std::shared_ptr<const Symmetry> find_symmetry<2>(const Parameters &, const Mesh<2> &,
-                                                            const Nodes<2> &);
-  template std::shared_ptr<const Symmetry> find_symmetry<3>(const Parameters &, const Mesh<3> &,
-                                                            const Nodes<3> &);
+  template <int dim>
+  void refuse_images_of_images(const Section &section, const char *const entry,
+                               const Images &images, const std::vector<Point<dim>> &points,
+                               const std::vector<double> &half_widths, const MPI_Comm communicator)
+  {
+    // The nearest image of an image is as far as the planes are apart, and the distance of its
+    // source to one of them, from others.
+    const std::size_t stride = points.empty() ? 0 : half_widths.size() / points.size();
+    for (const Images::Mirror &lower : images.all)
+      for (const Images::Mirror &upper : images.all)
+      {
+        if (lower.axis != upper.axis || !(lower.coordinate < upper.coordinate))
+          continue;
+        const double thickness = upper.coordinate - lower.coordinate;
+        double excess = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+        {
+          const double reach = half_widths[i * stride + lower.axis];
+          for (const double plane : {lower.coordinate, upper.coordinate})
+          {
+            const double distance = std::abs(points[i][lower.axis] - plane);
+            if (distance > 1e-6 * reach)
+              excess = std::max(excess, reach - thickness - distance);
+          }
+        }
+        if (Utilities::MPI::max(excess, communicator) > 1e-9 * thickness)
+          section.fail(entry,
+                       "supports reach across the whole slab between two planes of symmetry; make "
+                       "it thicker, or model it with one plane.");
+      }
+  }
+
+  std::string name_of_cut(const char axis)
+  {
+    return std::string("symmetry ") + axis;
+  }
+
+  std::string Images::words(const bool is_one)
+  {
+    return is_one ? "plane of symmetry" : "planes of symmetry";
+  }
+
+  void Images::describe(std::ostream &text) const
+  {
+    text << words(false);
+    for (const Mirror &mirror : all)
+      text << " " << axis_name[mirror.axis] << " = " << mirror.coordinate;
+  }
+
+  template void validate_images<2>(const Section &);
+  template void validate_images<3>(const Section &);
+  template std::shared_ptr<const Images> find_images<2>(const Parameters &, const Mesh<2> &,
+                                                        const Nodes<2> &);
+  template std::shared_ptr<const Images> find_images<3>(const Parameters &, const Mesh<3> &,
+                                                        const Nodes<3> &);
+  template void refuse_images_of_images<2>(const Section &, const char *, const Images &,
+                                           const std::vector<Point<2>> &,
+                                           const std::vector<double> &, MPI_Comm);
+  template void refuse_images_of_images<3>(const Section &, const char *, const Images &,
+                                           const std::vector<Point<3>> &,
+                                           const std::vector<double> &, MPI_Comm);
 } // namespace tombolo

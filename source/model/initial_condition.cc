@@ -222,17 +222,6 @@ namespace tombolo
       return n_selected;
     }
 
-    /** An interval that is short beside the first step. Collective. */
-    template <int dim>
-    double short_interval(const Model<dim> &model)
-    {
-      double interval = std::numeric_limits<double>::max();
-      for (const Part<dim> &part : model.parts)
-        interval =
-            std::min(interval, part.formulation->courant_limit(model.state.position).time_step);
-      return 1e-3 * Utilities::MPI::min(interval, model.communicator);
-    }
-
     /** Whether the velocity at the start is to be found from places. */
     template <int dim>
     bool has_displacements(const MechanicalConditions<dim> &conditions)
@@ -281,6 +270,18 @@ namespace tombolo
   template struct InitialCondition<3>;
   template void validate_initial_conditions(const Parameters &, const Physics<2> &);
   template void validate_initial_conditions(const Parameters &, const Physics<3> &);
+  template <int dim>
+  double short_interval(const Model<dim> &model)
+  {
+    double interval = StepLimit().time_step;
+    for (const Part<dim> &part : model.parts)
+      interval = std::min(
+          interval, part.formulation->courant_limit(model.state.position, part.inertia).time_step);
+    return 1e-3 * Utilities::MPI::min(interval, model.communicator);
+  }
+
   template void set_initial_conditions(const Parameters &, Model<2> &);
   template void set_initial_conditions(const Parameters &, Model<3> &);
+  template double short_interval(const Model<2> &);
+  template double short_interval(const Model<3> &);
 } // namespace tombolo

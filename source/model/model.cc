@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model.h>
 
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/mesh/partition_weights.h>
-#include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/hanging_nodes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
@@ -42,10 +42,10 @@ namespace tombolo
 
     std::vector<Section> mechanical_sections, thermal_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
-      if (!is_symmetry(section))
+      if (!makes_images(section))
         (ThermalConditions<dim>::is_thermal(section) ? thermal_sections : mechanical_sections)
             .push_back(section);
-    nodes->set_symmetry(find_symmetry(parameters, mesh, *nodes));
+    nodes->set_images(find_images(parameters, mesh, *nodes));
     conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
 
     const Physics<dim> physics(parts, part_sections);
@@ -119,7 +119,6 @@ namespace tombolo
       setup.bodies = bodies.get();
       setup.material = part.material;
       setup.communicator = communicator;
-      setup.symmetry = nodes->symmetry();
       setup.heat = has_heat ? part.heat : nullptr;
       setup.has_mechanics = has_mechanics;
       setup.source = part.source;
@@ -178,23 +177,14 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<Stencils *> Model<dim>::stencils_of_parts() const
-  {
-    std::vector<Stencils *> result;
-    for (ParticleFormulation<dim> *const particles : particle_parts())
-      result.push_back(&particles->stencils());
-    return result;
-  }
-
-  template <int dim>
   void Model<dim>::set_partition()
   {
     IndexSet required = nodes->relevant();
-    std::vector<MirrorNode> images;
+    std::vector<ImageNode> images;
     for (const Part<dim> &part : parts)
     {
       required.add_indices(part.formulation->required_nodes());
-      const std::vector<MirrorNode> of_part = part.formulation->required_images();
+      const std::vector<ImageNode> of_part = part.formulation->required_image_nodes();
       images.insert(images.end(), of_part.begin(), of_part.end());
     }
     required.add_indices(conditions->required_nodes());
@@ -288,8 +278,7 @@ namespace tombolo
         continue;
       of_part.reinit(partition, Quantity::scalar);
       part.formulation->add_mass(of_part);
-      if (std::any_of(part.inertia.begin(), part.inertia.end(),
-                      [](const double factor) { return factor != 1.; }))
+      if (!part.inertia.empty())
         part.formulation->add_extra_mass(part.inertia, of_part);
       for (unsigned int i = 0; i < partition->n_local(); ++i)
         *element_mass.node(i) += part.material->relative_inertia() * *of_part.node(i);
@@ -306,16 +295,18 @@ namespace tombolo
   template <int dim>
   void Model<dim>::set_inertia()
   {
+    std::vector<Stencils *> stencils;
     std::vector<double> weights;
     std::vector<std::vector<double>> row_weights;
     for (const Part<dim> &part : parts)
       if (part.particles != nullptr)
       {
+        stencils.push_back(&part.particles->stencils());
         weights.push_back(part.material->relative_inertia());
         row_weights.push_back(part.inertia);
       }
-    bridge->reinit(partition, stencils_of_parts(), element_mass,
-                   conditions->constrained_components(), weights, row_weights);
+    bridge->reinit(partition, stencils, element_mass, conditions->constrained_components(), weights,
+                   row_weights);
     state.mass.copy_from(bridge->mass_split().loaded_mass());
   }
 

@@ -4,9 +4,9 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/refinement.h>
-#include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/thermal_model.h>
@@ -323,8 +323,8 @@ namespace tombolo
     template <int dim>
     bool validate_condition(const Section &section, const Physics<dim> &physics)
     {
-      if (is_symmetry(section))
-        validate_symmetry<dim>(section);
+      if (makes_images(section))
+        validate_images<dim>(section);
       else if (ThermalConditions<dim>::is_thermal(section))
       {
         if (!physics.has_heat)

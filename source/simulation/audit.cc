@@ -278,14 +278,12 @@ namespace tombolo
     }
 
     template <int dim>
-    void print_symmetry(const Model<dim> &model, std::ostream &text)
+    void print_images(const Model<dim> &model, std::ostream &text)
     {
-      if (model.nodes->symmetry() == nullptr)
+      if (model.nodes->images()->empty())
         return;
-      text << "  planes of symmetry";
-      for (const SymmetryPlane &plane : model.nodes->symmetry()->planes)
-        text << " "
-             << "xyz"[plane.axis] << " = " << plane.coordinate;
+      text << "  ";
+      model.nodes->images()->describe(text);
       text << ", images of particles "
            << Utilities::MPI::sum(static_cast<unsigned long>(model.state.partition()->n_images()),
                                   model.communicator)
@@ -383,7 +381,7 @@ namespace tombolo
     if (statics == nullptr) // at rest springs do not follow from a step
       print_contact_stiffness(model, step_size.limit().time_step, text);
     const auto bytes_of_ranks = print_memory(model, counts.nodes, text);
-    print_symmetry(model, text);
+    print_images(model, text);
     print_ranks(model, bytes_of_ranks, text);
     if (statics == nullptr)
       text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));

@@ -25,7 +25,10 @@ namespace tombolo
     }
   } // namespace
 
-  NodePartition::NodePartition(const IndexSet &owned, const IndexSet &ghosts, MPI_Comm communicator)
+  NodePartition::NodePartition(const IndexSet &owned, const IndexSet &ghosts, MPI_Comm communicator,
+                               const std::shared_ptr<const Images> &images,
+                               const std::vector<ImageNode> &nodes)
+      : all_images(images), image_nodes(nodes)
   {
     IndexSet only_ghosts = ghosts;
     only_ghosts.subtract_set(owned);
@@ -37,28 +40,17 @@ namespace tombolo
     for (const auto &[begin, end] : scalar_partitioner->import_indices())
       for (unsigned int node = begin; node < end; ++node)
         receivers.push_back(node);
-  }
-
-  NodePartition::NodePartition(const IndexSet &owned, const IndexSet &ghosts, MPI_Comm communicator,
-                               const std::shared_ptr<const Symmetry> &symmetry,
-                               const std::vector<MirrorNode> &images)
-      : NodePartition(owned, ghosts, communicator)
-  {
-    planes = symmetry;
-    if (planes == nullptr)
-      return;
-    image_nodes = images;
     std::sort(image_nodes.begin(), image_nodes.end());
     image_nodes.erase(std::unique(image_nodes.begin(), image_nodes.end()), image_nodes.end());
-    for (const MirrorNode &image : image_nodes)
+    for (const ImageNode &image : image_nodes)
     {
-      reflected_images.push_back({local_index(image.source), planes->reflection(image.planes)});
+      reflected_images.push_back({local_index(image.source), images->map(image.mirrors)});
       if (reflected_images.back().source < n_owned())
         receivers.push_back(reflected_images.back().source);
     }
-    for (unsigned int p = 0; p < planes->planes.size(); ++p)
-      for (const types::global_dof_index node : planes->nodes_on_plane[p])
-        reflected_onto_themselves.push_back({local_index(node), planes->reflection(1u << p)});
+    for (unsigned int m = 0; m < images->all.size(); ++m)
+      for (const types::global_dof_index node : images->all[m].own_images)
+        reflected_onto_themselves.push_back({local_index(node), images->map(1u << m)});
   }
 
   void NodePartition::set_dependent_nodes(const std::vector<DependentNode> &rows)
@@ -110,16 +102,16 @@ namespace tombolo
     return static_cast<unsigned int>(reflected_images.size());
   }
 
-  unsigned int NodePartition::local_index(const MirrorNode &image) const
+  unsigned int NodePartition::local_index(const ImageNode &image) const
   {
     const auto place = std::lower_bound(image_nodes.begin(), image_nodes.end(), image);
     Assert(place != image_nodes.end() && *place == image, ExcInternalError());
     return n_owned() + n_ghosts() + static_cast<unsigned int>(place - image_nodes.begin());
   }
 
-  const Symmetry *NodePartition::symmetry() const
+  const Images &NodePartition::images_of_body() const
   {
-    return planes.get();
+    return *all_images;
   }
 
   const std::vector<NodePartition::Reflected> &NodePartition::images() const
@@ -209,7 +201,7 @@ namespace tombolo
 
   template <int dim>
   std::shared_ptr<NodePartition> partition_of(const Nodes<dim> &nodes, IndexSet required,
-                                              const std::vector<MirrorNode> &images)
+                                              const std::vector<ImageNode> &images)
   {
     std::vector<DependentNode> rows;
     for (const DependentNode &row : nodes.dependent_nodes())
@@ -221,14 +213,14 @@ namespace tombolo
       }
     required.compress();
     const auto result = std::make_shared<NodePartition>(
-        nodes.owned(), required, nodes.communicator(), nodes.symmetry(), images);
+        nodes.owned(), required, nodes.communicator(), nodes.images(), images);
     if (nodes.has_dependent_nodes())
       result->set_dependent_nodes(rows);
     return result;
   }
 
   template std::shared_ptr<NodePartition> partition_of(const Nodes<2> &, IndexSet,
-                                                       const std::vector<MirrorNode> &);
+                                                       const std::vector<ImageNode> &);
   template std::shared_ptr<NodePartition> partition_of(const Nodes<3> &, IndexSet,
-                                                       const std::vector<MirrorNode> &);
+                                                       const std::vector<ImageNode> &);
 } // namespace tombolo

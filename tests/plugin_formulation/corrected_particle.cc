@@ -39,7 +39,7 @@ public:
                                         { return setup.part_cells->part_of(cell) == setup.index; });
     this->integration.initialize(setup);
     this->integration.create_points(this->set);
-    neighbours.set_symmetry(setup.symmetry);
+    neighbours.set_images(setup.nodes->images());
     neighbours.search(this->set.nodes(), this->set.padded_initial_positions(),
                       this->set.initial_supports(), setup.communicator, rows);
     fill_rows();
@@ -52,7 +52,7 @@ public:
     return nodes;
   }
 
-  std::vector<MirrorNode> required_images() const override
+  std::vector<ImageNode> required_image_nodes() const override
   {
     return neighbours.images();
   }

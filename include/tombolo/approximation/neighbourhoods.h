@@ -19,8 +19,8 @@ namespace tombolo
    * nodes with the right ghosts exists. It numbers the nodes of the rows by places: own particles
    * in their order, then those particles of other ranks that are neighbours; global_nodes() are
    * what a partition has to contain. set_partition() turns places into local numbers, and may be
-   * called again for every new partition. Behind the places of nodes are those of images() in
-   * planes of symmetry: images of particles of this rank and of others that are neighbours.
+   * called again for every new partition. Behind the places of nodes are those of images():
+   * images of particles of this rank and of others that are neighbours.
    * Candidates are found with a skin, so that they can be kept while candidates_hold().
    */
   template <int dim>
@@ -34,8 +34,8 @@ namespace tombolo
      * particle, whatever their numbers are. */
     void order_by_offset();
 
-    /** Particles see the mirror images of others, from the next search on. */
-    void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
+    /** Particles see these images of others, from the next search on. */
+    void set_images(const std::shared_ptr<const Images> &images);
 
     /**
      * Finds the candidates of all particles of this rank, with global numbers @p particles
@@ -50,7 +50,7 @@ namespace tombolo
     const std::vector<dealii::types::global_dof_index> &global_nodes() const;
 
     /** Images that are neighbours. Their places follow those of global_nodes(). */
-    const std::vector<MirrorNode> &images() const;
+    const std::vector<ImageNode> &images() const;
 
     /** Positions and half widths by place, as they were at the search; node_stride doubles each. */
     const std::vector<double> &position_at_search() const;
@@ -78,8 +78,8 @@ namespace tombolo
      * the search. A pair that was none was apart by a_J (1 + skin) on some axis, and still is by
      * a_J (1 + skin) - R, with the range R of all displacements since the search on that axis. So
      * candidates hold while R <= a_J (1 + skin) - a'_J for all J with new half widths a'. Rigid
-     * translation costs nothing (except across a plane of symmetry, from which images move the
-     * other way); bodies that come together are seen. Collective, the same answer on all ranks.
+     * translation costs nothing (except where images move the other way); bodies that come together
+     * are seen. Collective, the same answer on all ranks.
      */
     bool candidates_hold(const std::vector<double> &position, const std::vector<double> &support,
                          MPI_Comm communicator) const;
@@ -95,8 +95,8 @@ namespace tombolo
 
     double skin;
     bool is_ordered_by_offset = false;
-    std::shared_ptr<const Symmetry> planes;
-    std::vector<MirrorNode> all_images;
+    std::shared_ptr<const Images> images_of_body = Images::none();
+    std::vector<ImageNode> all_images;
     std::vector<unsigned int> image_source; // places
     NeighbourSearch<dim> finder;
     ParticleGhosts<dim> ghost_finder;

@@ -59,6 +59,6 @@ namespace tombolo
   /** Throws the InputError of a @p surface with a mass that would move out of a plane of symmetry.
    */
   template <int dim>
-  void refuse_motion_out_of_symmetry(const Section &section, const Symmetry &symmetry,
-                                     ContactSurface<dim> &surface);
+  void refuse_motion_out_of_mirrors(const Section &section, const Images &images,
+                                    ContactSurface<dim> &surface);
 } // namespace tombolo

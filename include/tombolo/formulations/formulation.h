@@ -38,7 +38,6 @@ namespace tombolo
     const Bodies<dim> *bodies = nullptr;        ///< of the mesh; set where a part has particles
     std::shared_ptr<const Material> material;
     MPI_Comm communicator = MPI_COMM_NULL;
-    std::shared_ptr<const Symmetry> symmetry;      ///< null: no planes of symmetry
     std::shared_ptr<const ThermalProperties> heat; ///< null: a scene without heat
     bool has_mechanics = true; ///< otherwise the scene is one of heat alone: no material points
     bool trace_bridge = false; ///< elements see the particles' field at shared nodes
@@ -152,9 +151,9 @@ namespace tombolo
     /** Nodes whose values this rank must see: nodes of its cells, neighbours of its particles. */
     virtual dealii::IndexSet required_nodes() const = 0;
 
-    /** Images in planes of symmetry whose values this rank must see, in any order; their sources
-     * are among required_nodes(). Changes when those do. */
-    virtual std::vector<MirrorNode> required_images() const
+    /** Images of nodes whose values this rank must see, in any order; their sources are among
+     * required_nodes(). Changes when those do. */
+    virtual std::vector<ImageNode> required_image_nodes() const
     {
       return {};
     }

@@ -5,9 +5,9 @@
 #include <deal.II/fe/fe_q.h>
 
 #include <tombolo/mesh/dependent_node.h>
+#include <tombolo/mesh/images.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/part_cells.h>
-#include <tombolo/mesh/symmetry.h>
 
 #include <cstdint>
 #include <map>
@@ -47,9 +47,9 @@ namespace tombolo
     /** Which of a cell's nodes lie on its face @p face: ascending places in cell_nodes. */
     const std::vector<unsigned int> &face_places(unsigned int face) const;
 
-    /** Planes of symmetry, beyond which the body goes on; null: there are none. */
-    void set_symmetry(std::shared_ptr<const Symmetry> symmetry);
-    const std::shared_ptr<const Symmetry> &symmetry() const;
+    /** Images of the mesh, with which the body goes on. */
+    void set_images(std::shared_ptr<const Images> images);
+    const std::shared_ptr<const Images> &images() const;
 
     /** Those nodes of the cells that this rank sees which depend on others: at least those of cells
      * around owned nodes, ascending. Collective. */
@@ -62,8 +62,8 @@ namespace tombolo
      * cells around them. */
     std::map<dealii::types::global_dof_index, dealii::Point<dim>> points_depended_on() const;
 
-    /** Whether the body ends at a face of a cell: at the boundary of the mesh, unless it is in a
-     * plane of symmetry. What acts on the surface of a body acts on these faces. */
+    /** Whether the body ends at a face of a cell: at the boundary of the mesh, unless it is its own
+     * image. What acts on the surface of a body acts on these faces. */
     bool is_outer_face(const Cell &cell, unsigned int face) const;
 
     /** What an outer face is in messages. */
@@ -82,7 +82,7 @@ namespace tombolo
     std::vector<unsigned int> lexicographic_to_hierarchic;
     std::vector<std::vector<unsigned int>> places_of_faces;
     std::vector<std::uint64_t> ids;
-    std::shared_ptr<const Symmetry> planes;
+    std::shared_ptr<const Images> images_of_body = Images::none();
     std::vector<DependentNode> dependent;
     bool are_any_dependent = false;
   };

@@ -48,4 +48,9 @@ namespace tombolo
    * velocities that conditions prescribe. Throws InputError. Collective. */
   template <int dim>
   void set_initial_conditions(const Parameters &parameters, Model<dim> &model);
+
+  /** An interval that is short beside the first step; a thousandth of 1e300 where nothing limits
+   * that. Collective. */
+  template <int dim>
+  double short_interval(const Model<dim> &model);
 } // namespace tombolo

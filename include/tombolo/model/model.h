@@ -157,7 +157,6 @@ namespace tombolo
     SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
                                        bool trace);
     void set_initial_positions();
-    std::vector<Stencils *> stencils_of_parts() const;
 
     std::shared_ptr<const NodePartition> partition;
     NodalVector mass_of_bodies; // where inertia is not that of the mass

@@ -5,7 +5,7 @@
 #include <deal.II/base/partitioner.h>
 
 #include <tombolo/mesh/dependent_node.h>
-#include <tombolo/mesh/symmetry.h>
+#include <tombolo/mesh/images.h>
 
 #include <cstddef>
 #include <memory>
@@ -33,8 +33,8 @@ namespace tombolo
   /**
    * Which nodes a rank owns and which ghosts it reads, and the exchange between them. Local node
    * numbers are 0 ... n_owned()-1 for owned nodes, in the order of their global numbers, then the
-   * ghosts, in the order of theirs, then the images of owned and ghost nodes in planes of symmetry,
-   * if there are such planes. Immutable: when ghosts change, a new partition is made and
+   * ghosts, in the order of theirs, then the images of owned and ghost nodes, if the body has such
+   * (Images). Immutable: when ghosts change, a new partition is made and
    * nodal vectors move over to it (NodalVector::move_to). Held by shared pointers.
    *
    * Some owned nodes can depend on others (C): such as those on a face of an element beside
@@ -46,14 +46,12 @@ namespace tombolo
   class NodePartition : public std::enable_shared_from_this<NodePartition>
   {
   public:
-    /** @p ghosts may contain owned nodes; they are left out. Collective. */
+    /** @p ghosts may contain owned nodes; they are left out. @p images are those of the body among
+     * which are @p image_nodes, in any order, whose sources must be owned or ghosts. Collective. */
     NodePartition(const dealii::IndexSet &owned, const dealii::IndexSet &ghosts,
-                  MPI_Comm communicator);
-
-    /** With planes of symmetry. The sources of @p images, in any order, must be owned or ghosts. */
-    NodePartition(const dealii::IndexSet &owned, const dealii::IndexSet &ghosts,
-                  MPI_Comm communicator, const std::shared_ptr<const Symmetry> &symmetry,
-                  const std::vector<MirrorNode> &images);
+                  MPI_Comm communicator,
+                  const std::shared_ptr<const Images> &images = Images::none(),
+                  const std::vector<ImageNode> &image_nodes = {});
 
     unsigned int n_owned() const;
     unsigned int n_ghosts() const;
@@ -67,14 +65,14 @@ namespace tombolo
     bool has(dealii::types::global_dof_index node) const;
 
     /** The local number of an image that the constructor was given. */
-    unsigned int local_index(const MirrorNode &image) const;
+    unsigned int local_index(const ImageNode &image) const;
 
-    /** The reflection of the values of one node: value <- sign * value + offset, where the offset
-     * is for positions only. */
+    /** The image of the values of one node: value <- sign * value + offset, where the offset is for
+     * positions only. */
     struct Reflected
     {
       unsigned int source; ///< local number
-      Symmetry::Reflection reflection;
+      Images::Map reflection;
     };
 
     /** Makes these owned nodes dependent on others, which are owned or ghosts and can be dependent
@@ -94,11 +92,11 @@ namespace tombolo
     const DependentNodes &dependent_nodes() const;
     bool has_dependent_nodes() const; ///< on any rank
 
-    /** Null where there is no plane of symmetry. */
-    const Symmetry *symmetry() const;
+    /** All that the body has. */
+    const Images &images_of_body() const;
     /** By image, in the order of local numbers; the source is owned or a ghost. */
     const std::vector<Reflected> &images() const;
-    /** Owned nodes on planes, once for each plane. */
+    /** Owned nodes that are their own images, once for each mirror. */
     const std::vector<Reflected> &nodes_on_planes() const;
 
     /** Owned nodes that can receive something in NodalVector::add_to_owners(): ghosts of other
@@ -121,8 +119,8 @@ namespace tombolo
 
   private:
     DependentNodes dependent;
-    std::shared_ptr<const Symmetry> planes;
-    std::vector<MirrorNode> image_nodes; // ascending
+    std::shared_ptr<const Images> all_images;
+    std::vector<ImageNode> image_nodes; // ascending
     std::vector<Reflected> reflected_images, reflected_onto_themselves;
     std::vector<unsigned int> receivers;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> scalar_partitioner;
@@ -134,5 +132,5 @@ namespace tombolo
    * depend, and @p images. Collective. */
   template <int dim>
   std::shared_ptr<NodePartition> partition_of(const Nodes<dim> &nodes, dealii::IndexSet required,
-                                              const std::vector<MirrorNode> &images = {});
+                                              const std::vector<ImageNode> &images = {});
 } // namespace tombolo

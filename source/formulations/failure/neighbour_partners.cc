@@ -30,17 +30,17 @@ namespace tombolo
     partners.clear();
     damaged.clear();
     growths.clear();
-    const auto add = [&](const types::global_dof_index node, const unsigned int planes)
+    const auto add = [&](const types::global_dof_index node, const unsigned int mirrors)
     {
       const double *const tag = tags.node(partition->local_index(node));
-      partners.push_back({joined(tag[0], tag[1]), planes});
+      partners.push_back({joined(tag[0], tag[1]), mirrors});
       damaged.push_back(tag[2] > 0.);
       growths.push_back(static_cast<ParticleGrowth>(tag[3]));
     };
     for (const types::global_dof_index node : nodes)
       add(node, 0);
-    for (const MirrorNode &image : neighbourhoods.images())
-      add(image.source, image.planes);
+    for (const ImageNode &image : neighbourhoods.images())
+      add(image.source, image.mirrors);
     is_found = true;
   }
 

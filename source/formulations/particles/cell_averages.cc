@@ -17,19 +17,6 @@ namespace tombolo
 
   namespace
   {
-    /** The planes of symmetry, as bits, on which @p point is. */
-    template <int dim>
-    unsigned int planes_at(const Symmetry *symmetry, const Point<dim> &point,
-                           const double tolerance)
-    {
-      unsigned int result = 0;
-      if (symmetry != nullptr)
-        for (unsigned int p = 0; p < symmetry->planes.size(); ++p)
-          if (std::abs(point[symmetry->planes[p].axis] - symmetry->planes[p].coordinate) <=
-              tolerance)
-            result |= 1u << p;
-      return result;
-    }
 
     /** Whether nodes on which nodes of the part depend do so themselves. Collective. */
     template <int dim>
@@ -107,7 +94,6 @@ namespace tombolo
                 (wanted == "cell averages" || (wanted == "automatic" && setup.has_mechanics));
     nodes = setup.nodes;
     part_cells = setup.part_cells;
-    symmetry = setup.symmetry;
     part = setup.index;
   }
 
@@ -132,32 +118,32 @@ namespace tombolo
   {
     const auto n = static_cast<unsigned int>(integrals.nodes.size());
     const double tolerance = 1e-6 * integrals.points.front().distance(integrals.points.back());
-    std::vector<unsigned int> planes;
+    const Images &images = *nodes->images();
+    std::vector<unsigned int> mirrors;
     for (const Point<dim> &point : integrals.points)
-      planes.push_back(planes_at<dim>(symmetry.get(), point, tolerance));
+      mirrors.push_back(images.at(point, tolerance));
     for (unsigned int i = 0; i < n; ++i)
     {
       Sums *const sum = sums_of(integrals.nodes[i]);
       if (sum == nullptr)
         continue;
       sum->volume += integrals.volume[i];
-      // With the images of the cell through all combinations of the planes of the particle.
-      for (unsigned int through = 0; through <= planes[i]; ++through)
+      // With the images of the cell in all combinations of the mirrors of the particle.
+      for (unsigned int through = 0; through <= mirrors[i]; ++through)
       {
-        if ((through & ~planes[i]) != 0)
+        if ((through & ~mirrors[i]) != 0)
           continue;
-        const Symmetry::Reflection reflection =
-            symmetry != nullptr ? symmetry->reflection(through) : Symmetry::Reflection();
+        const Images::Map map = images.map(through);
         sum->image_volume += integrals.volume[i];
         sum->weight += integrals.weight[i];
         for (unsigned int d = 0; d < dim; ++d)
-          sum->moment[d] += reflection.sign[d] * integrals.moment[i][d];
+          sum->moment[d] += map.sign[d] * integrals.moment[i][d];
         for (unsigned int j = 0; j < n; ++j)
         {
-          Entry &target = sum->at({integrals.nodes[j], through & ~planes[j]});
+          Entry &target = sum->at({integrals.nodes[j], through & ~mirrors[j]});
           target.value += integrals.value[i * n + j];
           for (unsigned int d = 0; d < dim; ++d)
-            target.gradient[d] += reflection.sign[d] * integrals.gradient[i * n + j][d];
+            target.gradient[d] += map.sign[d] * integrals.gradient[i * n + j][d];
         }
       }
     }
@@ -177,7 +163,7 @@ namespace tombolo
       for (const Entry &entry : sum.entries)
       {
         for (const double number : {static_cast<double>(entry.node.source),
-                                    static_cast<double>(entry.node.planes), entry.value})
+                                    static_cast<double>(entry.node.mirrors), entry.value})
           numbers.push_back(number);
         numbers.insert(numbers.end(), entry.gradient, entry.gradient + dim);
       }
@@ -227,13 +213,10 @@ namespace tombolo
       for (const Entry &entry : rows[i])
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const Symmetry::Reflection reflection = symmetry != nullptr
-                                                      ? symmetry->reflection(entry.node.planes)
-                                                      : Symmetry::Reflection();
+          const Images::Map map = nodes->images()->map(entry.node.mirrors);
           const double other =
-              reflection.sign[d] *
-                  position.node(position.partition()->local_index(entry.node.source))[d] +
-              reflection.offset[d];
+              map.sign[d] * position.node(position.partition()->local_index(entry.node.source))[d] +
+              map.offset[d];
           double &support = supports[std::size_t(i) * node_stride + d];
           support =
               std::max(support, beyond * std::abs(other - particles.initial_positions()[i][d]));
@@ -242,11 +225,11 @@ namespace tombolo
   }
 
   template <int dim>
-  typename CellAverages<dim>::Entry &CellAverages<dim>::Sums::at(const MirrorNode &node)
+  typename CellAverages<dim>::Entry &CellAverages<dim>::Sums::at(const ImageNode &node)
   {
     const auto place =
         std::lower_bound(entries.begin(), entries.end(), node,
-                         [](const Entry &a, const MirrorNode &b) { return a.node < b; });
+                         [](const Entry &a, const ImageNode &b) { return a.node < b; });
     if (place != entries.end() && place->node == node)
       return *place;
     Entry entry;
@@ -366,11 +349,11 @@ namespace tombolo
                                                                    const unsigned int place) const
   {
     const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
-    const MirrorNode node = place < n_nodes ? MirrorNode{found.global_nodes()[place], 0}
-                                            : found.images()[place - n_nodes];
+    const ImageNode node = place < n_nodes ? ImageNode{found.global_nodes()[place], 0}
+                                           : found.images()[place - n_nodes];
     const auto entry =
         std::lower_bound(rows[row].begin(), rows[row].end(), node,
-                         [](const Entry &a, const MirrorNode &b) { return a.node < b; });
+                         [](const Entry &a, const ImageNode &b) { return a.node < b; });
     return entry != rows[row].end() && entry->node == node ? &*entry : nullptr;
   }
 

@@ -2,6 +2,7 @@
 #include <tombolo/formulations/particles/particle_method.h>
 
 #include <tombolo/approximation/row_deformation.h>
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -69,11 +70,13 @@ namespace tombolo
       section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
     if (self_contact && setup.heat == nullptr)
       FragmentFriction<dim>::refuse_without_heat(section);
-    if (self_contact && setup.symmetry != nullptr)
+    if (self_contact && !setup.nodes->images()->empty())
       section.fail("Self-contact",
-                   "not with planes of symmetry: fragments are not followed through "
-                   "them. Model the whole body");
-    set.check_symmetry(section, rows->support_entry());
+                   "not with " + Images::words(false) +
+                       ": fragments are not followed through them. Model the whole body");
+    refuse_images_of_images<dim>(section, rows->support_entry(), *setup.nodes->images(),
+                                 set.initial_positions(), set.initial_supports(),
+                                 setup.communicator);
   }
 
   template <int dim>
@@ -91,7 +94,7 @@ namespace tombolo
     }
     check_setup();
     integration.initialize(setup);
-    rows->set_symmetry(setup.symmetry);
+    rows->set_images(setup.nodes->images());
     rows->set_bodies(*setup.bodies);
     if (setup.source)
     {
@@ -145,9 +148,9 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<MirrorNode> ParticleMethod<dim>::required_images() const
+  std::vector<ImageNode> ParticleMethod<dim>::required_image_nodes() const
   {
-    return rows->required_images();
+    return rows->required_image_nodes();
   }
 
   template <int dim>
@@ -270,7 +273,7 @@ namespace tombolo
   {
     // New particles have come from the initial configuration with the rows that they have there.
     Neighbourhoods<dim> at_start;
-    at_start.set_symmetry(setup.symmetry);
+    at_start.set_images(setup.nodes->images());
     Stencils initial;
     at_start.search(set.nodes(), set.padded_initial_positions(), set.initial_supports(),
                     setup.communicator, initial);

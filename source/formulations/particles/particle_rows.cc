@@ -26,9 +26,9 @@ namespace tombolo
   {}
 
   template <int dim>
-  void ParticleRows<dim>::set_symmetry(const std::shared_ptr<const Symmetry> &symmetry)
+  void ParticleRows<dim>::set_images(const std::shared_ptr<const Images> &images)
   {
-    neighbours.set_symmetry(symmetry);
+    neighbours.set_images(images);
   }
 
   template <int dim>
@@ -160,7 +160,7 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::vector<MirrorNode> &ParticleRows<dim>::required_images() const
+  const std::vector<ImageNode> &ParticleRows<dim>::required_image_nodes() const
   {
     return neighbours.images();
   }
@@ -191,7 +191,7 @@ namespace tombolo
   std::shared_ptr<const NodePartition>
   ParticleRows<dim>::partition(const ParticleSet<dim> &particles) const
   {
-    return particles.partition(required_nodes(particles), required_images());
+    return particles.partition(required_nodes(particles), required_image_nodes());
   }
 
   template <int dim>

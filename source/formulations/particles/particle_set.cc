@@ -179,7 +179,6 @@ namespace tombolo
                                                 const DependentNodes dependent_nodes)
   {
     mesh_nodes = setup.nodes;
-    planes = setup.symmetry;
     mpi_communicator = setup.communicator;
     const double density = setup.material->density();
     SeenNodes seen = find_seen_nodes<dim>(*mesh_nodes, density, is_taken);
@@ -291,10 +290,10 @@ namespace tombolo
 
   template <int dim>
   std::shared_ptr<const NodePartition>
-  ParticleSet<dim>::partition(const IndexSet &required, const std::vector<MirrorNode> &images) const
+  ParticleSet<dim>::partition(const IndexSet &required, const std::vector<ImageNode> &images) const
   {
     return std::make_shared<const NodePartition>(mesh_nodes->owned(), required, mpi_communicator,
-                                                 planes, images);
+                                                 mesh_nodes->images(), images);
   }
 
   template <int dim>
@@ -304,46 +303,15 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::shared_ptr<const Symmetry> &ParticleSet<dim>::symmetry() const
+  double ParticleSet<dim>::copies_in_whole_body(const unsigned int i) const
   {
-    return planes;
+    return mesh_nodes->images()->n_own_images(numbers[i]);
   }
 
   template <int dim>
   MPI_Comm ParticleSet<dim>::communicator() const
   {
     return mpi_communicator;
-  }
-
-  template <int dim>
-  void ParticleSet<dim>::check_symmetry(const Section &section, const char *const entry) const
-  {
-    if (planes == nullptr)
-      return;
-    // Between two planes an image has images of its own, which are not made. The nearest one of a
-    // particle is as far as the planes are apart, and its distance to one of them, from others.
-    for (const SymmetryPlane &lower : planes->planes)
-      for (const SymmetryPlane &upper : planes->planes)
-      {
-        if (lower.axis != upper.axis || !(lower.coordinate < upper.coordinate))
-          continue;
-        const double thickness = upper.coordinate - lower.coordinate;
-        double excess = 0;
-        for (unsigned int i = 0; i < size(); ++i)
-        {
-          const double support = supports[std::size_t(i) * node_stride + lower.axis];
-          for (const SymmetryPlane &plane : {lower, upper})
-          {
-            const double distance = std::abs(positions[i][lower.axis] - plane.coordinate);
-            if (distance > 1e-6 * support)
-              excess = std::max(excess, support - thickness - distance);
-          }
-        }
-        if (Utilities::MPI::max(excess, mpi_communicator) > 1e-9 * thickness)
-          section.fail(entry,
-                       "supports reach across the whole slab between two planes of symmetry; make "
-                       "it thicker, or model it with one plane.");
-      }
   }
 
   template <int dim>

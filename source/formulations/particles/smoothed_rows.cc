@@ -32,22 +32,6 @@ namespace tombolo
       volume = Utilities::MPI::sum(volume, setup.communicator);
       return n_cells > 0. ? volume / n_cells : 0.;
     }
-
-    /** The volume of each particle in the whole body over that in the piece of it that planes of
-     * symmetry leave: a factor of two for each plane that it lies on, where it is its own image. */
-    template <int dim>
-    std::vector<double> copies_in_whole_body(const ParticleSet<dim> &particles)
-    {
-      std::vector<double> copies(particles.size(), 1.);
-      if (particles.symmetry() == nullptr)
-        return copies;
-      for (const std::vector<types::global_dof_index> &on_plane :
-           particles.symmetry()->nodes_on_plane)
-        for (unsigned int i = 0; i < particles.size(); ++i)
-          if (std::binary_search(on_plane.begin(), on_plane.end(), particles.nodes()[i]))
-            copies[i] *= 2.;
-      return copies;
-    }
   } // namespace
 
   template <int dim>
@@ -108,7 +92,9 @@ namespace tombolo
             correction_limit,
             is_current ? RadialRows<dim>::Uncorrected::raw : RadialRows<dim>::Uncorrected::empty);
     }
-    copies = copies_in_whole_body(particles);
+    copies.clear();
+    for (unsigned int i = 0; i < particles.size(); ++i)
+      copies.push_back(particles.copies_in_whole_body(i));
     std::vector<double> supports(particles.size() * node_stride, 0.);
     for (unsigned int i = 0; i < particles.size(); ++i)
     {

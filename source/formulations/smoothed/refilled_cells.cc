@@ -89,8 +89,9 @@ namespace tombolo
     const auto is_void = refill_settings.template void_cells<dim>();
     if (!is_void)
       return part_setup;
-    if (of_part.symmetry)
-      refill_settings.refuse_void_cells("the scene has planes of symmetry, at which cells are "
+    if (!of_part.nodes->images()->empty())
+      refill_settings.refuse_void_cells("the scene has " + Images::words(false) +
+                                        ", at which cells are "
                                         "neither filled nor emptied; allowed is the whole body.");
     voids.initialize(of_part, *is_void);
     part_setup.void_cells = &voids;

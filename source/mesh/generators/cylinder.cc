@@ -5,6 +5,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/cylinder.h>
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/mesh/memory_check.h>
 
 #include <cmath>
@@ -13,7 +14,7 @@ namespace tombolo
 {
   namespace
   {
-    constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, symmetry_id = 3;
+    constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
 
     constexpr Cylinder::Words words_of_cylinder = {"cylinder", "Length", "Cells along axis",
                                                    "Foot",     "foot",   "rear"};
@@ -118,7 +119,7 @@ namespace tombolo
           else if (!all([](unsigned int, const auto &vertex) { return vertex.is_at_rim; }))
             for (unsigned int d = 0; d < 2; ++d)
               if (all([&](unsigned int, const auto &vertex) { return vertex.place[d] == 0; }))
-                id = symmetry_id + across[d];
+                id = first_cut_id + across[d];
           cell->face(f)->set_boundary_id(id);
         }
     mesh.triangulation.copy_triangulation(coarse);
@@ -128,7 +129,7 @@ namespace tombolo
     mesh.boundary_names["side"] = side_id;
     for (unsigned int d = 0; d < 2; ++d)
       if (round_section->is_cut(d))
-        mesh.boundary_names[std::string("symmetry ") + "xyz"[across[d]]] = symmetry_id + across[d];
+        mesh.boundary_names[name_of_cut("xyz"[across[d]])] = first_cut_id + across[d];
   }
 
   TOMBOLO_REGISTER(MeshSource<3>, Cylinder, "cylinder",

@@ -5,6 +5,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/disc.h>
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/mesh/memory_check.h>
 
 #include <cmath>
@@ -73,7 +74,7 @@ namespace tombolo
     mesh.boundary_names["side"] = 0;
     for (unsigned int d = 0; d < 2; ++d)
       if (round_section.is_cut(d))
-        mesh.boundary_names[std::string("symmetry ") + "xy"[d]] = d + 1;
+        mesh.boundary_names[name_of_cut("xy"[d])] = d + 1;
   }
 
   void Disc<3>::declare_parameters(dealii::ParameterHandler &handler)

@@ -77,7 +77,7 @@ namespace tombolo
       section.fail("Core corner angle", "It must be from 90 to 150 degrees.");
     arc = (angle - 90) / 2 * PI / 180;
     read_core_radius(section, whole);
-    read_symmetry_planes(section, axes, whole);
+    read_cuts(section, axes, whole);
 
     const double n = n_core_cells;
     const double n_in_section = n * n + 4 * n * static_cast<double>(n_cells(rings));
@@ -112,8 +112,8 @@ namespace tombolo
     rings.front().begin = core_radius;
   }
 
-  void RoundSection::read_symmetry_planes(const Section &section, const std::array<char, 2> &axes,
-                                          const std::string &whole)
+  void RoundSection::read_cuts(const Section &section, const std::array<char, 2> &axes,
+                               const std::string &whole)
   {
     const auto fail = [&](const std::string &message)
     {

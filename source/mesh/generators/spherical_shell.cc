@@ -6,6 +6,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/spherical_shell.h>
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/mesh/memory_check.h>
 
 #include <algorithm>
@@ -137,7 +138,7 @@ namespace tombolo
     mesh.boundary_names["inner"] = inner_sphere_id;
     mesh.boundary_names["outer"] = outer_sphere_id;
     for (unsigned int d = 0; d < 3; ++d)
-      mesh.boundary_names[std::string("symmetry ") + "xyz"[d]] = first_plane_id + d;
+      mesh.boundary_names[name_of_cut("xyz"[d])] = first_plane_id + d;
   }
 
   TOMBOLO_REGISTER(MeshSource<3>, SphericalShell, "spherical shell",

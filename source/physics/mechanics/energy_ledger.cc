@@ -14,23 +14,6 @@ namespace tombolo
   {
     using Vector = std::array<double, 3>;
 
-    /** Which components a half or a quarter of a symmetric body keeps by itself: momentum along the
-     * planes, angular momentum about their normal if they have only one. */
-    struct KeptComponents
-    {
-      std::array<bool, 3> momentum{{true, true, true}}, angular{{true, true, true}};
-
-      explicit KeptComponents(const Symmetry *symmetry)
-      {
-        if (symmetry != nullptr)
-          for (const SymmetryPlane &plane : symmetry->planes)
-          {
-            momentum[plane.axis] = false;
-            angular[(plane.axis + 1) % 3] = angular[(plane.axis + 2) % 3] = false;
-          }
-      }
-    };
-
     /** |now + removed - start - given| over @p scale, of the components that count. */
     double drift(const Vector &now, const Vector &removed, const Vector &start, const Vector &given,
                  const std::array<bool, 3> &counts, const double scale)
@@ -167,15 +150,22 @@ namespace tombolo
   template <int dim>
   void EnergyLedger::find_drifts(const Model<dim> &model, EnergyBalance &result)
   {
-    const KeptComponents kept(model.state.partition()->symmetry());
+    // A half or a quarter of a symmetric body keeps the others by itself.
+    const Images &images = model.state.partition()->images_of_body();
+    std::array<bool, 3> keeps_momentum, keeps_angular_momentum;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      keeps_momentum[d] = !images.are_opposite_along(d);
+      keeps_angular_momentum[d] = !images.are_opposite_about(d);
+    }
     result.momentum_scale = largest_momentum;
     result.angular_momentum_scale = largest_angular_momentum;
     result.momentum_drift =
         drift(result.momentum, result.energies.removed_momentum, initial_momentum, result.impulse,
-              kept.momentum, largest_momentum);
+              keeps_momentum, largest_momentum);
     result.angular_momentum_drift = drift(
         result.angular_momentum, result.energies.removed_angular_momentum, initial_angular_momentum,
-        result.angular_impulse, kept.angular, largest_angular_momentum);
+        result.angular_impulse, keeps_angular_momentum, largest_angular_momentum);
   }
 
   void EnergyLedger::serialize(StateArchive &archive, EnergyBalance &last)

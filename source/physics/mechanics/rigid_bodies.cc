@@ -4,11 +4,11 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/output/output.h>
-#include <tombolo/physics/mechanics/rigid_body_setup.h>
 #include <tombolo/physics/remeshing/model_content.h>
 
 #include <deal.II/base/mpi.h>
@@ -28,27 +28,11 @@ namespace tombolo
 
   namespace
   {
-    constexpr double beyond_all_steps = 1e299;
-
     /** The step that the user gives; zero where none. As text, since who makes a model alone does
      * not declare it. */
     double fixed_step(const Parameters &parameters)
     {
       return std::strtod(parameters.raw("Time step/Fixed", "0").c_str(), nullptr);
-    }
-
-    /** An interval that is short beside the first step. Collective. */
-    template <int dim>
-    double short_interval_of_step(const Parameters &parameters, const Model<dim> &model)
-    {
-      double step = beyond_all_steps;
-      for (const Part<dim> &part : model.parts)
-        step = std::min(
-            step, part.formulation->courant_limit(model.state.position, part.inertia).time_step);
-      step = Utilities::MPI::min(step, model.communicator);
-      if (step >= beyond_all_steps)
-        step = fixed_step(parameters);
-      return 1e-3 * (step > 0. ? step : 1.);
     }
 
     template <int dim>
@@ -81,18 +65,15 @@ namespace tombolo
     if (all_are_rigid && !(fixed_step(parameters) > 0.))
       parameters.fail("Time step/Fixed", "all parts of the scene are rigid and limit no step; give "
                                          "the step here.");
-    start_interval = short_interval_of_step(parameters, model);
-    for (unsigned int p = 0; p < model.parts.size(); ++p)
+    start_interval = all_are_rigid ? 1e-3 * fixed_step(parameters) : short_interval(model);
+    joined = find_rigid_bodies(sections, model);
+    for (JoinedParts &body : joined)
     {
-      if (rigid_cells(model.parts[p]) == nullptr)
-        continue;
-      RigidBodySettings<dim> motion(sections[p].subsection("rigid"));
-      parts.push_back(p);
-      nodes.push_back(owned_nodes_of_part(model, p));
-      check_rigid_part(sections[p], motion, model, p, nodes.back());
-      bodies.emplace_back(model.parts[p].name, std::move(motion),
-                          inertia_of_part(model, p, nodes.back()));
-      start(sections[p].subsection("rigid"), bodies.size() - 1, model);
+      const unsigned int leader = body.parts.front();
+      RigidBodySettings<dim> motion(sections[leader].subsection("rigid"));
+      check_rigid_body(sections[leader], motion, model, body);
+      bodies.emplace_back(model.parts[leader].name, std::move(motion), inertia_of(body, model));
+      start(sections[leader].subsection("rigid"), bodies.size() - 1, model);
     }
     masses_have_changed(model);
     model.state.unsmoothed_velocity.distribute();
@@ -103,7 +84,7 @@ namespace tombolo
   {
     std::array<double, 3> moment{};
     std::array<double, 6> sums{};
-    for (const unsigned int node : nodes[index])
+    for (const unsigned int node : joined[index].nodes)
     {
       const Tensor<1, 3> momentum = *model.bridge->mass().node(node) *
                                     vector_of_node<dim>(model.state.unsmoothed_velocity, node);
@@ -128,8 +109,8 @@ namespace tombolo
   bool RigidBodies<dim>::masses_have_changed(const Model<dim> &model)
   {
     std::vector<double> now;
-    for (const std::vector<unsigned int> &of_body : nodes)
-      for (const unsigned int node : of_body)
+    for (const JoinedParts &body : joined)
+      for (const unsigned int node : body.nodes)
         now.push_back(*model.bridge->mass().node(node));
     const bool has_changed = Utilities::MPI::max(now == masses ? 0 : 1, model.communicator) == 1;
     masses.swap(now);
@@ -140,7 +121,7 @@ namespace tombolo
   void RigidBodies<dim>::renew_inertia(const Model<dim> &model)
   {
     for (std::size_t b = 0; b < bodies.size(); ++b)
-      bodies[b].set_inertia(inertia_of_part(model, parts[b], nodes[b]));
+      bodies[b].set_inertia(inertia_of(joined[b], model));
   }
 
   template <int dim>
@@ -164,7 +145,7 @@ namespace tombolo
     {
       const Wrench momentum = momentum_of_nodes(b, model);
       const auto way_back = bodies[b].take_momentum(clock, momentum.force, momentum.moment);
-      for (const unsigned int node : nodes[b])
+      for (const unsigned int node : joined[b].nodes)
       {
         const Tensor<1, 3> way =
             way_back.of(vector_of_node<dim>(model.state.initial_position, node));
@@ -208,7 +189,7 @@ namespace tombolo
   template <int dim>
   void RigidBodies<dim>::set_velocity(const std::size_t index, NodalState &state) const
   {
-    for (const unsigned int node : nodes[index])
+    for (const unsigned int node : joined[index].nodes)
     {
       const Tensor<1, 3> velocity =
           bodies[index].velocity_at_start(vector_of_node<dim>(state.position, node));
@@ -226,7 +207,7 @@ namespace tombolo
     {
       Tensor<1, 3> force;
       std::array<double, 3> moment{};
-      for (const unsigned int node : nodes[b])
+      for (const unsigned int node : joined[b].nodes)
       {
         const Tensor<1, 3> of_node = vector_of_node<dim>(state.force, node);
         const Tensor<1, 3> r = vector_of_node<dim>(state.position, node) - bodies[b].centre();
@@ -258,7 +239,7 @@ namespace tombolo
     constexpr double share_of_correction = 1e-3;
     const auto from_start = bodies[index].placement();
     const auto of_step = bodies[index].motion_of_step(clock);
-    for (const unsigned int node : nodes[index])
+    for (const unsigned int node : joined[index].nodes)
     {
       const Tensor<1, 3> initial = vector_of_node<dim>(state.initial_position, node);
       const Tensor<1, 3> place = initial + from_start.of(initial), motion = of_step.of(initial);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 namespace tombolo
 {
@@ -22,6 +23,15 @@ namespace tombolo
       return Tensor<1, 3>({node[0], node[1], node[2]});
     }
 
+    Tensor<2, 3> matrix_of(const double *const rows)
+    {
+      Tensor<2, 3> result;
+      for (unsigned int a = 0; a < 3; ++a)
+        for (unsigned int b = 0; b < 3; ++b)
+          result[a][b] = rows[3 * a + b];
+      return result;
+    }
+
     bool share_a_node(const std::vector<unsigned int> &one, const std::vector<unsigned int> &other,
                       const MPI_Comm communicator)
     {
@@ -31,26 +41,46 @@ namespace tombolo
       return Utilities::MPI::max(common.empty() ? 0 : 1, communicator) == 1;
     }
 
+    bool gives_motion(const Section &section)
+    {
+      const Section motion = section.subsection("rigid");
+      const auto entries = {"Origin", "Displacement", "Rotation",         "Angle",
+                            "Force",  "Moment",       "Initial velocity", "Initial spin"};
+      return std::any_of(entries.begin(), entries.end(),
+                         [&](const char *const entry) { return motion.is_set(entry); });
+    }
+
+    /** The first part is that which gives the motion. */
+    void put_leader_first(const std::vector<Section> &sections, std::vector<unsigned int> &parts)
+    {
+      std::sort(parts.begin(), parts.end());
+      std::stable_partition(parts.begin(), parts.end(),
+                            [&](const unsigned int part) { return gives_motion(sections[part]); });
+      if (parts.size() > 1 && gives_motion(sections[parts[1]]))
+        sections[parts[1]].fail(
+            "Cells", "common nodes join the part to the rigid part \"" + sections[parts[0]].name() +
+                         "\", so that both move as one body, and both give its motion; "
+                         "allowed are entries in one of their sections `rigid`.");
+    }
+
     template <int dim>
     void refuse_shared_nodes(const Section &section, const Model<dim> &model,
-                             const unsigned int part, const std::vector<unsigned int> &nodes)
+                             const JoinedParts &body)
     {
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &other = model.parts[p];
-        if (p == part || !share_a_node(nodes, owned_nodes_of_part(model, p), model.communicator))
-          continue;
-        const std::string begin = "the part shares nodes with part \"" + other.name + "\", ";
-        if (rigid_cells(other) != nullptr)
-          section.fail("Cells", begin + "which is rigid too: bodies that are joined move as one; "
-                                        "allowed is one part of the cells of both.");
-        if (other.particles != nullptr)
-          section.fail("Cells", begin + "whose particles are smoothed with their neighbours; "
-                                        "allowed are shared nodes with elements only.");
-        if (other.formulation->can_lose_cells())
-          section.fail("Cells", begin + "whose cells can be removed, so that the mass of the rigid "
-                                        "part would change; allowed are shared nodes with elements "
-                                        "that stay.");
+        const bool gives_particles =
+            std::any_of(model.parts.begin(), model.parts.end(),
+                        [&](const Part<dim> &particles) { return particles.source == p; });
+        if ((other.particles != nullptr || gives_particles) &&
+            share_a_node(body.nodes, owned_nodes_of_part(model, p), model.communicator))
+          section.fail(
+              "Cells",
+              "the part shares nodes with part \"" + other.name + "\", whose " +
+                  (gives_particles ? "cells become particles, which are" : "particles are") +
+                  " smoothed with their neighbours; allowed are shared nodes with "
+                  "elements that stay elements.");
       }
     }
 
@@ -123,33 +153,31 @@ namespace tombolo
                                   "`Boundary` or `Where` without these nodes.");
     }
 
-    /** A half of a body on a plane of symmetry can move along it and turn about its normal. */
+    /** A half of a body that is its own image can move along the mirror and turn about its normal.
+     */
     template <int dim>
-    void refuse_motion_out_of_planes(const Section &section, const RigidBodySettings<dim> &motion,
-                                     const Model<dim> &model,
-                                     const std::vector<unsigned int> &nodes)
+    void refuse_motion_out_of_mirrors(const Section &section, const RigidBodySettings<dim> &motion,
+                                      const Model<dim> &model,
+                                      const std::vector<unsigned int> &nodes)
     {
-      if (model.nodes->symmetry() == nullptr)
-        return;
-      for (std::size_t p = 0; p < model.nodes->symmetry()->planes.size(); ++p)
+      std::array<int, dim> is_crossed{};
+      for (const NodePartition::Reflected &on_mirror : model.state.partition()->nodes_on_planes())
+        for (unsigned int d = 0; d < dim; ++d)
+          if (on_mirror.reflection.sign[d] < 0. &&
+              std::binary_search(nodes.begin(), nodes.end(), on_mirror.source))
+            is_crossed[d] = 1;
+      for (unsigned int axis = 0; axis < dim; ++axis)
       {
-        std::vector<unsigned int> on_plane;
-        for (const types::global_dof_index node : model.nodes->symmetry()->nodes_on_plane[p])
-          on_plane.push_back(model.state.partition()->local_index(node));
-        std::sort(on_plane.begin(), on_plane.end());
-        if (!share_a_node(nodes, on_plane, model.communicator))
+        if (Utilities::MPI::max(is_crossed[axis], model.communicator) == 0)
           continue;
-        const unsigned int axis = model.nodes->symmetry()->planes[p].axis;
+        const std::string begin = "the part lies on a " + Images::words(true) + " normal to " +
+                                  "xyz"[axis] + "; allowed is ";
         if (motion.is_free(axis))
-          section.subsection("rigid").fail(
-              "Displacement", std::string("the part lies on a plane of symmetry normal to ") +
-                                  "xyz"[axis] + "; allowed is 0 in this component.");
+          section.subsection("rigid").fail("Displacement", begin + "0 in this component.");
         if (motion.rotation == RigidRotation::free ||
             (motion.rotation == RigidRotation::about_axis &&
              std::abs(std::abs(motion.axis[axis]) - 1.) > 1e-12))
-          section.subsection("rigid").fail(
-              "Rotation", std::string("the part lies on a plane of symmetry normal to ") +
-                              "xyz"[axis] + "; allowed is a rotation about this axis.");
+          section.subsection("rigid").fail("Rotation", begin + "a rotation about this axis.");
       }
     }
   } // namespace
@@ -174,9 +202,38 @@ namespace tombolo
   }
 
   template <int dim>
-  RigidInertia inertia_of_part(const Model<dim> &model, const unsigned int part,
-                               const std::vector<unsigned int> &nodes)
+  std::vector<JoinedParts> find_rigid_bodies(const std::vector<Section> &sections,
+                                             const Model<dim> &model)
   {
+    std::vector<JoinedParts> bodies;
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+    {
+      if (rigid_cells(model.parts[p]) == nullptr)
+        continue;
+      JoinedParts joined{{p}, owned_nodes_of_part(model, p)};
+      const auto is_joined = [&](const JoinedParts &other)
+      { return share_a_node(joined.nodes, other.nodes, model.communicator); };
+      const auto end = std::stable_partition(bodies.begin(), bodies.end(), std::not_fn(is_joined));
+      for (auto other = end; other != bodies.end(); ++other)
+      {
+        joined.parts.insert(joined.parts.end(), other->parts.begin(), other->parts.end());
+        std::vector<unsigned int> nodes;
+        std::set_union(joined.nodes.begin(), joined.nodes.end(), other->nodes.begin(),
+                       other->nodes.end(), std::back_inserter(nodes));
+        joined.nodes = std::move(nodes);
+      }
+      bodies.erase(end, bodies.end());
+      bodies.push_back(std::move(joined));
+    }
+    for (JoinedParts &body : bodies)
+      put_leader_first(sections, body.parts);
+    return bodies;
+  }
+
+  template <int dim>
+  RigidInertia inertia_of(const JoinedParts &body, const Model<dim> &model)
+  {
+    const std::vector<unsigned int> &nodes = body.nodes;
     const NodalVector &mass = model.bridge->mass();
     RigidInertia result;
     std::array<double, 4> first{};
@@ -192,14 +249,21 @@ namespace tombolo
     for (unsigned int d = 0; d < 3; ++d)
       result.centre[d] = first[d] / first[3];
 
-    const NodalVector own_mass = mass_of_part(model, *model.parts[part].formulation);
-    const double relative_inertia = model.parts[part].material->relative_inertia();
+    NodalVector own_mass;
+    own_mass.reinit(model.state.partition(), Quantity::scalar);
+    for (const unsigned int part : body.parts)
+    {
+      const NodalVector of_part = mass_of_part(model, *model.parts[part].formulation);
+      for (const unsigned int node : nodes)
+        *own_mass.node(node) +=
+            model.parts[part].material->relative_inertia() * *of_part.node(node);
+    }
     std::array<double, 18> second{}; // of all masses of nodes, of those of other parts
     for (const unsigned int node : nodes)
     {
       const Tensor<1, 3> r = vector_at(model.state.initial_position.node(node)) - result.centre;
       // A node that is not shared gets nothing of round-off.
-      const double of_others = *mass.node(node) - relative_inertia * *own_mass.node(node);
+      const double of_others = *mass.node(node) - *own_mass.node(node);
       const bool is_shared = of_others > 1e-12 * *mass.node(node);
       for (unsigned int a = 0; a < 3; ++a)
         for (unsigned int b = 0; b < 3; ++b)
@@ -209,39 +273,39 @@ namespace tombolo
         }
     }
     second = ordered_sum(second, model.communicator);
-    const MassMoments &cells = rigid_cells(model.parts[part])->mass_moments();
-    const Tensor<1, 3> offset = cells.centre - result.centre;
-    for (unsigned int a = 0; a < 3; ++a)
-      for (unsigned int b = 0; b < 3; ++b)
-      {
-        result.nodal_second[a][b] = second[3 * a + b];
-        result.second[a][b] =
-            relative_inertia * (cells.second[a][b] + cells.mass * offset[a] * offset[b]) +
-            second[9 + 3 * a + b];
-      }
+    result.nodal_second = matrix_of(second.data());
+    for (const unsigned int part : body.parts)
+    {
+      const MassMoments &cells = rigid_cells(model.parts[part])->mass_moments();
+      const Tensor<1, 3> offset = cells.centre - result.centre;
+      result.second += model.parts[part].material->relative_inertia() *
+                       (cells.second + outer_product(cells.mass * offset, offset));
+    }
+    result.second += matrix_of(second.data() + 9);
     return result;
   }
 
   template <int dim>
-  void check_rigid_part(const Section &section, const RigidBodySettings<dim> &motion,
-                        const Model<dim> &model, const unsigned int part,
-                        std::vector<unsigned int> &nodes)
+  void check_rigid_body(const Section &section, const RigidBodySettings<dim> &motion,
+                        const Model<dim> &model, JoinedParts &body)
   {
-    refuse_shared_nodes(section, model, part, nodes);
-    refuse_conditions(section, model, nodes);
-    refuse_contacts(section, model, nodes);
-    refuse_motion_out_of_planes(section, motion, model, nodes);
-    leave_out_dependent_nodes(section, model, nodes);
+    refuse_shared_nodes(section, model, body);
+    refuse_conditions(section, model, body.nodes);
+    refuse_contacts(section, model, body.nodes);
+    refuse_motion_out_of_mirrors(section, motion, model, body.nodes);
+    leave_out_dependent_nodes(section, model, body.nodes);
   }
 
   template std::vector<unsigned int> owned_nodes_of_part(const Model<2> &, unsigned int);
-  template RigidInertia inertia_of_part(const Model<2> &, unsigned int,
-                                        const std::vector<unsigned int> &);
-  template void check_rigid_part(const Section &, const RigidBodySettings<2> &, const Model<2> &,
-                                 unsigned int, std::vector<unsigned int> &);
   template std::vector<unsigned int> owned_nodes_of_part(const Model<3> &, unsigned int);
-  template RigidInertia inertia_of_part(const Model<3> &, unsigned int,
-                                        const std::vector<unsigned int> &);
-  template void check_rigid_part(const Section &, const RigidBodySettings<3> &, const Model<3> &,
-                                 unsigned int, std::vector<unsigned int> &);
+  template std::vector<JoinedParts> find_rigid_bodies(const std::vector<Section> &,
+                                                      const Model<2> &);
+  template RigidInertia inertia_of(const JoinedParts &, const Model<2> &);
+  template void check_rigid_body(const Section &, const RigidBodySettings<2> &, const Model<2> &,
+                                 JoinedParts &);
+  template std::vector<JoinedParts> find_rigid_bodies(const std::vector<Section> &,
+                                                      const Model<3> &);
+  template RigidInertia inertia_of(const JoinedParts &, const Model<3> &);
+  template void check_rigid_body(const Section &, const RigidBodySettings<3> &, const Model<3> &,
+                                 JoinedParts &);
 } // namespace tombolo

@@ -213,7 +213,7 @@ namespace tombolo
         sums[4 + d] += mass * state.position.node(i)[d];
     }
     sums = ordered_sum(sums, model.communicator);
-    if (!(sums[3] > 0.) || state.partition()->symmetry() != nullptr)
+    if (!(sums[3] > 0.) || !state.partition()->images_of_body().empty())
       return;
     const auto arm_of = [&](const unsigned int i)
     {

@@ -46,10 +46,8 @@ namespace tombolo
                         of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] &&
                         !has_edge;
     }
-    if (model.nodes->symmetry())
-      for (const auto &on_plane : model.nodes->symmetry()->nodes_on_plane)
-        for (const types::global_dof_index node : on_plane)
-          smooth_nodes[model.state.partition()->local_index(node)] = false;
+    for (const NodePartition::Reflected &own_image : model.state.partition()->nodes_on_planes())
+      smooth_nodes[own_image.source] = false;
   }
 
   template <int dim>

@@ -5,7 +5,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/base/words_of_type.h>
 #include <tombolo/materials/material_memory.h>
-#include <tombolo/mesh/symmetry_planes.h>
+#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/physics/statics/rigid_modes.h>
@@ -108,7 +108,7 @@ namespace tombolo
 
   template <int dim>
   void StaticSteps<dim>::refuse_unfit_part(const Section &section, const Part<dim> &part,
-                                           const bool has_symmetry)
+                                           const bool has_images)
   {
     const std::string steps =
         "`" + section.all().raw(integration_entry) + "` steps (entry \"Time integration\") ";
@@ -119,7 +119,7 @@ namespace tombolo
     if (!unfit->empty())
       section.fail("Formulation",
                    "it has " + *unfit + "; " + steps + "know stiffness only. Switch it off.");
-    if (part.particles != nullptr && has_symmetry)
+    if (part.particles != nullptr && has_images)
       section.fail("Formulation", "its particles have images in planes of symmetry, which " +
                                       steps +
                                       "do not know; allowed is the whole body, or smoothed cells "
@@ -139,15 +139,14 @@ namespace tombolo
                                       const std::vector<Part<dim>> &parts)
   {
     const std::vector<Section> conditions = named_sections(parameters, "Conditions", "Condition");
-    const bool has_symmetry = std::any_of(conditions.begin(), conditions.end(), &is_symmetry);
+    const bool has_images = std::any_of(conditions.begin(), conditions.end(), &makes_images);
     bool has_particles = false, has_cells = false;
     for (const Part<dim> &part : parts)
       if (part.formulation != nullptr)
       {
         (part.particles != nullptr ? has_particles : has_cells) = true;
         parameters.attempt(
-            [&]
-            { refuse_unfit_part(parameters.section("Part: " + part.name), part, has_symmetry); });
+            [&] { refuse_unfit_part(parameters.section("Part: " + part.name), part, has_images); });
       }
     if (has_particles &&
         !(parameters.raw_list("Contacts").empty() && parameters.raw_list("Body contacts").empty()))
@@ -177,7 +176,7 @@ namespace tombolo
   {
     for (const Part<dim> &part : model.parts) // what they know only now
       refuse_unfit_part(parameters.section("Part: " + part.name), part,
-                        model.nodes->symmetry() != nullptr);
+                        !model.nodes->images()->empty());
     for (const auto &process : model.processes)
       if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::is_refused)
         parameters.fail(integration_entry,

@@ -72,14 +72,14 @@ namespace tombolo
   private:
     struct Entry
     {
-      MirrorNode node;
+      ImageNode node;
       double value = 0;
       double gradient[3] = {};
     };
     /** What the cells around a particle have summed up; all but volume with images of cells. */
     struct Sums
     {
-      Entry &at(const MirrorNode &node);
+      Entry &at(const ImageNode &node);
 
       std::vector<Entry> entries; // by node
       double volume = 0, image_volume = 0, weight = 0;
@@ -104,7 +104,6 @@ namespace tombolo
     bool is_chosen = false;
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
-    std::shared_ptr<const Symmetry> symmetry;
     unsigned int part = 0;
     std::vector<std::vector<Entry>> rows;  // by particle, ascending by node
     std::vector<double> accelerated_share; // by particle

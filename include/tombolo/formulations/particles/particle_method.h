@@ -25,7 +25,7 @@ namespace tombolo
   public:
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
-    std::vector<MirrorNode> required_images() const override;
+    std::vector<ImageNode> required_image_nodes() const override;
     void set_partition(const NodePartition &partition) override;
     EnergyAccounts energies() const override;
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;

@@ -98,7 +98,7 @@ namespace tombolo
     }
     ///@}
 
-    void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
+    void set_images(const std::shared_ptr<const Images> &images);
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
      * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */
@@ -140,7 +140,7 @@ namespace tombolo
 
     /** Ghosts and images that the rows need, as in Formulation. */
     dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
-    const std::vector<MirrorNode> &required_images() const;
+    const std::vector<ImageNode> &required_image_nodes() const;
     void set_partition(const NodePartition &partition);
     /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */
     void store_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,

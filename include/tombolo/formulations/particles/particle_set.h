@@ -74,21 +74,17 @@ namespace tombolo
     /** A partition of the nodes of this rank with the ghosts @p required and @p images.
      * Collective. */
     std::shared_ptr<const NodePartition> partition(const dealii::IndexSet &required,
-                                                   const std::vector<MirrorNode> &images) const;
+                                                   const std::vector<ImageNode> &images) const;
 
     const dealii::IndexSet &owned_nodes() const; ///< of the mesh, particles or not
-    const std::shared_ptr<const Symmetry> &symmetry() const;
+    /** The volume of a particle in the whole body over that in the mesh. */
+    double copies_in_whole_body(unsigned int i) const;
     MPI_Comm communicator() const;
-
-    /** Throws the InputError of @p entry of @p section that supports reach across the whole slab
-     * between two planes of symmetry. Collective. */
-    void check_symmetry(const Section &section, const char *entry) const;
 
     std::size_t memory_consumption() const;
 
   private:
     const Nodes<dim> *mesh_nodes = nullptr;
-    std::shared_ptr<const Symmetry> planes;
     MPI_Comm mpi_communicator = MPI_COMM_NULL;
     double spacing = 0;
 

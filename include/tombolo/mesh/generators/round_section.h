@@ -52,8 +52,8 @@ namespace tombolo
     double radius() const;
 
   private:
-    void read_symmetry_planes(const Section &section, const std::array<char, 2> &axes,
-                              const std::string &whole);
+    void read_cuts(const Section &section, const std::array<char, 2> &axes,
+                   const std::string &whole);
     void read_core_radius(const Section &section, const std::string &whole);
 
     /** A point of the core, (u, v) in [-1, 1]^2. */

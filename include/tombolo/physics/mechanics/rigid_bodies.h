@@ -3,6 +3,7 @@
 
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
+#include <tombolo/physics/mechanics/rigid_body_setup.h>
 
 #include <array>
 #include <vector>
@@ -16,9 +17,10 @@ namespace tombolo
    * are complete, and after every other process, the acceleration of these nodes is replaced by the
    * one that brings each to its place in the body at t_{n+1}, which follows from the resultant of
    * the forces and their moment. Nodes that are shared with elements of other parts belong to the
-   * body. Where another process has changed their masses and velocities, as a remap does, the body
-   * takes these masses, the momentum and the angular momentum; what is lost of the kinetic energy,
-   * and of a momentum that is prescribed, is booked with that of the remap.
+   * body, and rigid parts that share nodes are one. Where another process has changed their masses
+   * and velocities, as a remap does, the body takes these masses, the momentum and the angular
+   * momentum; what is lost of the kinetic energy, and of a momentum that is prescribed, is booked
+   * with that of the remap.
    */
   template <int dim>
   class RigidBodies : public Process<dim>
@@ -68,9 +70,8 @@ namespace tombolo
     void move_nodes(std::size_t index, const Clock &clock, NodalState &state) const;
 
     std::vector<RigidBody<dim>> bodies;
-    std::vector<unsigned int> parts;              ///< numbers of them
-    std::vector<std::vector<unsigned int>> nodes; ///< owned, of each body
-    std::vector<double> masses;                   ///< of these nodes, one body after the other
+    std::vector<JoinedParts> joined; ///< parts and owned nodes of each
+    std::vector<double> masses;      ///< of these nodes, one body after the other
     bool masses_can_be_old = false;
     double lost = 0; ///< kinetic energy; the same on all ranks
     // On the first rank.

@@ -79,7 +79,7 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
-    static void refuse_unfit_part(const Section &section, const Part<dim> &part, bool has_symmetry);
+    static void refuse_unfit_part(const Section &section, const Part<dim> &part, bool has_images);
     void refuse_unfit_model(const Parameters &parameters);
     /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
     void set_initial_temperature();

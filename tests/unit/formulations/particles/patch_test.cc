@@ -83,7 +83,6 @@ namespace
 
       PartSetup<dim> body;
       body.nodes = model->nodes.get();
-      body.symmetry = model->nodes->symmetry();
       PartBoundary<dim> boundary;
       boundary.initialize(body);
       boundary.add_areas(model->state.initial_position, loads, loads);

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/point.h>
+#include <deal.II/base/types.h>
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace tombolo
+{
+  /** The image of a node in some of the mirrors of Images, one after the other (their order does
+   * not matter): bit m of @p mirrors stands for mirror m. */
+  struct ImageNode
+  {
+    dealii::types::global_dof_index source;
+    unsigned int mirrors;
+
+    bool operator<(const ImageNode &other) const
+    {
+      return std::tie(source, mirrors) < std::tie(other.source, other.mirrors);
+    }
+    bool operator==(const ImageNode &other) const
+    {
+      return source == other.source && mirrors == other.mirrors;
+    }
+  };
+
+  /** What a mesh stands for besides itself: its images in mirrors, which are planes normal to
+   * coordinate axes with the body on one side. An axis can have two of them: a slab between them
+   * stands for a body that goes on without end. */
+  struct Images
+  {
+    struct Mirror
+    {
+      unsigned int axis;
+      double coordinate; ///< [L]
+      /** Owned nodes that are their own images; global numbers, ascending. */
+      std::vector<dealii::types::global_dof_index> own_images;
+    };
+
+    /** The image of x is sign * x + offset, by component. */
+    struct Map
+    {
+      double sign[4] = {1., 1., 1., 1.};
+      double offset[4] = {0., 0., 0., 0.};
+    };
+
+    /** Of a mesh that is the whole body. */
+    static const std::shared_ptr<const Images> &none();
+
+    bool empty() const
+    {
+      return all.empty();
+    }
+
+    /** The map of a bit field of mirrors. */
+    Map map(unsigned int mirrors) const;
+
+    /** The bit fields of all images that a node can have: those with at most one mirror an axis. */
+    std::vector<unsigned int> combinations() const;
+
+    /** The mirrors, as bits, whose distance from @p x is below @p share of the component of @p
+     * reach along their axis. */
+    unsigned int near(const double *x, const double *reach, double share) const;
+
+    /** The mirrors, as bits, on which a point lies. */
+    template <int dim>
+    unsigned int at(const dealii::Point<dim> &x, double tolerance) const;
+
+    /** How many of its images an owned node is: 2 to the number of its mirrors. */
+    unsigned int n_own_images(dealii::types::global_dof_index node) const;
+
+    /** Whether images move the other way along an axis: the body as a whole does not move there. */
+    bool are_opposite_along(unsigned int axis) const;
+
+    /** Whether images turn the other way about an axis: the body as a whole does not turn about it.
+     */
+    bool are_opposite_about(unsigned int axis) const;
+
+    /** What mirrors are for users, and where they are. */
+    static std::string words(bool is_one);
+    void describe(std::ostream &text) const;
+
+    std::vector<Mirror> all;
+  };
+} // namespace tombolo
