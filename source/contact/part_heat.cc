@@ -28,7 +28,7 @@ namespace tombolo
                         const std::function<void(unsigned int, double, double *)> &write) const
   {
     return surface.nodes_of_part().gather(
-        n_values,
+        n_values, Quantity::scalars,
         [&](const unsigned int node, double *const values)
         {
           const bool has_got = *nodal_heat.pending->node(node) != 0.;
@@ -109,7 +109,7 @@ namespace tombolo
           incoming[surface.cell(*places[i])[c]] -= places[i]->weights[c] * received;
       }
     }
-    layer.sum(1, incoming);
+    layer.sum(1, Quantity::scalar, incoming);
     for (const auto &owned : layer.owned())
       nodal_heat.conduction->add(owned.node, incoming[owned.number]);
     std::fill(incoming.begin(), incoming.end(), 0.);

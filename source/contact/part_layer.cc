@@ -42,11 +42,11 @@ namespace tombolo
     /** Whether the part ends at a face of one of its cells, as far as this rank knows: beyond ghost
      * cells it does not. */
     template <int dim>
-    bool is_end(const typename Nodes<dim>::Cell &cell, const unsigned int face,
-                const typename PartLayer<dim>::Selector &is_of_part)
+    bool is_end(const Nodes<dim> &nodes, const typename Nodes<dim>::Cell &cell,
+                const unsigned int face, const typename PartLayer<dim>::Selector &is_of_part)
     {
       if (cell->face(face)->at_boundary())
-        return true;
+        return nodes.is_outer_face(cell, face);
       const typename Nodes<dim>::Cell neighbour = cell->neighbor(face);
       return neighbour->is_artificial() || !is_of_part(neighbour);
     }
@@ -77,7 +77,7 @@ namespace tombolo
         continue;
       std::uint64_t mask = 0;
       for (const unsigned int f : cell->face_indices())
-        if (is_end<dim>(cell, f, is_of_part))
+        if (is_end<dim>(nodes, cell, f, is_of_part))
           mask |= std::uint64_t(1) << f;
       if (mask == 0)
         continue;
@@ -114,6 +114,14 @@ namespace tombolo
     n_owned_of_rank =
         Utilities::MPI::all_gather(communicator, static_cast<int>(numbers_of_owned.size()));
 
+    add_facets(nodes);
+    add_images(nodes);
+    faces.vertices = initial_positions;
+  }
+
+  template <int dim>
+  void PartLayer<dim>::add_facets(const Nodes<dim> &nodes)
+  {
     for (std::size_t c = 0; c < layer_cells.size(); ++c)
       for (unsigned int f = 0; f < 2 * dim; ++f)
       {
@@ -131,7 +139,77 @@ namespace tombolo
         }
         cells_of_facets.resize(faces.facets.size(), static_cast<unsigned int>(c));
       }
-    faces.vertices = initial_positions;
+  }
+
+  template <int dim>
+  void PartLayer<dim>::add_images(const Nodes<dim> &nodes)
+  {
+    const Images &all = *nodes.images();
+    std::vector<unsigned int> mirrors; // of nodes, as bits
+    unsigned int touched = 0;
+    for (const Tensor<1, dim> &x : initial_positions)
+    {
+      mirrors.push_back(all.at(Point<dim>(x), 1e-6 * sizes.front()));
+      touched |= mirrors.back();
+    }
+    const auto n_nodes = static_cast<unsigned int>(initial_positions.size());
+    const std::size_t n_cells = layer_cells.size(), n_facets = faces.facets.size();
+    std::map<unsigned int, std::vector<unsigned int>> numbers; // of nodes, by combination
+    numbers[0].resize(n_nodes);
+    std::iota(numbers[0].begin(), numbers[0].end(), 0u);
+    for (const unsigned int through : all.combinations())
+    {
+      if ((through & touched) != through)
+        continue;
+      std::vector<unsigned int> number(n_nodes);
+      for (unsigned int node = 0; node < n_nodes; ++node)
+        if (const unsigned int others = through & ~mirrors[node]; others != through)
+          number[node] = numbers.at(others)[node]; // it is its own image in the rest
+        else
+        {
+          number[node] = static_cast<unsigned int>(initial_positions.size());
+          images.push_back({node, all.map(through)});
+          const Images::Map &map = images.back().map;
+          Tensor<1, dim> x;
+          for (unsigned int d = 0; d < dim; ++d)
+            x[d] = map.sign[d] * initial_positions[node][d] + map.offset[d];
+          initial_positions.push_back(x);
+        }
+      numbers[through] = number;
+      const auto first_cell = static_cast<unsigned int>(layer_cells.size());
+      for (std::size_t c = 0; c < n_cells; ++c)
+      {
+        Cell cell;
+        for (unsigned int k = 0; k < n_corners; ++k)
+          cell[k] = number[layer_cells[c][k]];
+        layer_cells.push_back(cell);
+        sizes.push_back(sizes[c]);
+      }
+      for (std::size_t f = 0; f < n_facets; ++f)
+      {
+        auto facet = faces.facets[f];
+        for (unsigned int &vertex : facet.vertex)
+          vertex = number[vertex];
+        faces.facets.push_back(facet);
+        cells_of_facets.push_back(first_cell + cells_of_facets[f]);
+      }
+    }
+  }
+
+  template <int dim>
+  void PartLayer<dim>::fill_images(const unsigned int n_values, const Quantity kind,
+                                   std::vector<double> &values) const
+  {
+    const std::size_t first = n_nodes() - images.size();
+    for (std::size_t i = 0; i < images.size(); ++i)
+      for (unsigned int v = 0; v < n_values; ++v)
+      {
+        const double source = values[n_values * images[i].source + v];
+        const bool is_even = kind == Quantity::scalar || kind == Quantity::scalars;
+        values[n_values * (first + i) + v] =
+            (is_even ? 1. : images[i].map.sign[v]) * source +
+            (kind == Quantity::position ? images[i].map.offset[v] : 0.);
+      }
   }
 
   template <int dim>
@@ -258,7 +336,7 @@ namespace tombolo
 
   template <int dim>
   std::vector<double>
-  PartLayer<dim>::gather(const unsigned int n_values,
+  PartLayer<dim>::gather(const unsigned int n_values, const Quantity kind,
                          const std::function<void(unsigned int, double *)> &fill) const
   {
     std::vector<double> of_rank(n_values * owned_nodes.size());
@@ -268,15 +346,26 @@ namespace tombolo
     for (int &length : lengths)
       length *= static_cast<int>(n_values);
     const std::vector<double> of_ranks = gather_numbers(of_rank, lengths, communicator);
-    std::vector<double> result(of_ranks.size());
+    std::vector<double> result(n_values * n_nodes());
     for (std::size_t k = 0; k < received.size(); ++k)
       std::copy_n(&of_ranks[n_values * k], n_values, &result[n_values * received[k]]);
+    fill_images(n_values, kind, result);
     return result;
   }
 
   template <int dim>
-  void PartLayer<dim>::sum(const unsigned int n_values, std::vector<double> &values) const
+  void PartLayer<dim>::sum(const unsigned int n_values, const Quantity kind,
+                           std::vector<double> &values) const
   {
+    const std::size_t first = n_nodes() - images.size();
+    for (std::size_t i = 0; i < images.size(); ++i)
+      for (unsigned int v = 0; v < n_values; ++v)
+      {
+        double &value = values[n_values * (first + i) + v];
+        values[n_values * images[i].source + v] +=
+            kind == Quantity::vector ? images[i].map.sign[v] * value : value;
+        value = 0.;
+      }
     // Few nodes have anything to give: each is sent with its number.
     std::vector<double> given;
     for (std::size_t number = 0; number < n_nodes(); ++number)
@@ -298,6 +387,7 @@ namespace tombolo
       for (unsigned int v = 0; v < n_values; ++v)
         values[n_values * number + v] += of_ranks[k + 1 + v];
     }
+    fill_images(n_values, kind, values);
   }
 
   template <int dim>

@@ -46,10 +46,6 @@ namespace tombolo
     layer = std::move(part.layer);
     is_driven = part.is_driven;
     set_partition(*state.partition());
-    if (!state.partition()->images_of_body().empty())
-      section.parent().fail("Surface", "where planes of symmetry cut bodies, the surface of a "
-                                       "contact cannot be a part; allowed is another surface, or "
-                                       "no plane of symmetry.");
     try
     {
       surface = ClosedSurface<dim>(layer->facets());
@@ -101,9 +97,9 @@ namespace tombolo
   template <int dim>
   std::vector<Tensor<1, dim>> PartSurface<dim>::gather_positions(const NodalVector &position) const
   {
-    const std::vector<double> values =
-        layer->gather(dim, [&](const unsigned int node, double *const x)
-                      { std::copy_n(position.node(node), dim, x); });
+    const std::vector<double> values = layer->gather(dim, Quantity::position,
+                                                     [&](const unsigned int node, double *const x)
+                                                     { std::copy_n(position.node(node), dim, x); });
     std::vector<Tensor<1, dim>> result(layer->n_nodes());
     for (std::size_t a = 0; a < result.size(); ++a)
       result[a] = vector_of<dim>(&values[dim * a]);
@@ -133,7 +129,8 @@ namespace tombolo
     last_positions = std::move(positions);
     positions = gather_positions(state.position);
     if (!is_driven)
-      masses = layer->gather(1, [&](const unsigned int node, double *const mass)
+      masses = layer->gather(1, Quantity::scalar,
+                             [&](const unsigned int node, double *const mass)
                              { *mass = *state.mass.node(node); });
     refit();
   }
@@ -291,7 +288,7 @@ namespace tombolo
     for (std::size_t i = 0; i < places.size(); ++i)
       for (unsigned int c = 0; c < n_corners; ++c)
         sums[cell(*places[i])[c]] += std::abs(places[i]->weights[c]) * of_place[i];
-    layer->sum(1, sums);
+    layer->sum(1, Quantity::scalar, sums);
     std::vector<double> result;
     for (const Place *const place : places)
     {
@@ -316,7 +313,7 @@ namespace tombolo
   void PartSurface<dim>::collect_reactions(NodalVector &loads,
                                            std::vector<unsigned int> &loaded_nodes)
   {
-    layer->sum(dim, reactions);
+    layer->sum(dim, Quantity::vector, reactions);
     for (const auto &owned : layer->owned())
     {
       const double *const reaction = &reactions[dim * owned.number];
@@ -354,7 +351,8 @@ namespace tombolo
     if (!archive.is_reading())
       return;
     std::size_t k = 0;
-    const std::vector<double> all = layer->gather(dim, [&](unsigned int, double *const x)
+    const std::vector<double> all = layer->gather(dim, Quantity::position,
+                                                  [&](unsigned int, double *const x)
                                                   { std::copy_n(values[k++].data(), dim, x); });
     for (std::size_t a = 0; a < positions.size(); ++a)
       positions[a] = vector_of<dim>(&all[dim * a]);

@@ -9,7 +9,8 @@ faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that m
 faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
 from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
 round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
-`flush_blocks.msh` and `flush_blocks_3d.msh` (two equal blocks with a common face),
+`flush_blocks.msh` and `flush_blocks_3d.msh` (two equal blocks with a common face), `flush_wholes.msh` and
+`flush_wholes_3d.msh` (of which they are a half and a quarter),
 `cut.msh` (a work piece and a tool that cuts it), `spheres.msh` (two bodies with round faces in space),
 `punch.msh` (a block on a wider one), `flat_shoulder.msh` (two plates side by side and a
 cylinder on them).
@@ -222,9 +223,9 @@ def slider():
     return mesh
 
 
-def flush_blocks(dim=2):
+def flush_blocks(dim=2, low=0.):
     mesh = Mesh(dim)
-    across = [even(0., 2., 2)] + ([even(0., 2., 2)] if dim == 3 else [])
+    across = [even(low, 2., round(2. - low))] * (dim - 1)
     for name, start in (("left", 0.), ("right", 6.)):
         mesh.add_block(name, [even(start, start + 6., 6)] + across, lambda *point: point, {})
     return mesh
@@ -369,6 +370,8 @@ def rings(inner, outer):
 def main():
     project = Path(__file__).resolve().parents[2]
     flush_blocks(3).write(project / "tests" / "regression" / "flush_blocks_3d.msh")
+    for dim, name in ((2, "flush_wholes"), (3, "flush_wholes_3d")):
+        flush_blocks(dim, -2.).write(project / "tests" / "regression" / f"{name}.msh")
     for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, flush_blocks, spheres, punch):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")

@@ -18,7 +18,9 @@ namespace tombolo
    * The outermost layer of cells of a part, of degree 1, with their nodes: all ranks know it as a
    * whole. Its facets are the faces where the part ends, at the boundary of the mesh or at another
    * part, in three dimensions as two triangles each; so they enclose the part. Nodes of the layer
-   * are numbered in an order that does not depend on the number of ranks.
+   * are numbered in an order that does not depend on the number of ranks. Where the part touches a
+   * mirror (Images), images of its nodes and cells follow: with them the facets enclose the part
+   * and its images, and are not in the mirror.
    *
    * Values at these nodes are gathered from their owners, and sums are given back to them. Every
    * rank takes part in each exchange, also one without cells of the part.
@@ -85,12 +87,13 @@ namespace tombolo
                     const std::vector<dealii::Tensor<1, dim>> &positions) const;
 
     /** @p n_values of each node, by number in the layer: @p fill writes those of a local node that
-     * this rank owns. Collective. */
-    std::vector<double> gather(unsigned int n_values,
+     * this rank owns. Images have those of their sources, @p kind says how. Collective. */
+    std::vector<double> gather(unsigned int n_values, Quantity kind,
                                const std::function<void(unsigned int node, double *)> &fill) const;
 
-    /** Sums @p values, @p n_values of each node, over ranks in their order. Collective. */
-    void sum(unsigned int n_values, std::vector<double> &values) const;
+    /** Sums @p values, @p n_values of each node, over ranks in their order, and over images.
+     * Collective. */
+    void sum(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
 
     std::size_t memory_consumption() const;
 
@@ -98,6 +101,16 @@ namespace tombolo
     /** What the ranks tell each other of the layer at the start. */
     struct Survey;
     void take_survey(const Survey &survey);
+    void add_facets(const Nodes<dim> &nodes);
+    /** Of nodes, cells and facets in the mirrors that the part touches. */
+    void add_images(const Nodes<dim> &nodes);
+    void fill_images(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
+
+    struct Image
+    {
+      unsigned int source; ///< number in the layer
+      Images::Map map;
+    };
 
     MPI_Comm communicator;
     std::vector<dealii::Tensor<1, dim>> initial_positions;
@@ -111,5 +124,6 @@ namespace tombolo
     std::vector<unsigned int> local_nodes; ///< the same, local numbers, ascending
     std::vector<unsigned int> received;    ///< numbers of the nodes of all ranks, by rank
     std::vector<int> n_owned_of_rank;
+    std::vector<Image> images; ///< nodes behind all others
   };
 } // namespace tombolo

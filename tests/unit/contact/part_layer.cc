@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -27,10 +28,12 @@ namespace tombolo
       class LayerOfBox
       {
       public:
-        LayerOfBox(const std::string &entries, const double begin)
+        LayerOfBox(const std::string &entries, const double begin,
+                   const std::shared_ptr<const Images> &images = Images::none())
             : scene("box", entries), mesh(scene.create_mesh()), nodes(*mesh, 1),
               partition(std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
                                                               nodes.communicator())),
+              has_images((nodes.set_images(images), true)),
               layer(nodes, [&](const typename Nodes<dim>::Cell &cell)
                     { return cell->center()[0] > begin; })
         {
@@ -54,6 +57,7 @@ namespace tombolo
         std::unique_ptr<Mesh<dim>> mesh;
         Nodes<dim> nodes;
         std::shared_ptr<const NodePartition> partition;
+        bool has_images; // before the layer
         PartLayer<dim> layer;
         NodalVector position;
       };
@@ -80,7 +84,7 @@ namespace tombolo
       {
         const LayerOfBox<2> box("set Upper corner = 3, 2\nset Cells = 6, 8", 1.);
         const std::vector<double> gathered =
-            box.layer.gather(2,
+            box.layer.gather(2, Quantity::position,
                              [&](const unsigned int node, double *const x)
                              {
                                x[0] = box.position.node(node)[0];
@@ -92,6 +96,45 @@ namespace tombolo
             EXPECT_EQ(gathered[2 * a + d], box.layer.facets().vertices[a][d]);
       }
 
+      TEST(part_layer, images_close_the_surface_and_give_to_their_sources)
+      {
+        Images images;
+        images.all = {{1, 0., {}}, {2, 0., {}}};
+        const LayerOfBox<3> box("set Upper corner = 3, 2, 1\nset Cells = 3, 2, 2", 1.,
+                                std::make_shared<const Images>(images));
+        const FacetList<3> &list = box.layer.facets();
+        const ClosedSurface<3> skin(list);
+        EXPECT_NEAR(skin.volume, 4. * 2. * 2. * 1., 1e-12);
+        EXPECT_NEAR(skin.area, 2. * (2. * 4. + 2. * 2. + 4. * 2.), 1e-12);
+
+        const auto gathered = box.layer.gather(3, Quantity::position,
+                                               [&](const unsigned int node, double *const x)
+                                               { std::copy_n(box.position.node(node), 3, x); });
+        std::vector<double> values(3 * box.layer.n_nodes(), 0.);
+        std::size_t n_images = 0;
+        double of_sources[3] = {};
+        for (std::size_t a = 0; a < box.layer.n_nodes(); ++a)
+        {
+          const auto &x = list.vertices[a];
+          for (unsigned int d = 0; d < 3; ++d)
+            EXPECT_EQ(gathered[3 * a + d], x[d]);
+          if (!(x[1] < 0.))
+            continue;
+          ++n_images;
+          for (unsigned int d = 0; d < 3; ++d)
+            values[3 * a + d] = d + 1.;
+        }
+        EXPECT_GT(n_images, 0u);
+        box.layer.sum(3, Quantity::vector, values);
+        for (std::size_t a = 0; a < box.layer.n_nodes(); ++a)
+          if (list.vertices[a][1] >= 0. && list.vertices[a][2] >= 0.)
+            for (unsigned int d = 0; d < 3; ++d)
+              of_sources[d] += values[3 * a + d];
+        const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+        EXPECT_NEAR(of_sources[0], 1. * n_images * n_ranks, 1e-12);
+        EXPECT_NEAR(of_sources[1], -2. * n_images * n_ranks, 1e-12);
+      }
+
       TEST(part_layer, sums_over_ranks_are_the_same_on_all)
       {
         const LayerOfBox<2> box("set Upper corner = 3, 2\nset Cells = 6, 8", 1.);
@@ -101,7 +144,7 @@ namespace tombolo
         // Each rank has something for the first node, and for one of its own.
         values[0] = 1. + rank;
         values[2 * (rank + 3) + 1] = 10.;
-        box.layer.sum(2, values);
+        box.layer.sum(2, Quantity::scalars, values);
         EXPECT_EQ(values[0], 0.5 * n_ranks * (n_ranks + 1.));
         for (std::size_t a = 1; a < box.layer.n_nodes(); ++a)
           EXPECT_EQ(values[2 * a + 1], a >= 3 && a < n_ranks + 3 ? 10. : 0.);
