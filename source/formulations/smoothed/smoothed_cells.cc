@@ -183,7 +183,9 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::add_plastic_heat(NodalVector &to_nodes)
   {
-    integration.add_plastic_heat(hanging_masses, to_nodes);
+    std::vector<double> of_cells;
+    integration.add_plastic_heat(to_nodes, of_cells);
+    hanging_masses.add_shares(of_cells, to_nodes);
   }
 
   template <int dim>

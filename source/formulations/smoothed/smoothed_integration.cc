@@ -374,14 +374,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedIntegration<dim>::add_plastic_heat(const HangingMasses<dim> &hanging_masses,
-                                                  NodalVector &heat)
+  void SmoothedIntegration<dim>::add_plastic_heat(NodalVector &heat, std::vector<double> &of_cells)
   {
+    of_cells.assign(cells->n_cells(), 0.);
     if (!plastic_heating.has_plastic_heat())
       return;
-    const bool has_hanging_nodes = !hanging_masses.is_empty();
-    if (has_hanging_nodes)
-      heat_of_cells.assign(cells->n_cells(), 0.);
     const std::vector<std::vector<double>> &shares = rows->corner_shares();
     for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
       for (std::size_t q = 0; q < shares.size(); ++q)
@@ -390,13 +387,10 @@ namespace tombolo
           const double given = plastic_heating.give(
               material_points,
               static_cast<unsigned int>((batch * shares.size() + q) * n_lanes + lane));
-          if (has_hanging_nodes)
-            heat_of_cells[cells->cell_at(batch * n_lanes + lane)] += given;
+          of_cells[cells->cell_at(batch * n_lanes + lane)] += given;
           for (unsigned int k = 0; k < shares[q].size(); ++k)
             *heat.node(cells->nodes(batch)[k * n_lanes + lane]) += shares[q][k] * given;
         }
-    if (has_hanging_nodes)
-      hanging_masses.add_shares(heat_of_cells, heat);
   }
 
   template <int dim>

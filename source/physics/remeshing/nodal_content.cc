@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/nodal_content.h>
 
-#include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
+#include <tombolo/formulations/smoothed/refined_cell_facets.h>
 
 #include <numeric>
 
@@ -25,7 +25,7 @@ namespace tombolo
         return {determinant(PointOfCell<dim>(corners).jacobian)};
       const auto volumes = !of_lattice.has_further_nodes()
                                ? CellSimplices<dim>::volumes(corners)
-                               : volumes_within<dim>(facets_at_hanging_nodes<dim>(
+                               : volumes_within<dim>(present_facets<dim>(
                                      of_lattice, [&](const types::global_dof_index node)
                                      { return place_of(partition.local_index(node)); }));
       return {volumes.begin(), volumes.end()};

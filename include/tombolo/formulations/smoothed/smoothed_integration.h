@@ -7,7 +7,6 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/formulations/row_material.h>
-#include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/materials/strain_measure.h>
 
@@ -41,8 +40,8 @@ namespace tombolo
     void add_internal_force(const MechanicalInput &input, NodalVector &force);
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const;
-    /** To the nodes of the cells by mass, hanging ones too. */
-    void add_plastic_heat(const HangingMasses<dim> &hanging_masses, NodalVector &heat);
+    /** To the corners of the cells by mass; @p of_cells becomes what each has given. */
+    void add_plastic_heat(NodalVector &heat, std::vector<double> &of_cells);
     double pending_plastic_heat() const;
     /** See Formulation::find_volumes(). */
     void take_volumes(const NodalVector &position, const std::vector<bool> &are_new);
@@ -102,7 +101,6 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     StrainMeasure measure;
     PlasticHeating plastic_heating;
-    std::vector<double> heat_of_cells; // where there are hanging nodes
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;
     const SmoothedGradients<dim> *rows = nullptr;

@@ -5,8 +5,8 @@
 #include <tombolo/approximation/moved_convex_values.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/smoothed/cell_surroundings.h>
-#include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
 #include <tombolo/formulations/smoothed/integration_rule.h>
+#include <tombolo/formulations/smoothed/refined_cell_facets.h>
 #include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -456,8 +456,8 @@ namespace tombolo
       if (position == nullptr)
         return graded_facets<dim>(cell.corners, cell.refined_faces);
       graded_of_start = graded_facets<dim>(cell.corners, cell.refined_faces, cell.refined_edges);
-      return facets_at_hanging_nodes(cell, [this](const dealii::types::global_dof_index node)
-                                     { return present_place(node); });
+      return present_facets(cell, [this](const dealii::types::global_dof_index node)
+                            { return present_place(node); });
     }
 
     dealii::Point<dim> present_place(const dealii::types::global_dof_index node) const

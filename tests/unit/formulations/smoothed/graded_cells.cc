@@ -5,7 +5,7 @@
 
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
+#include <tombolo/formulations/smoothed/refined_cell_facets.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
 #include <gtest/gtest.h>
@@ -224,8 +224,7 @@ namespace
                   static_cast<double>(face.parts.size());
         farthest = std::max(farthest, away.norm());
       }
-      const auto of_facets =
-          volumes_within<dim>(facets_at_hanging_nodes<dim>(cells[cell], place_of));
+      const auto of_facets = volumes_within<dim>(present_facets<dim>(cells[cell], place_of));
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const unsigned int number = point_in_lanes(cell, n_points, q);

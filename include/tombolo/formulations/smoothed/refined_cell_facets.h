@@ -11,8 +11,8 @@ namespace tombolo
   /** The facets of a cell with hanging nodes where its nodes are now, in the order of those of its
    * start. @p place_of: the place of a node by its global number. */
   template <int dim, typename PlaceOf>
-  std::vector<GradedFacet<dim>> facets_at_hanging_nodes(const SmoothedCell<dim> &cell,
-                                                        const PlaceOf &place_of)
+  std::vector<GradedFacet<dim>> present_facets(const SmoothedCell<dim> &cell,
+                                               const PlaceOf &place_of)
   {
     typename SubCells<dim>::Corners corners;
     for (unsigned int k = 0; k < corners.size(); ++k)
