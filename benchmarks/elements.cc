@@ -115,8 +115,6 @@ namespace tombolo
       const double iterations = static_cast<double>(state.iterations());
       state.counters["cells"] = n_cells;
       state.counters["nodes"] = n_nodes;
-      state.counters["bytes/cell"] =
-          static_cast<double>(model.formulation->memory_consumption()) / n_cells;
       state.counters["time/cell"] = benchmark::Counter(
           n_cells * iterations, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
       state.counters["time/node"] = benchmark::Counter(

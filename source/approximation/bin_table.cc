@@ -23,9 +23,4 @@ namespace tombolo
       slots[i] = {keys[bin], bin};
     }
   }
-
-  std::size_t BinTable::memory_consumption() const
-  {
-    return slots.capacity() * sizeof(Slot) + keys.capacity() * sizeof(std::uint64_t);
-  }
 } // namespace tombolo

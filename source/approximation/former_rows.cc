@@ -57,11 +57,4 @@ namespace tombolo
     }
     return result;
   }
-
-  std::size_t FormerRows::memory_consumption() const
-  {
-    return (row_start.capacity() + coefficient_start.capacity()) * sizeof(std::size_t) +
-           (neighbour.capacity() + rank_deficient_rows.capacity()) * sizeof(unsigned int) +
-           value.memory_consumption();
-  }
 } // namespace tombolo

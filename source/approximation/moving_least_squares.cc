@@ -308,16 +308,6 @@ namespace tombolo
     return *chosen_kernel;
   }
 
-  template <int dim>
-  std::size_t MovingLeastSquares<dim>::memory_consumption() const
-  {
-    std::size_t bytes = records.capacity() * sizeof(NodeRecord);
-    for (const auto *buffer :
-         {&coordinate, &offset, &inverse_support, &weight, &weight_slope, &result})
-      bytes += buffer->memory_consumption();
-    return bytes;
-  }
-
   template class MovingLeastSquares<2>;
   template class MovingLeastSquares<3>;
 } // namespace tombolo

@@ -414,23 +414,6 @@ namespace tombolo
       std::copy_n(found.data() + found_start[i], found_count[i], neighbour.data() + row_start[i]);
   }
 
-  template <int dim>
-  std::size_t NeighbourSearch<dim>::memory_consumption() const
-  {
-    std::size_t bytes =
-        bins.memory_consumption() +
-        (bin_start.capacity() + bin_of_node.capacity() + column_bin.capacity() +
-         sorted_node.capacity() + row_bin_start.capacity() + sorted_row.capacity() +
-         candidate.capacity() + candidate_node.capacity() + candidate_key.capacity() +
-         candidate_rank.capacity() + found.capacity() + found_count.capacity()) *
-            sizeof(unsigned int) +
-        found_start.capacity() * sizeof(std::size_t) + sort_buffer.capacity() * 8;
-    for (unsigned int d = 0; d < dim; ++d)
-      bytes += sorted_position[d].memory_consumption() + sorted_reach[d].memory_consumption() +
-               candidate_position[d].memory_consumption() + candidate_reach[d].memory_consumption();
-    return bytes;
-  }
-
   template class NeighbourSearch<2>;
   template class NeighbourSearch<3>;
 } // namespace tombolo

@@ -284,18 +284,6 @@ namespace tombolo
     return true;
   }
 
-  template <int dim>
-  std::size_t Neighbourhoods<dim>::memory_consumption() const
-  {
-    return finder.memory_consumption() +
-           (all_positions.capacity() + all_supports.capacity()) * sizeof(double) +
-           all_images.capacity() * sizeof(ImageNode) +
-           all_nodes.capacity() * sizeof(types::global_dof_index) +
-           (image_source.capacity() + rows.capacity() + columns.capacity() +
-            numbers_in_use.capacity() + neighbour_place.capacity()) *
-               sizeof(unsigned int);
-  }
-
   template class Neighbourhoods<2>;
   template class Neighbourhoods<3>;
 } // namespace tombolo

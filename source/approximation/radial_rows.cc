@@ -362,19 +362,6 @@ namespace tombolo
     return (1. - at_the_end) * radial_kernel.support();
   }
 
-  template <int dim>
-  std::size_t RadialRows<dim>::memory_consumption() const
-  {
-    std::size_t bytes = records.memory_consumption() + defects.capacity() * sizeof(Defect) +
-                        (own_candidate.capacity() + own_entry.capacity() +
-                         last_own_entry.capacity() + last_start.capacity()) *
-                            sizeof(std::size_t);
-    for (const auto *buffer :
-         {&offset[0], &offset[1], &offset[2], &squared, &factor, &distance, &value, &slope})
-      bytes += buffer->memory_consumption();
-    return bytes;
-  }
-
   template class RadialRows<2>;
   template class RadialRows<3>;
 } // namespace tombolo

@@ -25,13 +25,4 @@ namespace tombolo
     gradient.push_back(0.);
     non_negative_rows.push_back(i);
   }
-
-  std::size_t Stencils::memory_consumption() const
-  {
-    return particle_node.capacity() * sizeof(unsigned int) +
-           (row_start.capacity() + coefficient_start.capacity()) * sizeof(std::size_t) +
-           neighbour.capacity() * sizeof(unsigned int) + value.memory_consumption() +
-           gradient.memory_consumption() + mass.capacity() * sizeof(double) +
-           inverse_deformation.memory_consumption() + reference_position.memory_consumption();
-  }
 } // namespace tombolo

@@ -390,14 +390,6 @@ namespace tombolo
     fill_images(n_values, kind, values);
   }
 
-  template <int dim>
-  std::size_t PartLayer<dim>::memory_consumption() const
-  {
-    return initial_positions.capacity() * sizeof(Tensor<1, dim>) +
-           layer_cells.capacity() * sizeof(Cell) +
-           faces.facets.capacity() * sizeof(typename FacetList<dim>::Facet);
-  }
-
   template class PartLayer<2>;
   template class PartLayer<3>;
 } // namespace tombolo

@@ -368,12 +368,6 @@ namespace tombolo
            " nodes of its outermost cells in each step";
   }
 
-  template <int dim>
-  std::size_t PartSurface<dim>::memory_consumption() const
-  {
-    return layer->memory_consumption() + surface.memory_consumption() + tree.memory_consumption();
-  }
-
   template class PartSurface<2>;
   template class PartSurface<3>;
 

@@ -388,12 +388,4 @@ namespace tombolo
         local += 0.5 * split.row_sums().node(i)[c] * scratch.node(i)[c] * scratch.node(i)[c];
     return 1. - ordered_sum(local, unsmoothed.partition()->communicator()) / before;
   }
-
-  std::size_t Bridge::memory_consumption() const
-  {
-    std::size_t bytes = split.memory_consumption();
-    for (const NodalVector *vector : {&momentum, &scratch, &second_scratch})
-      bytes += vector->memory_consumption();
-    return bytes;
-  }
 } // namespace tombolo

@@ -428,18 +428,4 @@ namespace tombolo
   {
     return std::exchange(rows_have_changed, false);
   }
-
-  std::size_t MassSplit::memory_consumption() const
-  {
-    std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) +
-                        own_mass.memory_consumption() + own_fraction.memory_consumption();
-    for (const ParticlePart &part : parts)
-      bytes += part.smoothed_mass.memory_consumption() +
-               part.smoothed_fraction.memory_consumption() + part.row_mass.memory_consumption();
-    for (const NodalVector *vector :
-         {&total_mass, &nodal_mass, &ones, &free_own_mass, &sums_of_rows, &ratio_of_masses,
-          &adjoint_mass, &body_mass, &scaled})
-      bytes += vector->memory_consumption();
-    return bytes;
-  }
 } // namespace tombolo

@@ -124,10 +124,4 @@ namespace tombolo
   {
     return linear;
   }
-
-  std::size_t NodalEnthalpy::memory_consumption() const
-  {
-    return shares.capacity() * sizeof(Share) + first_share.capacity() * sizeof(std::size_t) +
-           (constant_capacity.capacity() + zero_temperature.capacity()) * sizeof(double);
-  }
 } // namespace tombolo

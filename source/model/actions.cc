@@ -41,11 +41,6 @@ namespace tombolo
     forces.clear();
   }
 
-  std::size_t NodalForces::memory_consumption() const
-  {
-    return nodes.capacity() * sizeof(nodes[0]) + forces.capacity() * sizeof(forces[0]);
-  }
-
   void take_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
                    NodalForces &result)
   {
@@ -95,11 +90,6 @@ namespace tombolo
     }
     add_before(numbers::invalid_unsigned_int);
     std::swap(previous, now);
-  }
-
-  std::size_t StepWork::memory_consumption() const
-  {
-    return previous.memory_consumption();
   }
 
   void StepWork::serialize(const std::string &name, const unsigned int n_owned,
@@ -222,8 +212,7 @@ namespace tombolo
 
   void HeatAction::collect(NodalVector &pending)
   {
-    if (is_on_rank && touched.empty() && !is_anywhere &&
-        !values.partition()->has_dependent_nodes())
+    if (is_on_rank && touched.empty() && !is_anywhere && !values.partition()->has_dependent_nodes())
       return;
     gather();
     for_given(
@@ -351,16 +340,5 @@ namespace tombolo
       const auto group = archive.group(heat.name);
       archive.sums("heat", {&heat.sum_of_heat});
     }
-  }
-
-  std::size_t Actions::memory_consumption() const
-  {
-    std::size_t bytes = buffer.memory_consumption();
-    for (const HeatAction &heat : heats)
-      bytes += heat.values.memory_consumption() + heat.touched.capacity() * sizeof(unsigned);
-    for (const Action &action : all)
-      bytes += action.values.memory_consumption() + action.touched.capacity() * sizeof(unsigned) +
-               action.of_nodes.memory_consumption() + action.work_of_steps.memory_consumption();
-    return bytes;
   }
 } // namespace tombolo

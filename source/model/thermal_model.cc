@@ -380,18 +380,6 @@ namespace tombolo
     return smallest_limit(of_parts, position.partition()->communicator());
   }
 
-  template <int dim>
-  std::size_t ThermalModel<dim>::memory_consumption()
-  {
-    std::size_t bytes = state.memory_consumption() + bridge.memory_consumption() +
-                        nodal_enthalpy.memory_consumption();
-    for (const NodalVector *vector :
-         {&element_capacity, &initial_volume, &heat, &loads, &load_heat, &adjoint, &direction_field,
-          &smoothed_direction, &plastic_heating})
-      bytes += vector->memory_consumption();
-    return bytes;
-  }
-
   template class ThermalModel<2>;
   template class ThermalModel<3>;
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
+#include <tombolo/base/allocated_bytes.h>
 #include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/simulation/advice.h>
@@ -253,27 +254,18 @@ namespace tombolo
 
     /** Returns the bytes of nodes, points and tools of the ranks. Collective. */
     template <int dim>
-    Utilities::MPI::MinMaxAvg print_memory(Model<dim> &model, const unsigned long n_nodes,
-                                           std::ostream &text)
+    Utilities::MPI::MinMaxAvg print_memory(Model<dim> &model, const std::size_t bytes_before,
+                                           const unsigned long n_nodes, std::ostream &text)
     {
       const MPI_Comm communicator = model.communicator;
-      std::size_t bytes = model.state.memory_consumption();
-      if (model.has_mechanics)
-        bytes += model.bridge->memory_consumption();
-      if (model.heat)
-        bytes += model.heat->memory_consumption();
-      std::size_t mesh_bytes = model.mesh.triangulation.memory_consumption() +
-                               model.nodes->dof_handler().memory_consumption();
-      for (const Part<dim> &part : model.parts)
-        bytes += part.formulation->memory_consumption();
-      for (const auto &process : model.processes)
-        bytes += process->memory_consumption() + process->actions.memory_consumption();
-      const auto bytes_of_ranks =
-          Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
+      const auto mesh_bytes = static_cast<double>(model.mesh.triangulation.memory_consumption() +
+                                                  model.nodes->dof_handler().memory_consumption());
+      const double bytes =
+          static_cast<double>(allocated_bytes()) - static_cast<double>(bytes_before) - mesh_bytes;
+      const auto bytes_of_ranks = Utilities::MPI::min_max_avg(std::max(bytes, 0.), communicator);
       text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes, points and tools ("
            << bytes_of_ranks.sum / static_cast<double>(n_nodes) << " bytes a node), "
-           << megabytes(Utilities::MPI::sum(static_cast<double>(mesh_bytes), communicator))
-           << " for the mesh\n";
+           << megabytes(Utilities::MPI::sum(mesh_bytes, communicator)) << " for the mesh\n";
       return bytes_of_ranks;
     }
 
@@ -365,7 +357,8 @@ namespace tombolo
 
   template <int dim>
   double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                     const StaticSteps<dim> *statics, const double end_time, Log &log)
+                     const StaticSteps<dim> *statics, const double end_time,
+                     const std::size_t bytes_before, Log &log)
   {
     const auto counts = model.counts();
     std::ostringstream text;
@@ -380,7 +373,7 @@ namespace tombolo
     const double n_steps = print_steps(model, step_size, thermal_step, statics, end_time, text);
     if (statics == nullptr) // at rest springs do not follow from a step
       print_contact_stiffness(model, step_size.limit().time_step, text);
-    const auto bytes_of_ranks = print_memory(model, counts.nodes, text);
+    const auto bytes_of_ranks = print_memory(model, bytes_before, counts.nodes, text);
     print_images(model, text);
     print_ranks(model, bytes_of_ranks, text);
     if (statics == nullptr)
@@ -397,7 +390,7 @@ namespace tombolo
   }
 
   template double print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *,
-                                 const StaticSteps<2> *, double, Log &);
+                                 const StaticSteps<2> *, double, std::size_t, Log &);
   template double print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *,
-                                 const StaticSteps<3> *, double, Log &);
+                                 const StaticSteps<3> *, double, std::size_t, Log &);
 } // namespace tombolo

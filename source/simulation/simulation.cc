@@ -64,8 +64,8 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::audit()
   {
-    const double n_steps =
-        print_audit(*model, step_size, thermal_step.get(), statics.get(), end_time, log);
+    const double n_steps = print_audit(*model, step_size, thermal_step.get(), statics.get(),
+                                       end_time, bytes_before, log);
     print_advice(*model, step_size, parameters, end_time, n_steps, log);
   }
 

@@ -71,9 +71,4 @@ namespace tombolo
   {
     committed.resize(0);
   }
-
-  std::size_t MaterialPoints::memory_consumption() const
-  {
-    return data.memory_consumption() + committed.memory_consumption();
-  }
 } // namespace tombolo

@@ -52,12 +52,4 @@ namespace tombolo
   {
     return position.partition();
   }
-
-  std::size_t NodalState::memory_consumption()
-  {
-    std::size_t bytes = 0;
-    for (const auto &[description, vector] : fields())
-      bytes += vector->memory_consumption();
-    return bytes;
-  }
 } // namespace tombolo

@@ -250,9 +250,4 @@ namespace tombolo
       sum += values[i] * other.values[i];
     return ordered_sum(sum, node_partition->communicator());
   }
-
-  std::size_t NodalVector::memory_consumption() const
-  {
-    return storage.memory_consumption() + exchange_buffer.memory_consumption();
-  }
 } // namespace tombolo

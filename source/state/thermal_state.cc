@@ -31,12 +31,4 @@ namespace tombolo
     for (const auto &[description, vector] : fields())
       vector->move_to(partition);
   }
-
-  std::size_t ThermalState::memory_consumption()
-  {
-    std::size_t bytes = 0;
-    for (const auto &[description, vector] : fields())
-      bytes += vector->memory_consumption();
-    return bytes;
-  }
 } // namespace tombolo

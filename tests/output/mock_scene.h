@@ -83,10 +83,6 @@ namespace mock
     {
       throw dealii::ExcInternalError();
     }
-    std::size_t memory_consumption() const override
-    {
-      return 0;
-    }
 
     MaterialPoints material_points;
     std::vector<dealii::Point<dim>> positions;

@@ -58,8 +58,6 @@ namespace tombolo
       return slots[i].bin;
     }
 
-    std::size_t memory_consumption() const;
-
   private:
     struct Slot
     {

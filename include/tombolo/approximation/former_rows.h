@@ -31,8 +31,6 @@ namespace tombolo
      * neighbours with φ ≠ 0 before. Forgets the copy; without one, none. */
     LeavingParticles leaving(const Stencils &shape, const std::vector<unsigned int> &candidates);
 
-    std::size_t memory_consumption() const;
-
   private:
     /** As it was, without ∇φ. */
     Stencils::Row former_row(unsigned int i) const;

@@ -74,8 +74,6 @@ namespace tombolo
 
     const Kernel &kernel() const;
 
-    std::size_t memory_consumption() const;
-
   private:
     /** One node as the batches read it: position and inverse support in one cache line. */
     struct alignas(64) NodeRecord

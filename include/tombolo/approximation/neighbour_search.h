@@ -35,8 +35,6 @@ namespace tombolo
               const double *position, const double *support, double skin,
               std::vector<std::size_t> &row_start, std::vector<unsigned int> &neighbour);
 
-    std::size_t memory_consumption() const;
-
   private:
     static constexpr unsigned int n_levels = 8;
 

@@ -84,8 +84,6 @@ namespace tombolo
     bool candidates_hold(const std::vector<double> &position, const std::vector<double> &support,
                          MPI_Comm communicator) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     /** Appends the images of particles that can reach a particle of this rank to the positions and
      * supports by place. */

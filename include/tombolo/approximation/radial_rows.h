@@ -77,8 +77,6 @@ namespace tombolo
      * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */
     double reach() const;
 
-    std::size_t memory_consumption() const;
-
   private:
     /** The neighbours of some row within the buffers. */
     struct Entries

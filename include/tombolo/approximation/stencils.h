@@ -113,7 +113,5 @@ namespace tombolo
     /** Puts negative φ of row @p i to zero and scales the others so that their sum stays one: no
      * linear functions any more, but no extrapolation either. ∇φ stays. */
     void remove_negative_values(unsigned int i);
-
-    std::size_t memory_consumption() const;
   };
 } // namespace tombolo

@@ -43,12 +43,6 @@ namespace tombolo
       return {};
     }
 
-    /** Of what was read from files, in bytes. */
-    virtual std::size_t memory_consumption() const
-    {
-      return 0;
-    }
-
     /** The signed distance of nodes to the surface at @p time, positive outside of the rigid body
      * [L]; gap[k] is that of node nodes[k]. One call per step, for all candidates. */
     virtual void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,

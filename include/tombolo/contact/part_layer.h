@@ -95,8 +95,6 @@ namespace tombolo
      * Collective. */
     void sum(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     /** What the ranks tell each other of the layer at the start. */
     struct Survey;

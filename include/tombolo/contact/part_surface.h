@@ -128,7 +128,6 @@ namespace tombolo
     void serialize(StateArchive &archive, const std::vector<unsigned int> &candidates);
 
     std::string description() const override;
-    std::size_t memory_consumption() const override;
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;
     void set_reach(const double distance) override

@@ -168,8 +168,6 @@ namespace tombolo
     double kinetic_energy(const NodalVector &unsmoothed) const;
     double short_wave_share(const NodalVector &unsmoothed);
 
-    std::size_t memory_consumption() const;
-
   private:
     /** momentum := M times the adjoint of the affine smoothing of @p of_nodes, at owned nodes. */
     void collect_affine_adjoint(const NodalVector &of_nodes);

@@ -96,8 +96,6 @@ namespace tombolo
     /** @p result = the own fraction of @p field at owned nodes, zero elsewhere. */
     void set_own_fraction(const NodalVector &field, NodalVector &result) const;
 
-    std::size_t memory_consumption() const;
-
     std::vector<ParticlePart> parts;
     bool shared_by_particle_parts = false;      ///< a node has rows in two of them
     std::vector<unsigned int> n_particle_parts; ///< that smooth it, of each owned node

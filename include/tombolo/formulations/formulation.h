@@ -318,8 +318,6 @@ namespace tombolo
     /** Computes what follows from what serialize() has read. @p buffer is a vector of positions
      * with current ghosts, free to be overwritten. Collective. */
     virtual void complete_reading(NodalVector & /*buffer*/) {}
-
-    virtual std::size_t memory_consumption() const = 0;
   };
 
   template <int dim>

@@ -40,8 +40,6 @@ namespace tombolo
     /** Whether no capacity depends on the temperature. */
     bool is_linear() const;
 
-    std::size_t memory_consumption() const;
-
   private:
     struct Share
     {

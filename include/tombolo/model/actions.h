@@ -28,7 +28,6 @@ namespace tombolo
     std::vector<dealii::Tensor<1, 3>> forces;
 
     void clear();
-    std::size_t memory_consumption() const;
   };
 
   /** What @p vector has at these owned nodes, ascending, without zeros. */
@@ -46,8 +45,6 @@ namespace tombolo
     /** Adds the work of the step that ends at t_n, or what of it is left. */
     void complete_step(const NodalForces &forces, const NodalVector &velocity, const Clock &clock,
                        double &work);
-
-    std::size_t memory_consumption() const;
 
     /** Writes or reads one dataset of nodes, of which this rank owns @p n_owned. Collective. */
     void serialize(const std::string &name, unsigned int n_owned, StateArchive &archive);
@@ -203,7 +200,6 @@ namespace tombolo
     void account(EnergyAccounts &accounts) const;
     void account_heat(EnergyAccounts &accounts) const;
     void serialize(StateArchive &archive);
-    std::size_t memory_consumption() const;
 
   private:
     template <typename Use>

@@ -205,12 +205,6 @@ namespace tombolo
     /** Adds what outputs may show. Not collective. */
     virtual void show(OutputView<dim> &) const {}
 
-    /** [bytes], of this rank. Not collective. */
-    virtual std::size_t memory_consumption() const
-    {
-      return 0;
-    }
-
     /** Writes to a checkpoint or reads from it which cells and particles there are, before the
      * state of parts and nodes. */
     virtual void serialize_structure(Model<dim> &, StateArchive &) {}

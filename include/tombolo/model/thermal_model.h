@@ -111,8 +111,6 @@ namespace tombolo
      * it. Collective. */
     StepLimit diffusion_limit(const NodalVector &position) const;
 
-    std::size_t memory_consumption();
-
     ThermalState state;
     ThermalConditions<dim> conditions;
     Bridge bridge;

@@ -12,9 +12,11 @@ namespace tombolo
   /** Prints the size of a model before its first step: nodes by label, cells, particles,
    * neighbours, mass, extent, wave speeds, the time step and what limits it, the number of steps
    * and the memory, the balance of the ranks, and the remarks of the reader of the mesh. @p
-   * thermal_step is null in models without heat, @p statics where steps are explicit. Returns how
-   * many steps are expected. Collective. */
+   * thermal_step is null in models without heat, @p statics where steps are explicit; @p
+   * bytes_before were allocated before the model was built. Returns how many steps are expected.
+   * Collective. */
   template <int dim>
   double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                     const StaticSteps<dim> *statics, double end_time, Log &log);
+                     const StaticSteps<dim> *statics, double end_time, std::size_t bytes_before,
+                     Log &log);
 } // namespace tombolo

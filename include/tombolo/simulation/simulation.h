@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/allocated_bytes.h>
 #include <tombolo/base/log.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/mesh/cell_divisions.h>
@@ -109,8 +110,9 @@ namespace tombolo
     Log &log;
     MPI_Comm communicator;
     double end_time;
-    double largest_energy_error;     ///< of the largest energy put in; zero: any
-    CheckpointHeader header;         ///< of this run
+    double largest_energy_error; ///< of the largest energy put in; zero: any
+    CheckpointHeader header;     ///< of this run
+    const std::size_t bytes_before = allocated_bytes();
     std::optional<Model<dim>> model; ///< built anew, at its place, on another division of the mesh
     EnergyLedger ledger;
     StepSize<dim> step_size;

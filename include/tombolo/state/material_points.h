@@ -59,8 +59,6 @@ namespace tombolo
     /** Ends the trial with the present state as the committed one. */
     void commit_trial();
 
-    std::size_t memory_consumption() const;
-
   private:
     unsigned int n_points = 0;
     std::size_t n_padded = 0;

@@ -44,8 +44,6 @@ namespace tombolo
     /** Every field with its description: what output and checkpoint iterate over. */
     std::vector<std::pair<FieldDescription, NodalVector *>> fields();
 
-    std::size_t memory_consumption();
-
   private:
     bool moves = true;
     bool has_unsmoothed_position = false;

@@ -97,8 +97,6 @@ namespace tombolo
     /** Sum over owned values of this times other, summed over ranks. Collective. */
     double dot(const NodalVector &other) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     void allocate(const std::shared_ptr<const NodePartition> &partition);
     void fill_images();

@@ -41,7 +41,5 @@ namespace tombolo
 
     /** Every field with its description. */
     std::vector<std::pair<FieldDescription, NodalVector *>> fields();
-
-    std::size_t memory_consumption();
   };
 } // namespace tombolo

@@ -464,17 +464,6 @@ namespace tombolo
     }
   }
 
-  template <int dim>
-  std::size_t ClosedSurface<dim>::memory_consumption() const
-  {
-    std::size_t bytes = facets.capacity() * sizeof(Facet) +
-                        ends_of_edges.capacity() * sizeof(Edge) +
-                        edges.capacity() * sizeof(unsigned int);
-    for (const auto *vectors : {&vertices, &facet_normals, &vertex_normals, &edge_normals})
-      bytes += vectors->capacity() * sizeof(Tensor<1, dim>);
-    return bytes;
-  }
-
   template class ClosedSurface<2>;
   template class ClosedSurface<3>;
 } // namespace tombolo

@@ -342,12 +342,6 @@ namespace tombolo
     return std::nullopt;
   }
 
-  template <int dim>
-  std::size_t FacetTree<dim>::memory_consumption() const
-  {
-    return boxes.capacity() * sizeof(Box) + facets.capacity() * sizeof(PackedFacet);
-  }
-
   template class FacetTree<2>;
   template class FacetTree<3>;
 } // namespace tombolo

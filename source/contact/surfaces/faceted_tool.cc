@@ -121,12 +121,6 @@ namespace tombolo
   }
 
   template <int dim>
-  std::size_t FacetedTool<dim>::memory_consumption() const
-  {
-    return body.memory_consumption();
-  }
-
-  template <int dim>
   std::vector<std::string> FacetedTool<dim>::remarks() const
   {
     return body.surface().remarks;

@@ -289,13 +289,6 @@ namespace tombolo
     return closed_surface;
   }
 
-  template <int dim>
-  std::size_t RigidMesh<dim>::memory_consumption() const
-  {
-    return closed_surface.memory_consumption() + tree.memory_consumption() +
-           voxels.capacity() * sizeof(Voxel);
-  }
-
   template class RigidMesh<2>;
   template class RigidMesh<3>;
 } // namespace tombolo

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <deal.II/base/memory_consumption.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/base/tensor.h>
 
@@ -332,21 +331,6 @@ namespace tombolo
         *mass.node(of_batch[k * n_lanes + place % n_lanes]) +=
             (factors[cell] - 1.) * cell_mass[std::size_t(cell) * node_count + k];
     }
-  }
-
-  template <int dim>
-  std::size_t CellBatches<dim>::memory_consumption() const
-  {
-    return MemoryConsumption::memory_consumption(node_set) +
-           MemoryConsumption::memory_consumption(node_mass) +
-           MemoryConsumption::memory_consumption(cell_mass) +
-           MemoryConsumption::memory_consumption(set_to_local) +
-           MemoryConsumption::memory_consumption(set_nodes) +
-           MemoryConsumption::memory_consumption(local_nodes) +
-           MemoryConsumption::memory_consumption(positions) +
-           MemoryConsumption::memory_consumption(nodes_of_cells) +
-           MemoryConsumption::memory_consumption(places) +
-           MemoryConsumption::memory_consumption(present_cells);
   }
 
   template std::vector<double> lagrange_values<2>(unsigned int, const Point<2> &);

@@ -140,12 +140,6 @@ namespace tombolo
     archive("steps since bond check", steps_since_check);
   }
 
-  template <int dim>
-  std::size_t BondCheck<dim>::memory_consumption() const
-  {
-    return pair_data.memory_consumption();
-  }
-
   template class BondCheck<2>;
   template class BondCheck<3>;
 } // namespace tombolo

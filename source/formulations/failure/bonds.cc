@@ -387,18 +387,6 @@ namespace tombolo
     is_broken_anywhere = Utilities::MPI::max(is_broken ? 1 : 0, communicator) == 1;
   }
 
-  template <int dim>
-  std::size_t Bonds<dim>::memory_consumption() const
-  {
-    std::size_t bytes = own_ids.capacity() * sizeof(std::uint64_t) +
-                        n_initial_bonds.capacity() * sizeof(unsigned int) +
-                        initial_gradient.capacity() * sizeof(double) +
-                        partners.memory_consumption() + check.memory_consumption();
-    for (const PartnerLists *const lists : {&broken, &refused, &previous})
-      bytes += lists->memory_consumption();
-    return bytes;
-  }
-
   template class Bonds<2>;
   template class Bonds<3>;
 } // namespace tombolo

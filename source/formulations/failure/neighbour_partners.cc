@@ -74,12 +74,6 @@ namespace tombolo
     return growths[place];
   }
 
-  template <int dim>
-  std::size_t NeighbourPartners<dim>::memory_consumption() const
-  {
-    return partners.capacity() * sizeof(BondPartner);
-  }
-
   template class NeighbourPartners<2>;
   template class NeighbourPartners<3>;
 } // namespace tombolo

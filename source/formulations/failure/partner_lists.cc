@@ -123,12 +123,4 @@ namespace tombolo
           list.push_back({joined(values[next], values[next + 1]),
                           static_cast<std::uint64_t>(values[next + 2])});
   }
-
-  std::size_t PartnerLists::memory_consumption() const
-  {
-    std::size_t bytes = lists.capacity() * sizeof(List);
-    for (const List &list : lists)
-      bytes += list.capacity() * sizeof(BondPartner);
-    return bytes;
-  }
 } // namespace tombolo

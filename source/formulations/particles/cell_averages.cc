@@ -406,15 +406,6 @@ namespace tombolo
     stencils.gradient.back() = 0.;
   }
 
-  template <int dim>
-  std::size_t CellAverages<dim>::memory_consumption() const
-  {
-    std::size_t bytes = 0;
-    for (const std::vector<Entry> &row : rows)
-      bytes += row.capacity() * sizeof(Entry);
-    return bytes;
-  }
-
   template class CellAverages<2>;
   template class CellAverages<3>;
 } // namespace tombolo

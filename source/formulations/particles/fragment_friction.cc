@@ -384,17 +384,6 @@ namespace tombolo
         }
   }
 
-  template <int dim>
-  std::size_t FragmentFriction<dim>::memory_consumption() const
-  {
-    return (ids.capacity() + partner_ids.capacity()) * sizeof(std::uint64_t) +
-           row_of_pairs.capacity() * sizeof(std::size_t) + springs.capacity() * sizeof(Spring) +
-           exchanges.capacity() * sizeof(Exchange) + known.capacity() * sizeof(KnownSpring) +
-           (inverse_deformation.capacity() + couple.capacity()) * sizeof(Tensor<2, dim>) +
-           displacement.memory_consumption() + ends.memory_consumption() +
-           exposures.memory_consumption();
-  }
-
   template class FragmentFriction<2>;
   template class FragmentFriction<3>;
 } // namespace tombolo

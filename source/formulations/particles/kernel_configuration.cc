@@ -285,13 +285,6 @@ namespace tombolo
           reference_deformation[i][a][b] = entries[i * dim * dim + a * dim + b];
   }
 
-  template <int dim>
-  std::size_t KernelConfiguration<dim>::memory_consumption() const
-  {
-    return (half_widths.capacity() + reference_position.capacity()) * sizeof(double) +
-           reference_deformation.capacity() * sizeof(Tensor<2, dim>);
-  }
-
   template class KernelConfiguration<2>;
   template class KernelConfiguration<3>;
 } // namespace tombolo

@@ -153,13 +153,6 @@ namespace tombolo
     return "Dilation";
   }
 
-  template <int dim>
-  std::size_t LeastSquaresRows<dim>::memory_consumption() const
-  {
-    return ParticleRows<dim>::memory_consumption() + least_squares.memory_consumption() +
-           averages.memory_consumption();
-  }
-
   template class LeastSquaresRows<2>;
   template class LeastSquaresRows<3>;
 } // namespace tombolo

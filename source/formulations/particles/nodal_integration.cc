@@ -317,12 +317,6 @@ namespace tombolo
     return plastic_heating.temperature(material_points);
   }
 
-  template <int dim>
-  std::size_t NodalIntegration<dim>::memory_consumption() const
-  {
-    return material_points.memory_consumption();
-  }
-
   template class NodalIntegration<2>;
   template class NodalIntegration<3>;
 } // namespace tombolo

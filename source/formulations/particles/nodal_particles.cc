@@ -159,13 +159,6 @@ namespace tombolo
     return integration.material();
   }
 
-  template <int dim>
-  std::size_t NodalParticles<dim>::memory_consumption() const
-  {
-    return set.memory_consumption() + kernel.memory_consumption() +
-           integration.memory_consumption() + this->stencils().memory_consumption();
-  }
-
   template class NodalParticles<2>;
   template class NodalParticles<3>;
 } // namespace tombolo

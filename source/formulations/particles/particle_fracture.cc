@@ -231,12 +231,6 @@ namespace tombolo
     return true;
   }
 
-  template <int dim>
-  std::size_t ParticleFracture<dim>::memory_consumption() const
-  {
-    return (bonds ? bonds->memory_consumption() : 0) + former_rows.memory_consumption();
-  }
-
   template class ParticleFracture<2>;
   template class ParticleFracture<3>;
 } // namespace tombolo

@@ -443,14 +443,6 @@ namespace tombolo
     fracture.set_before_change(before_change);
   }
 
-  template <int dim>
-  std::size_t ParticleMethod<dim>::memory_consumption() const
-  {
-    return set.memory_consumption() + kernel.memory_consumption() + rows->memory_consumption() +
-           integration.memory_consumption() + fracture.memory_consumption() +
-           (self_contact ? self_contact->memory_consumption() : 0);
-  }
-
   template class ParticleMethod<2>;
   template class ParticleMethod<3>;
 } // namespace tombolo

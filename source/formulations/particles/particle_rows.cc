@@ -261,13 +261,6 @@ namespace tombolo
     return neighbours;
   }
 
-  template <int dim>
-  std::size_t ParticleRows<dim>::memory_consumption() const
-  {
-    return shape.memory_consumption() + neighbours.memory_consumption() +
-           support_of_node.memory_consumption();
-  }
-
   template class ParticleRows<2>;
   template class ParticleRows<3>;
 } // namespace tombolo

@@ -314,14 +314,6 @@ namespace tombolo
     return mpi_communicator;
   }
 
-  template <int dim>
-  std::size_t ParticleSet<dim>::memory_consumption() const
-  {
-    return numbers.capacity() * sizeof(types::global_dof_index) +
-           positions.capacity() * sizeof(Point<dim>) +
-           (volumes.capacity() + supports.capacity()) * sizeof(double);
-  }
-
   template class ParticleSet<2>;
   template class ParticleSet<3>;
 } // namespace tombolo

@@ -434,20 +434,6 @@ namespace tombolo
     has_grown.assign(has_grown.size(), false);
   }
 
-  template <int dim>
-  std::size_t SelfContact<dim>::memory_consumption() const
-  {
-    return particles.nodes.capacity() * sizeof(types::global_dof_index) +
-           particles.ids.capacity() * sizeof(std::uint64_t) +
-           (particles.volumes.capacity() + particles.masses.capacity() + supports.capacity() +
-            present_position.capacity()) *
-               sizeof(double) +
-           neighbourhoods.memory_consumption() + candidates.memory_consumption() +
-           pair_start.capacity() * sizeof(std::size_t) + partner.capacity() * sizeof(unsigned int) +
-           tags.memory_consumption() + former_tags.memory_consumption() +
-           spheres.memory_consumption() + (friction ? friction->memory_consumption() : 0);
-  }
-
   template class SelfContact<2>;
   template class SelfContact<3>;
 } // namespace tombolo

@@ -181,12 +181,6 @@ namespace tombolo
     return limit;
   }
 
-  template <int dim>
-  std::size_t SmoothedParticle<dim>::memory_consumption() const
-  {
-    return ParticleMethod<dim>::memory_consumption() + node_volumes.capacity() * sizeof(double);
-  }
-
   template class SmoothedParticle<2>;
   template class SmoothedParticle<3>;
 

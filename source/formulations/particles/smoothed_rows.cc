@@ -258,14 +258,6 @@ namespace tombolo
     return radial_rows->kernel();
   }
 
-  template <int dim>
-  std::size_t SmoothedRows<dim>::memory_consumption() const
-  {
-    return ParticleRows<dim>::memory_consumption() + candidates.memory_consumption() +
-           (radial_rows ? radial_rows->memory_consumption() : 0) +
-           (copies.capacity() + present_volumes.capacity()) * sizeof(double);
-  }
-
   template class SmoothedRows<2>;
   template class SmoothedRows<3>;
 } // namespace tombolo

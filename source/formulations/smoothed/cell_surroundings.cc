@@ -53,18 +53,6 @@ namespace tombolo
     return result;
   }
 
-  template <int dim>
-  std::size_t CellSurroundings<dim>::memory_consumption() const
-  {
-    const std::size_t of_cell =
-        sizeof(SmoothedCell<dim>) + SubCells<dim>::n_corners * sizeof(types::global_dof_index);
-    return cells.capacity() * of_cell + reaching.capacity() * sizeof(unsigned int) +
-           first.capacity() * sizeof(std::size_t) + shared_facets.memory_consumption() +
-           cloud.node.capacity() * sizeof(types::global_dof_index) +
-           (cloud.position.capacity() + cloud.support.capacity() + cloud.body.capacity()) *
-               sizeof(double);
-  }
-
   template class CellSurroundings<2>;
   template class CellSurroundings<3>;
 } // namespace tombolo

@@ -3,7 +3,6 @@
 
 #include <tombolo/formulations/smoothed/node_cloud.h>
 
-#include <deal.II/base/memory_consumption.h>
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
@@ -446,13 +445,6 @@ namespace tombolo
   {
     for (std::size_t i = 0; i < entries.size(); ++i)
       *result.node(local_nodes[i]) += entries[i].share * of_cells[entries[i].cell];
-  }
-
-  template <int dim>
-  std::size_t HangingMasses<dim>::memory_consumption() const
-  {
-    return entries.capacity() * sizeof(Entry) + local_nodes.capacity() * sizeof(unsigned int) +
-           MemoryConsumption::memory_consumption(node_set);
   }
 
   template std::vector<RefinedFace<2>> refined_faces_of<2>(const Nodes<2>::Cell &);

@@ -232,14 +232,6 @@ namespace tombolo
     return has_points ? rows.n_points_per_cell() : 0;
   }
 
-  template <int dim>
-  std::size_t SmoothedCells<dim>::memory_consumption() const
-  {
-    return rows.memory_consumption() + integration.memory_consumption() +
-           cells.memory_consumption() + hanging_masses.memory_consumption() +
-           initial_points.capacity() * sizeof(Point<dim>);
-  }
-
   TOMBOLO_REGISTER_FOR_DIMENSIONS(
       Formulation, SmoothedCells, "smoothed cells",
       "element-free Galerkin cells of degree 1: convex approximation with smoothed gradients")

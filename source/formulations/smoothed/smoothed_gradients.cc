@@ -200,14 +200,6 @@ namespace tombolo
       rows.particle_node[row] = partition.local_index(row_nodes[row]);
   }
 
-  template <int dim>
-  std::size_t SmoothedGradients<dim>::memory_consumption() const
-  {
-    return rows.memory_consumption() + point_volumes.capacity() * sizeof(double) +
-           (neighbour_nodes.capacity() + row_nodes.capacity()) * sizeof(types::global_dof_index) +
-           (surroundings ? surroundings->memory_consumption() : 0);
-  }
-
   template class SmoothedGradients<2>;
   template class SmoothedGradients<3>;
 } // namespace tombolo

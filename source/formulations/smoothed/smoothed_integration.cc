@@ -464,12 +464,6 @@ namespace tombolo
     return material_points;
   }
 
-  template <int dim>
-  std::size_t SmoothedIntegration<dim>::memory_consumption() const
-  {
-    return material_points.memory_consumption();
-  }
-
   template class SmoothedIntegration<2>;
   template class SmoothedIntegration<3>;
 } // namespace tombolo

@@ -83,9 +83,9 @@ namespace tombolo
                              "; contact between bodies needs degree 1.");
       selectors.push_back(
           {{selector(section, "Slave", model), selector(section, "Master", model)}});
-      members.push_back(std::make_unique<MortarContact<dim>>(
-          section, heat != nullptr, *model.nodes, model.state, selectors.back()[0],
-          selectors.back()[1]));
+      members.push_back(std::make_unique<MortarContact<dim>>(section, heat != nullptr, *model.nodes,
+                                                             model.state, selectors.back()[0],
+                                                             selectors.back()[1]));
     }
   }
 

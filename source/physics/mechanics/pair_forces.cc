@@ -149,15 +149,6 @@ namespace tombolo
     return {text.str()};
   }
 
-  template <int dim>
-  std::size_t PairForces<dim>::memory_consumption() const
-  {
-    std::size_t bytes = applied.memory_consumption();
-    for (const std::vector<double> &of_part : power)
-      bytes += of_part.capacity() * sizeof(double);
-    return bytes;
-  }
-
   namespace
   {
     template <int dim>

@@ -313,15 +313,6 @@ namespace tombolo
   }
 
   template <int dim>
-  std::size_t RigidContacts<dim>::memory_consumption() const
-  {
-    std::size_t bytes = 0;
-    for (const auto &contact : members)
-      bytes += contact->contact_surface().memory_consumption();
-    return bytes;
-  }
-
-  template <int dim>
   void RigidContacts<dim>::serialize(Model<dim> &, StateArchive &archive)
   {
     for (const auto &contact : members)

@@ -59,12 +59,6 @@ namespace tombolo
         tangent.force->node(i)[d] += tangent.factor * factor * stiffness_force.node(i)[d];
   }
 
-  template <int dim>
-  std::size_t StiffnessDamping<dim>::memory_consumption() const
-  {
-    return stiffness_force.memory_consumption();
-  }
-
   namespace
   {
     constexpr const char *factor_entry = "Stiffness factor";

@@ -131,13 +131,6 @@ namespace tombolo
         tangent.force->node(node)[d] -= tangent.factor * viscous_force.node(node)[d];
   }
 
-  template <int dim>
-  std::size_t SurfaceDamping<dim>::memory_consumption() const
-  {
-    return fibres.capacity() * sizeof(Fibre) + local.capacity() * sizeof(local[0]) +
-           touched.capacity() * sizeof(unsigned int) + viscous_force.memory_consumption();
-  }
-
   namespace
   {
     constexpr const char *surface_section_name = "Surface damping";

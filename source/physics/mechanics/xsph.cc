@@ -111,13 +111,6 @@ namespace tombolo
   }
 
   template <int dim>
-  std::size_t Xsph<dim>::memory_consumption() const
-  {
-    return mass.memory_consumption() + momentum.memory_consumption() +
-           other_force.memory_consumption() + moved.memory_consumption();
-  }
-
-  template <int dim>
   void Xsph<dim>::serialize(Model<dim> &, StateArchive &archive)
   {
     const auto group = archive.group("XSPH");

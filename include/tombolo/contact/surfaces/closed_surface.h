@@ -62,9 +62,6 @@ namespace tombolo
 
     std::vector<std::string> remarks; ///< sentences
 
-    /** In bytes. */
-    std::size_t memory_consumption() const;
-
   private:
     /** A side of a facet: the same numbers as those of the facet beyond it. */
     struct Side

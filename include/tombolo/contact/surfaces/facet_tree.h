@@ -64,9 +64,6 @@ namespace tombolo
      * facet are farther away than the tolerance of the surface. */
     std::optional<dealii::Tensor<1, dim>> find_crossing(const ClosedSurface<dim> &surface) const;
 
-    /** Of the tree and its facets, in bytes. */
-    std::size_t memory_consumption() const;
-
   private:
     struct Box
     {

@@ -26,7 +26,6 @@ namespace tombolo
     void load(MPI_Comm communicator) override;
     std::string description() const override;
     std::vector<std::string> remarks() const override;
-    std::size_t memory_consumption() const override;
 
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;

@@ -59,9 +59,6 @@ namespace tombolo
     /** The surface without rounding. */
     const ClosedSurface<dim> &surface() const;
 
-    /** Of surface, tree and known distances, in bytes. */
-    std::size_t memory_consumption() const;
-
   private:
     using Feature = typename FacetTree<dim>::Feature;
 

@@ -116,8 +116,6 @@ namespace tombolo
      * included. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     void find_local_nodes();
 

@@ -27,9 +27,7 @@ namespace tombolo
    * material points are CellPoints, the stresses and their forces CellIntegration.
    */
   template <int dim, typename Element>
-  class CellFormulation : public Formulation<dim>,
-                          public ErodingCells<dim>,
-                          public LosingCells<dim>
+  class CellFormulation : public Formulation<dim>, public ErodingCells<dim>, public LosingCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -230,11 +228,6 @@ namespace tombolo
     nodes_of_cell(const unsigned int cell) const override
     {
       return cell_points.cells().nodes_of_cell(cell);
-    }
-
-    std::size_t memory_consumption() const override
-    {
-      return cell_points.memory_consumption();
     }
 
   private:

@@ -146,12 +146,6 @@ namespace tombolo
       return result;
     }
 
-    std::size_t memory_consumption() const
-    {
-      return state.memory_consumption() + batches.memory_consumption() +
-             initial_points.capacity() * sizeof(dealii::Point<dim>);
-    }
-
   private:
     CellBatches<dim> batches;
     MaterialPoints state;

@@ -123,10 +123,6 @@ namespace tombolo
     {
       return 0;
     }
-    std::size_t memory_consumption() const override
-    {
-      return cell_points.memory_consumption();
-    }
 
   private:
     CellPoints<dim, RigidCell<dim, p>> cell_points;

@@ -51,7 +51,6 @@ namespace tombolo
                                                    const Stencils &shape);
 
     void serialize(StateArchive &archive);
-    std::size_t memory_consumption() const;
 
   private:
     std::string name;

@@ -153,8 +153,6 @@ namespace tombolo
     /** Rows of @p archive are the particles. Collective. */
     void serialize(StateArchive &archive);
 
-    std::size_t memory_consumption() const;
-
   private:
     explicit Bonds(const Section &section);
 

@@ -38,8 +38,6 @@ namespace tombolo
     bool is_damaged(unsigned int place) const;
     ParticleGrowth growth(unsigned int place) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     std::vector<BondPartner> partners;
     std::vector<bool> damaged;

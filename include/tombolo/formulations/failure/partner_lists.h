@@ -67,8 +67,6 @@ namespace tombolo
     /** Writes or reads them as rows of @p archive. Collective. */
     void serialize(StateArchive &archive, const std::string &name);
 
-    std::size_t memory_consumption() const;
-
   private:
     std::vector<List> lists;
   };

@@ -67,8 +67,6 @@ namespace tombolo
     /** Fills the rows of @p stencils; with @p share_rows, those that are the same are kept once. */
     void fill(const Neighbourhoods<dim> &found, bool share_rows, Stencils &stencils) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     struct Entry
     {

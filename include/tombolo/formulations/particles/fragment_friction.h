@@ -123,8 +123,6 @@ namespace tombolo
     /** Writes to a checkpoint or reads it: rows of the particles @p own_ids. Collective. */
     void serialize(StateArchive &archive, const std::vector<std::uint64_t> &own_ids);
 
-    std::size_t memory_consumption() const;
-
   private:
     FragmentFriction(TemperatureTable friction, TemperatureTable conductance);
 

@@ -104,8 +104,6 @@ namespace tombolo
      * @p archive. */
     void serialize_reference(StateArchive &archive);
 
-    std::size_t memory_consumption() const;
-
   private:
     void stretch_support(unsigned int i, const ParticleSet<dim> &particles);
     /** The initial support of particle @p i after the deformation @p total. */

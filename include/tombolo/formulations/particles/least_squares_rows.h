@@ -30,7 +30,6 @@ namespace tombolo
     PatchTest patch_test(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
                          const KernelConfiguration<dim> &kernel, bool smooths,
                          const NodalVector &position) const override;
-    std::size_t memory_consumption() const override;
 
     const Kernel &kernel() const;
 

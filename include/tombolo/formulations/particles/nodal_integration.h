@@ -89,8 +89,6 @@ namespace tombolo
     /** The temperature of all points; null without heat. */
     const double *temperature() const;
 
-    std::size_t memory_consumption() const;
-
   private:
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;

@@ -49,7 +49,6 @@ namespace tombolo
     const MaterialPoints &points() const override;
     MaterialPoints &points() override;
     const Material &material() const override;
-    std::size_t memory_consumption() const override;
 
   protected:
     NodalParticles() = default;

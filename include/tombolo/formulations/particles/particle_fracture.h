@@ -84,8 +84,6 @@ namespace tombolo
      * there are any on any rank. Collective. */
     bool complete_reading(const std::shared_ptr<const NodePartition> &partition);
 
-    std::size_t memory_consumption() const;
-
   private:
     bool break_bonds(const NodalVector &position);
     /** Takes what broke out of the rows, and computes these. Collective. */

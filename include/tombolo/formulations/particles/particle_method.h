@@ -31,7 +31,6 @@ namespace tombolo
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;
     void serialize(StateArchive &archive) override;
     void complete_reading(NodalVector &buffer) override;
-    std::size_t memory_consumption() const override;
 
     const Stencils &stencils() const override
     {

@@ -164,8 +164,6 @@ namespace tombolo
     const Neighbourhoods<dim> &neighbourhoods() const;
     Neighbourhoods<dim> &neighbourhoods();
 
-    virtual std::size_t memory_consumption() const;
-
   protected:
     /** Candidates are found with @p skin, as in Neighbourhoods. */
     ParticleRows(const Section &section, double skin);

@@ -81,8 +81,6 @@ namespace tombolo
     double copies_in_whole_body(unsigned int i) const;
     MPI_Comm communicator() const;
 
-    std::size_t memory_consumption() const;
-
   private:
     const Nodes<dim> *mesh_nodes = nullptr;
     MPI_Comm mpi_communicator = MPI_COMM_NULL;

@@ -102,8 +102,6 @@ namespace tombolo
     /** Beside points. Collective. */
     void serialize(StateArchive &archive);
 
-    std::size_t memory_consumption() const;
-
   private:
     explicit SelfContact(const Section &section);
 

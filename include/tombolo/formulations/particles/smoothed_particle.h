@@ -27,7 +27,6 @@ namespace tombolo
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
     StepLimit diffusion_limit(const NodalVector &position) const override;
-    std::size_t memory_consumption() const override;
 
     const PairInteractions<dim> *pairs() const override
     {

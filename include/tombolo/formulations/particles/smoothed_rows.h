@@ -37,7 +37,6 @@ namespace tombolo
     bool are_undeformed_when_new() const override;
     bool depend_on_volumes() const override;
     void set_present_volumes(const std::vector<double> &volumes) override;
-    std::size_t memory_consumption() const override;
 
     bool are_corrected() const;
     const RadialKernel<dim> &radial_kernel() const;

@@ -28,8 +28,6 @@ namespace tombolo
     /** Whether the support of a node reaches a cell, void ones too; by the place in the cloud. */
     std::vector<bool> reaches_cells() const;
 
-    std::size_t memory_consumption() const;
-
   private:
     std::vector<unsigned int> reaching; // places in the cloud, cell by cell
     std::vector<std::size_t> first;     // of each cell

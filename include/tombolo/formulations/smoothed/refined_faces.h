@@ -118,8 +118,6 @@ namespace tombolo
      * give to their nodes by mass. */
     void add_shares(const std::vector<double> &of_cells, NodalVector &result) const;
 
-    std::size_t memory_consumption() const;
-
   private:
     struct Entry
     {

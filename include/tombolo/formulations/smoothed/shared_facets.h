@@ -29,11 +29,6 @@ namespace tombolo
       return n_shared;
     }
 
-    std::size_t memory_consumption() const
-    {
-      return numbers.capacity() * sizeof(unsigned int);
-    }
-
   private:
     struct Face;
 

@@ -100,7 +100,6 @@ namespace tombolo
       return void_cells().is_on();
     }
     void serialize(StateArchive &archive) override;
-    std::size_t memory_consumption() const override;
 
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override;

@@ -80,8 +80,6 @@ namespace tombolo
     const dealii::IndexSet &required_nodes() const;
     void set_partition(const NodePartition &partition);
 
-    std::size_t memory_consumption() const;
-
   private:
     /** Sets required_nodes(). */
     void find_node_set(const std::vector<SmoothedRow<dim>> &rows_of_cells,

@@ -66,8 +66,6 @@ namespace tombolo
       return plastic_heating;
     }
 
-    std::size_t memory_consumption() const;
-
   private:
     /** Points of a cell, at most. */
     static constexpr unsigned int most_points = dim == 3 ? 8 : 4;

@@ -32,7 +32,6 @@ namespace tombolo
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    std::size_t memory_consumption() const override;
 
     /** At the end of the run, where inertia is scaled, material has flowed and the viscosity has
      * taken more than 5 % of the plastic work. */

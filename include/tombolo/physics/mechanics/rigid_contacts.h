@@ -48,7 +48,6 @@ namespace tombolo
     std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
                                       typename Process<dim>::Occasion occasion) override;
     void show(OutputView<dim> &view) const override;
-    std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
     void continue_state(Model<dim> &model, StateArchive &archive) override;
     void follow_division(const Model<dim> &model, StateArchive &archive,

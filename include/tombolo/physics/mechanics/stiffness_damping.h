@@ -31,7 +31,6 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
-    std::size_t memory_consumption() const override;
 
   private:
     /** @p result := K @p velocity, whose ghosts are current. Collective. */

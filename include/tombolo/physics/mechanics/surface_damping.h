@@ -39,7 +39,6 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
-    std::size_t memory_consumption() const override;
     /** Nothing has a rate. */
     typename Process<dim>::Role
     role(const typename Process<dim>::Situation situation) const override

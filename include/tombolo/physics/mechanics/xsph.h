@@ -33,7 +33,6 @@ namespace tombolo
     void after_motion(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
-    std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
