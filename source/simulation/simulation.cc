@@ -27,8 +27,7 @@ namespace tombolo
 
   template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
-  try : parameters(parameters), log(log), communicator(communicator),
-      end_time(parameters.section("").get_positive("End time")),
+  try : parameters(parameters), log(log), end_time(parameters.section("").get_positive("End time")),
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
       header{"", (validate_run<dim>(parameters, communicator),
                   divisions_of_initial_state(parameters, dim, communicator))},

@@ -57,6 +57,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::resume(const std::string &checkpoint)
   {
+    const MPI_Comm communicator = model->communicator;
     const std::string path = parameters.section("").get("Output directory");
     const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
     StateArchive archive(file, StateArchive::Mode::read, communicator);
@@ -100,7 +101,7 @@ namespace tombolo
   {
     if (!resumption.is_resumed)
       directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
-                                                    communicator);
+                                                    model->communicator);
     if (resumption.continues_files)
     {
       directory->remove_summary();

@@ -108,7 +108,6 @@ namespace tombolo
 
     const Parameters &parameters;
     Log &log;
-    MPI_Comm communicator;
     double end_time;
     double largest_energy_error; ///< of the largest energy put in; zero: any
     CheckpointHeader header;     ///< of this run
