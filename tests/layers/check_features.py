@@ -32,13 +32,15 @@ FEATURES = {
     "erosion": (r"[Ee]rosion|[Ee]rod(?:e|ing)", r"eros|erod"),
     "hanging-nodes": (r"[Hh]anging|[Gg]raded(?:\b|[A-Z_])|FollowsDivisions|follow_division|CellDivisions|refined_faces",
                       r"hanging|division|graded|refine"),
-    "mirror-planes": (r"[Ss]ymmetry|MirrorNode|ReflectionParity|under_reflection|required_images", r"symmetry|mirror"),
+    "mirror-planes": (r"[Ss]ymmetry|MirrorNode|ReflectionParity|under_reflection|required_images|ImageNode"
+                      r"|required_image_nodes|images_of_body|find_images|makes_images", r"symmetry|mirror"),
     "mortar": (r"[Mm]ortar", r"mortar"),
     "rigid-bodies": (r"Rigid(?:Bod|Cells|Formulation)|rigid_(?:bod|cells)", r"rigid_(?:bod|cells|form)"),
-    "scaled-inertia": (r"scales?_inertia|is_scaled|inertia_factor|row_inertia|true_mass|has_scaled|MassScaling",
+    "scaled-inertia": (r"scales?_inertia|is_scaled|inertia_factor|row_inertia|true_mass|has_scaled|MassScaling"
+                       r"|relative_inertia|body_mass|mass_of_bodies|inertia_is_mass",
                        r"scaling"),
     "statics": (r"Static(?:Process|Steps?|Solver|Contact)|static_(?:process|steps?|solver|contact)|[Ss]tiff_?[Cc]ells"
-                r"|AtRest|at_rest|for_statics|physics/statics", r"static|at_rest|rest_entries|stiff"),
+                r"|AtRest|at_rest|Situation::rest|for_statics|physics/statics", r"static|at_rest|rest_entries|stiff"),
 }
 
 # A text may have what looks like a comment.
