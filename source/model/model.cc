@@ -276,6 +276,11 @@ namespace tombolo
     {
       if (part.particles != nullptr)
         continue;
+      if (inertia_is_mass)
+      {
+        part.formulation->add_mass(element_mass);
+        continue;
+      }
       of_part.reinit(partition, Quantity::scalar);
       part.formulation->add_mass(of_part);
       if (!part.inertia.empty())

@@ -16,13 +16,12 @@ namespace tombolo
    * of every scene that has mechanical conditions.
    */
   template <int dim>
-  class ConditionHistory : public BalanceHistory<dim, ConditionBalance>
+  class ConditionHistory : public ImpulseHistory<dim, ConditionBalance>
   {
   public:
     explicit ConditionHistory(const Section &section)
-        : BalanceHistory<dim, ConditionBalance>(
-              "conditions.csv", section.get_unsigned("Steps between rows"),
-              {"times of row", &ConditionBalance::time_of_impulse, "conditions"},
+        : ImpulseHistory<dim, ConditionBalance>(
+              "conditions.csv", section.get_unsigned("Steps between rows"), "conditions",
               {"conditions", {&ConditionBalance::work}}),
           reference_point(read_vector<dim>(section, "Moments about"))
     {}
@@ -52,18 +51,10 @@ namespace tombolo
       return result;
     }
 
-    void begin(const OutputView<dim> &view) override
+    void add_balance(const OutputView<dim> &view, const std::size_t k, const ConditionBalance &now,
+                     const ConditionBalance &before) override
     {
-      BalanceHistory<dim, ConditionBalance>::begin(view);
-      if (!this->table.is_continued())
-        for (ConditionBalance &balance : this->last)
-          balance.time_of_impulse = view.time;
-    }
-
-    void add_balance(const OutputView<dim> & /*view*/, std::size_t /*k*/,
-                     const ConditionBalance &now, const ConditionBalance &before) override
-    {
-      this->add_impulses(now, before);
+      ImpulseHistory<dim, ConditionBalance>::add_balance(view, k, now, before);
       this->table.add(now.name + " work", "M L^2/T^2", now.work);
       if (now.prescribes_motion)
         this->add_vector(now.name + " mean displacement", "L", now.displacement);

@@ -10,13 +10,13 @@ namespace tombolo
    * every scene that has sections.
    */
   template <int dim>
-  class SectionHistory : public BalanceHistory<dim, SectionBalance>
+  class SectionHistory : public ImpulseHistory<dim, SectionBalance>
   {
   public:
     explicit SectionHistory(const Section &section)
-        : BalanceHistory<dim, SectionBalance>(
-              "sections.csv", section.get_unsigned("Steps between rows"),
-              {"times of row", &SectionBalance::time_of_impulse, "sections"}, {"sections", {}})
+        : ImpulseHistory<dim, SectionBalance>("sections.csv",
+                                              section.get_unsigned("Steps between rows"),
+                                              "sections", {"sections", {}})
     {}
 
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -28,20 +28,6 @@ namespace tombolo
     std::vector<SectionBalance> balances(const OutputView<dim> &view) const override
     {
       return view.section_balances();
-    }
-
-    void begin(const OutputView<dim> &view) override
-    {
-      BalanceHistory<dim, SectionBalance>::begin(view);
-      if (!this->table.is_continued())
-        for (SectionBalance &balance : this->last)
-          balance.time_of_impulse = view.time;
-    }
-
-    void add_balance(const OutputView<dim> & /*view*/, std::size_t /*k*/, const SectionBalance &now,
-                     const SectionBalance &before) override
-    {
-      this->add_impulses(now, before);
     }
   };
 
