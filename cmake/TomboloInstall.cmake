@@ -3,7 +3,6 @@
 # scripts that need no build, parameter files and pages. The result can be moved as a whole.
 include(CMakePackageConfigHelpers)
 
-set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/Tombolo)
 install(TARGETS tombolo tombolo_waves EXPORT TomboloTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ${TOMBOLO_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/tombolo ${PROJECT_BINARY_DIR}/include/tombolo
@@ -64,4 +63,5 @@ install(FILES
   ${PROJECT_BINARY_DIR}/TomboloConfig.cmake
   ${PROJECT_BINARY_DIR}/TomboloConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/TomboloTarget.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/plugin_headers.cc
   DESTINATION ${package_directory})

@@ -1,5 +1,6 @@
-# tombolo/version.h in the build directory. The git hash is looked up in every build, but the header
-# is written only where something changed, so that only the files that include it are compiled again.
+# tombolo/version.h and tombolo/headers.h in the build directory. What stands in them is looked up in
+# every build, but they are written only where something changed, so that only the files that include
+# them are compiled again.
 set(TOMBOLO_VERSION_COMMAND
   ${CMAKE_COMMAND}
   -D SOURCE_DIRECTORY=${PROJECT_SOURCE_DIR}
@@ -11,5 +12,5 @@ set(TOMBOLO_VERSION_COMMAND
 execute_process(COMMAND ${TOMBOLO_VERSION_COMMAND})
 add_custom_target(tombolo_version
   COMMAND ${TOMBOLO_VERSION_COMMAND}
-  BYPRODUCTS ${PROJECT_BINARY_DIR}/include/tombolo/version.h
+  BYPRODUCTS ${PROJECT_BINARY_DIR}/include/tombolo/version.h ${PROJECT_BINARY_DIR}/include/tombolo/headers.h
   COMMENT "Looking up the git hash")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/plugin_library.h>
 
+#include <tombolo/base/input/present_headers.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/input/text.h>
 
@@ -11,7 +12,9 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <vector>
 
 namespace tombolo
@@ -84,6 +87,19 @@ namespace tombolo
       return dladdr(&here, &info) != 0 ? files::path(info.dli_fname).parent_path() : files::path();
     }
 
+    /** The headers that a library was built with (cmake/plugin_headers.cc); empty if it does not
+     * say. */
+    std::string headers_of(const std::string &library)
+    {
+      const std::string mark = "tombolo plug-in with headers ";
+      std::ifstream file(library, std::ios::binary);
+      const std::string content{std::istreambuf_iterator<char>(file), {}};
+      const std::size_t place = content.find(mark);
+      return place == std::string::npos
+                 ? ""
+                 : content.substr(place + mark.size(), present_headers().size());
+    }
+
     /** Loads one library; returns what is wrong, or nothing. */
     std::string load(const std::string &name, const std::string &parameter_file)
     {
@@ -105,6 +121,11 @@ namespace tombolo
       }
       // An absolute path: dlopen would look for a bare name in the directories of the system.
       const std::string absolute = files::absolute(*path, error).string();
+      const std::string headers = headers_of(absolute);
+      if (!headers.empty() && headers != present_headers())
+        return "the library was built with other headers of Tombolo than this program, with which "
+               "it "
+               "would fail; build it again.";
       const LoadingGuard guard(absolute);
       if (dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL) == nullptr)
       {

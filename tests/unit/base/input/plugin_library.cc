@@ -7,9 +7,12 @@
 #include <gtest/gtest.h>
 
 #include <tombolo/base/input/plugin_library.h>
+#include <tombolo/base/input/present_headers.h>
 #include <tombolo/materials/material.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 
 namespace
 {
@@ -73,6 +76,29 @@ namespace
     EXPECT_TRUE(contains(loading("CTestTestfile.txt"), "there is no library"));
     EXPECT_TRUE(contains(loading("text.so"), "the library cannot be loaded: "));
     EXPECT_TRUE(contains(loading("libincomplete_material.so"), "function_that_nothing_defines"));
+  }
+
+  /** A copy of a library that says it was built with other headers. Returns its name. */
+  std::string library_of_other_headers(const std::string &original)
+  {
+    std::ifstream file(directory() + "/" + original, std::ios::binary);
+    std::string content{std::istreambuf_iterator<char>(file), {}};
+    const std::size_t place = content.find(present_headers());
+    EXPECT_NE(place, std::string::npos);
+    content[place] = content[place] == '0' ? '1' : '0';
+    const std::string name =
+        "stale_" + std::to_string(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)) +
+        "_of_" + std::to_string(dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD)) + ".so";
+    std::ofstream(directory() + "/" + name, std::ios::binary) << content;
+    return name;
+  }
+
+  TEST(PluginLibrary, library_of_other_headers_is_refused_before_anything_in_it_runs)
+  {
+    const std::string name = library_of_other_headers("libexiting_material.so");
+    MPI_Barrier(MPI_COMM_WORLD);
+    EXPECT_TRUE(contains(loading(dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, name)),
+                         "was built with other headers of Tombolo than this program"));
   }
 
   TEST(PluginLibrary, library_that_throws_or_leaves_while_it_loads_ends_in_words)
