@@ -40,7 +40,7 @@ FEATURES = {
                        r"|relative_inertia|body_mass|mass_of_bodies|inertia_is_mass",
                        r"scaling"),
     "statics": (r"Static(?:Process|Steps?|Solver|Contact)|static_(?:process|steps?|solver|contact)|[Ss]tiff_?[Cc]ells"
-                r"|AtRest|at_rest|Situation::rest|for_statics|physics/statics", r"static|at_rest|rest_entries|stiff"),
+                r"|AtRest|at_rest|roles\.rest|for_statics|physics/statics", r"static|at_rest|rest_entries|stiff"),
 }
 
 # A text may have what looks like a comment.

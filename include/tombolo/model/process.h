@@ -28,6 +28,14 @@ namespace tombolo
   template <int dim>
   struct Tangent;
 
+  /** What a process does in a situation. */
+  enum class ProcessRole
+  {
+    acts,
+    is_idle,   ///< it is there with its accounts and columns only, as what resists motion at rest
+    is_refused ///< the scene is refused
+  };
+
   /**
    * Something optional that acts in a step: a load, a contact, a failure, a filter, a source of
    * heat. A model has the processes that its scene asks for, and no other; each adds forces,
@@ -130,30 +138,21 @@ namespace tombolo
     /** Positions are those of t_{n+1}, velocities those of t_{n+1/2}. */
     virtual void after_motion(Model<dim> &, const Clock &) {}
 
-    /** What not every process is made for. */
-    enum class Situation
+    /** What it does where not every process is made for; set when it is made. */
+    struct Roles
     {
       /** Steps of bodies at rest (`Time integration`): they ask for forces at trial positions
        * (act(), part_force(), linearize()), and for works and impulses (complete_step()) where the
        * equilibrium is found; nothing else of a step is called. */
-      rest,
+      ProcessRole rest = ProcessRole::acts;
       /** Cells are divided in the run: serialize() takes the state over to a mesh with other cells,
        * where sums over ranks stay, values of nodes that both meshes have stay, and new nodes begin
        * with zero (StateArchive::nodal()). */
-      divided_cells,
-      placed_nodes ///< nodes on surfaces are placed anew: nodes_were_placed()
+      ProcessRole divided_cells = ProcessRole::acts;
+      /** Nodes on surfaces are placed anew: nodes_were_placed(). */
+      ProcessRole placed_nodes = ProcessRole::acts;
     };
-    /** What it does there. */
-    enum class Role
-    {
-      acts,
-      is_idle,   ///< it is there with its accounts and columns only, as what resists motion at rest
-      is_refused ///< the scene is refused
-    };
-    virtual Role role(Situation) const
-    {
-      return Role::acts;
-    }
+    Roles roles;
 
     /** In a run with divided cells, after serialize() of all processes, for the archive that is
      * written and for the one that is read: fields of all nodes, of which new nodes get the mean of

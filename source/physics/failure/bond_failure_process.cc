@@ -17,6 +17,7 @@ namespace tombolo
   template <int dim>
   BondFailureProcess<dim>::BondFailureProcess(Model<dim> &model) : redistribution(model)
   {
+    this->roles.rest = ProcessRole::is_idle; // bonds stay those of the start
     model.stencils_change_for_good = true;
     model.renewal.after = [this, &model]()
     {

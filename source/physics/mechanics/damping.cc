@@ -17,6 +17,7 @@ namespace tombolo
   Damping<dim>::Damping(LimitedFunction<dim> rate)
       : rate(std::move(rate)), damping(this->actions.add("damping", ActsAt::nodes))
   {
+    this->roles.rest = ProcessRole::is_idle;
     damping.books("mass damping", EnergyKind::dissipated)
         .comes_from_outside()
         .follows_acceleration()

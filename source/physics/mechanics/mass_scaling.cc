@@ -82,6 +82,8 @@ namespace tombolo
                                 Model<dim> &model)
       : section(section), settings(settings), communicator(model.communicator)
   {
+    this->roles.rest = ProcessRole::is_idle;
+    this->roles.divided_cells = ProcessRole::is_refused;
     if (!settings.is_selective())
       return;
     start(model);

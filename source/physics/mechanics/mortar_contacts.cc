@@ -87,6 +87,10 @@ namespace tombolo
                                                              model.state, selectors.back()[0],
                                                              selectors.back()[1]));
     }
+    this->roles.divided_cells = ProcessRole::is_refused;
+    if (std::any_of(members.begin(), members.end(),
+                    [](const auto &contact) { return contact->is_tied(); }))
+      this->roles.placed_nodes = ProcessRole::is_refused;
   }
 
   template <int dim>
@@ -122,18 +126,6 @@ namespace tombolo
     }
     else if (last_position.partition() != partition)
       last_position.move_to(partition);
-  }
-
-  template <int dim>
-  typename Process<dim>::Role
-  MortarContacts<dim>::role(const typename Process<dim>::Situation situation) const
-  {
-    const bool is_tied = std::any_of(members.begin(), members.end(),
-                                     [](const auto &contact) { return contact->is_tied(); });
-    return situation == Process<dim>::Situation::rest ||
-                   (situation == Process<dim>::Situation::placed_nodes && !is_tied)
-               ? Process<dim>::Role::acts
-               : Process<dim>::Role::is_refused;
   }
 
   template <int dim>

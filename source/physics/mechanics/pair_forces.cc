@@ -34,6 +34,7 @@ namespace tombolo
   PairForces<dim>::PairForces(const Model<dim> &model)
       : model(model), power(model.particle_parts().size())
   {
+    this->roles.rest = ProcessRole::is_idle;
     const auto add = [&](const std::string &name)
     { return &this->actions.add(name, ActsAt::nodes).books(name, EnergyKind::artificial); };
     bool has_viscosity = false, has_stress = false;

@@ -33,6 +33,8 @@ namespace tombolo
       : laws(std::move(of_parts)),
         forces(this->actions.add("contact between parts", ActsAt::positions).stays_on_rank())
   {
+    this->roles.rest = ProcessRole::is_refused;
+    this->roles.divided_cells = ProcessRole::is_refused;
     for (PartLaw &law : laws)
     {
       const Part<dim> &part = model.parts[law.part];

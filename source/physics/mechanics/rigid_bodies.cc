@@ -58,6 +58,8 @@ namespace tombolo
   RigidBodies<dim>::RigidBodies(const Parameters &parameters, Model<dim> &model)
       : is_first_rank(Utilities::MPI::this_mpi_process(model.communicator) == 0)
   {
+    this->roles.rest = ProcessRole::is_refused;
+    this->roles.divided_cells = ProcessRole::is_refused;
     const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
     const bool all_are_rigid =
         std::all_of(model.parts.begin(), model.parts.end(),

@@ -45,6 +45,9 @@ namespace tombolo
       create_contact(section, model, can_be_exposed, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
     create_heat(has_heat);
+    if (std::any_of(members.begin(), members.end(),
+                    [](const auto &contact) { return contact->is_with_part(); }))
+      this->roles.placed_nodes = ProcessRole::is_refused;
     if (kinematic.empty())
       return;
     solver = std::make_unique<KinematicSolver<dim>>(kinematic, model);
@@ -125,17 +128,6 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->keep_outside(clock, slides, from, position, is_bound);
-  }
-
-  template <int dim>
-  typename Process<dim>::Role
-  RigidContacts<dim>::role(const typename Process<dim>::Situation situation) const
-  {
-    const bool follows = std::none_of(members.begin(), members.end(),
-                                      [](const auto &contact) { return contact->is_with_part(); });
-    return follows || situation != Process<dim>::Situation::placed_nodes
-               ? Process<dim>::Role::acts
-               : Process<dim>::Role::is_refused;
   }
 
   template <int dim>

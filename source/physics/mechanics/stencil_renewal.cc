@@ -19,7 +19,9 @@ namespace tombolo
   template <int dim>
   StencilRenewal<dim>::StencilRenewal(const bool breaks, const bool renews)
       : breaks(breaks), renews(renews)
-  {}
+  {
+    this->roles.rest = ProcessRole::is_idle; // rows stay those of the start
+  }
 
   template <int dim>
   ModelChange StencilRenewal<dim>::change_model(Model<dim> &model, const Clock &clock)

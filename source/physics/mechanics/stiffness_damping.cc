@@ -17,6 +17,7 @@ namespace tombolo
   StiffnessDamping<dim>::StiffnessDamping(const double factor)
       : factor(factor), damping(this->actions.add("stiffness damping", ActsAt::nodes))
   {
+    this->roles.rest = ProcessRole::is_idle;
     damping.books("stiffness damping", EnergyKind::dissipated).stays_on_rank();
   }
 

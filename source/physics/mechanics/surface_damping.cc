@@ -45,6 +45,7 @@ namespace tombolo
   SurfaceDamping<dim>::SurfaceDamping(const double coefficient, const Model<dim> &model)
       : damping(this->actions.add("surface damping", ActsAt::nodes))
   {
+    this->roles.rest = ProcessRole::is_idle;
     damping.books("surface damping", EnergyKind::artificial);
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
     {

@@ -187,7 +187,7 @@ namespace tombolo
   {
     count_cells(model);
     for (const auto &process : model.processes)
-      if (process->role(Process<dim>::Situation::divided_cells) == Process<dim>::Role::is_refused)
+      if (process->roles.divided_cells == ProcessRole::is_refused)
         section.fail("Criterion",
                      "the scene has what keeps a state of one mesh (" +
                          words_of_type(typeid(*process)) +

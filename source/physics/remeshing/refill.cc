@@ -287,10 +287,8 @@ namespace tombolo
         if (*model.state.mass.node(i) == 0.)
           massless.push_back(i);
     const bool follow = std::all_of(model.processes.begin(), model.processes.end(),
-                                    [](const auto &process) {
-                                      return process->role(Process<dim>::Situation::placed_nodes) ==
-                                             Process<dim>::Role::acts;
-                                    });
+                                    [](const auto &process)
+                                    { return process->roles.placed_nodes == ProcessRole::acts; });
     for (const Refilled &part : parts)
       if (part.refill->slides() && !follow)
         part.refill->settings().refuse_sliding(

@@ -178,7 +178,7 @@ namespace tombolo
       refuse_unfit_part(parameters.section("Part: " + part.name), part,
                         !model.nodes->images()->empty());
     for (const auto &process : model.processes)
-      if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::is_refused)
+      if (process->roles.rest == ProcessRole::is_refused)
         parameters.fail(integration_entry,
                         "the scene has the process \"" + words_of_type(typeid(*process)) +
                             "\", which such steps do not know. Take out "
@@ -337,7 +337,7 @@ namespace tombolo
     half.next_step = next;
     model.impulses.begin_step();
     for (const auto &process : model.processes)
-      if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::acts)
+      if (process->roles.rest == ProcessRole::acts)
         process->complete_step(model, half);
   }
 

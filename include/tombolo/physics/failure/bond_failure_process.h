@@ -22,14 +22,6 @@ namespace tombolo
 
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    /** Bonds stay those of the start. */
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
-                                                        : Process<dim>::Role::acts;
-    }
-
     /** Over parts and ranks; the criterion of the first part that has one. Collective. */
     static BondCounts bond_counts(const Model<dim> &model);
 

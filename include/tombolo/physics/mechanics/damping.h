@@ -22,12 +22,6 @@ namespace tombolo
     /** @p rate is α, a function of time [1/T]. */
     explicit Damping(LimitedFunction<dim> rate);
 
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
-                                                        : Process<dim>::Role::acts;
-    }
     void model_changed(Model<dim> &model) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
 

@@ -60,15 +60,6 @@ namespace tombolo
      * InputError where the target does nothing, or would take too much. Collective. */
     MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model);
 
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      using Situation = typename Process<dim>::Situation;
-      using Role = typename Process<dim>::Role;
-      return situation == Situation::rest           ? Role::is_idle
-             : situation == Situation::placed_nodes ? Role::acts
-                                                    : Role::is_refused;
-    }
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;

@@ -24,7 +24,6 @@ namespace tombolo
     MortarContacts(const std::vector<Section> &sections, Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
-    typename Process<dim>::Role role(typename Process<dim>::Situation situation) const override;
     void nodes_were_placed(Model<dim> &model, const Clock &clock,
                            const NodalVector &before) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;

@@ -23,12 +23,6 @@ namespace tombolo
   public:
     explicit PairForces(const Model<dim> &model);
 
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
-                                                        : Process<dim>::Role::acts;
-    }
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;

@@ -42,12 +42,6 @@ namespace tombolo
     /** @p laws have the entries of the parts; the other numbers are found. Collective. */
     PartContact(std::vector<PartLaw> laws, Model<dim> &model);
 
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::placed_nodes ? Process<dim>::Role::acts
-                                                                : Process<dim>::Role::is_refused;
-    }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     double stable_fraction(double stable_step) const override;

@@ -30,12 +30,6 @@ namespace tombolo
      * Collective. */
     RigidBodies(const Parameters &parameters, Model<dim> &model);
 
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::placed_nodes ? Process<dim>::Role::acts
-                                                                : Process<dim>::Role::is_refused;
-    }
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void model_changed(Model<dim> &model) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;

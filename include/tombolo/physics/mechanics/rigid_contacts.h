@@ -32,7 +32,6 @@ namespace tombolo
                            const NodalVector &before) override;
     void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
                       NodalVector &position, NodalVector &is_bound) const override;
-    typename Process<dim>::Role role(typename Process<dim>::Situation situation) const override;
     bool find_gaps(const std::string &surface, double reach, const NodalVector &position,
                    const std::vector<unsigned int> &nodes, double time,
                    std::vector<double> &gaps) const override;

@@ -23,13 +23,6 @@ namespace tombolo
     StencilRenewal(bool breaks, bool renews);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
-    /** Rows stay those of the start. */
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
-                                                        : Process<dim>::Role::acts;
-    }
     void prepare_change(Model<dim> &model) override;
     void model_changed(Model<dim> &model) override;
     void account(EnergyAccounts &accounts) const override;

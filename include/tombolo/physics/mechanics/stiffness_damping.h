@@ -22,12 +22,6 @@ namespace tombolo
     /** @p factor is β [T]. */
     explicit StiffnessDamping(double factor);
 
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
-    {
-      return situation == Process<dim>::Situation::rest ? Process<dim>::Role::is_idle
-                                                        : Process<dim>::Role::acts;
-    }
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;

@@ -18,15 +18,12 @@ namespace tombolo
   class Xsph : public Process<dim>
   {
   public:
-    typename Process<dim>::Role
-    role(const typename Process<dim>::Situation situation) const override
+    Xsph()
     {
-      using Situation = typename Process<dim>::Situation;
-      using Role = typename Process<dim>::Role;
-      return situation == Situation::rest           ? Role::is_idle
-             : situation == Situation::placed_nodes ? Role::acts
-                                                    : Role::is_refused;
+      this->roles.rest = ProcessRole::is_idle;
+      this->roles.divided_cells = ProcessRole::is_refused;
     }
+
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;

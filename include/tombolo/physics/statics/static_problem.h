@@ -143,7 +143,7 @@ namespace tombolo
     void for_acting(const Use &use)
     {
       for (const auto &process : model.processes)
-        if (process->role(Process<dim>::Situation::rest) == Process<dim>::Role::acts)
+        if (process->roles.rest == ProcessRole::acts)
           use(*process);
     }
 
