@@ -413,7 +413,8 @@ namespace tombolo
                 state.position.node(constraint.node), d, time, interval);
           }
     };
-    evaluate(prescribe);
+    // Every rank takes part in the exchange, also one where a function has failed.
+    change_owned({&state.unsmoothed_velocity}, [&] { evaluate(prescribe); });
   }
 
   template class MechanicalConditions<2>;

@@ -150,17 +150,12 @@ namespace tombolo
   std::vector<unsigned int>
   TributaryAreas<dim>::owned_nodes(const std::shared_ptr<const NodePartition> &partition) const
   {
-    NodalVector mark;
-    mark.reinit(partition, Quantity::scalar);
-    for (const Group &group : groups)
-      for (const unsigned int node : group.nodes)
-        *mark.node(node) = 1.;
-    mark.add_to_owners();
-    std::vector<unsigned int> result;
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (*mark.node(i) > 0.)
-        result.push_back(i);
-    return result;
+    return owned_marked_nodes(partition,
+                              [&](const auto &mark)
+                              {
+                                for (const Group &group : groups)
+                                  std::for_each(group.nodes.begin(), group.nodes.end(), mark);
+                              });
   }
 
   template class TributaryAreas<2>;

@@ -47,19 +47,15 @@ namespace tombolo
   {
     positive.reinit(partition, Quantity::scalars);
     negative.reinit(partition, Quantity::scalars);
-    NodalVector mark;
-    mark.reinit(partition, Quantity::scalar);
     for (Face &face : all)
       for (unsigned int k = 0; k < n_corners; ++k)
-      {
         face.nodes[k] = partition->local_index(face.global_nodes[k]);
-        *mark.node(face.nodes[k]) = 1.;
-      }
-    mark.add_to_owners();
-    owned.clear();
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (*mark.node(i) > 0.)
-        owned.push_back(i);
+    owned = owned_marked_nodes(partition,
+                               [&](const auto &mark)
+                               {
+                                 for (const Face &face : all)
+                                   std::for_each(face.nodes.begin(), face.nodes.end(), mark);
+                               });
   }
 
   template <int dim>

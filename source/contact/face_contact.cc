@@ -201,10 +201,12 @@ namespace tombolo
                                      const Clock &clock)
   {
     SpringContact<dim>::place_nodes(state, before, clock);
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        last_position.node(i)[d] += state.position.node(i)[d] - before.node(i)[d];
-    last_position.update_ghosts();
+    last_position.fill(
+        [&](const unsigned int i, double *const place)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            place[d] += state.position.node(i)[d] - before.node(i)[d];
+        });
   }
 
   template <int dim>
@@ -251,8 +253,7 @@ namespace tombolo
   {
     pressures.update_ghosts();
     tangentials.update_ghosts();
-    forces.set_zero();
-    for (const Point &point : points)
+    const auto add = [&](const Point &point)
     {
       const auto &nodes = faces.faces()[point.face].nodes;
       const double pressing = point.weight * (is_static() ? point.depth : 1.);
@@ -264,8 +265,8 @@ namespace tombolo
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
         for (unsigned int d = 0; d < dim; ++d)
           forces.node(nodes[k])[d] += shapes.value(point.q, k) * force[d];
-    }
-    forces.add_to_owners();
+    };
+    add_up({&forces}, [&] { std::for_each(points.begin(), points.end(), add); });
   }
 
   template <int dim>
@@ -387,11 +388,10 @@ namespace tombolo
       add_pressure(point, state, clock.time, result);
     }
     rows.collect(*state.partition());
-    NodalVector kept;
-    kept.reinit(state.partition());
-    for (const unsigned int node : this->candidates)
-      std::fill_n(kept.node(node), dim, 1.);
-    kept.update_ghosts(); // zero across planes of symmetry, as what points add there
+    // Zero across planes of symmetry, as what points add there.
+    const NodalVector kept =
+        nodal_field(state.partition(), Quantity::vector, this->candidates,
+                    [](const std::size_t, double *const value) { std::fill_n(value, dim, 1.); });
     for (std::size_t k = 0; k < this->springs.size(); ++k)
     {
       const ContactSpring<dim> &spring = this->springs[k];

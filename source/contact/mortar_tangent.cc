@@ -12,31 +12,27 @@ namespace tombolo
     const std::shared_ptr<const NodePartition> &partition = position.partition();
     const std::vector<MortarHistory<dim>> &histories = contact.state().histories;
     const std::vector<unsigned int> &nodes = contact.slave_faces().owned_nodes();
-    NodalVector normals, kept;
-    normals.reinit(partition);
-    kept.reinit(partition);
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        normals.node(nodes[k])[d] = histories[k].normal[d];
-        kept.node(nodes[k])[d] = 1.;
-      }
-    normals.update_ghosts();
-    kept.update_ghosts(); // zero across planes of symmetry, as what segments add there
+    const NodalVector normals =
+        nodal_field(partition, Quantity::vector, nodes,
+                    [&](const std::size_t k, double *const value)
+                    { std::copy_n(histories[k].normal.begin_raw(), dim, value); });
+    // Zero across planes of symmetry, as what segments add there.
+    const NodalVector kept =
+        nodal_field(partition, Quantity::vector, nodes,
+                    [](const std::size_t, double *const value) { std::fill_n(value, dim, 1.); });
     ContactRows<dim> rows;
     contact.mortar_segments().add_weights(normals, rows);
     if (!contact.is_tied())
     {
-      NodalVector pressed;
-      pressed.reinit(partition);
-      for (std::size_t k = 0; k < histories.size(); ++k)
-        if (histories[k].spring.is_closed())
-        {
-          for (unsigned int d = 0; d < dim; ++d)
-            pressed.node(nodes[k])[d] = histories[k].normal[d];
-          pressed.node(nodes[k])[node_stride - 1] = -histories[k].gap;
-        }
-      pressed.update_ghosts();
+      const NodalVector pressed =
+          nodal_field(partition, Quantity::vector, nodes,
+                      [&](const std::size_t k, double *const value)
+                      {
+                        if (!histories[k].spring.is_closed())
+                          return;
+                        std::copy_n(histories[k].normal.begin_raw(), dim, value);
+                        value[node_stride - 1] = -histories[k].gap;
+                      });
       contact.mortar_segments().add_changes_of_weights(position, pressed, rows);
     }
     rows.collect(*partition);

@@ -75,48 +75,49 @@ namespace tombolo
   template <int dim>
   void OutwardAreas<dim>::set_isolated_nodes(const std::vector<unsigned int> &nodes)
   {
-    NodalVector mark;
-    mark.reinit(sums.partition(), Quantity::scalar);
-    for (const unsigned int node : nodes)
-      *mark.node(node) = 1.;
-    mark.update_ghosts();
+    const NodalVector isolated = marked_nodes(sums.partition(), [&](const auto &mark)
+                                              { std::for_each(nodes.begin(), nodes.end(), mark); });
     for (Face &face : faces)
-      face.counts = std::none_of(face.nodes.begin(), face.nodes.end(),
-                                 [&](const unsigned int node) { return *mark.node(node) > 0.; });
+      face.counts =
+          std::none_of(face.nodes.begin(), face.nodes.end(),
+                       [&](const unsigned int node) { return *isolated.node(node) > 0.; });
     find_nodes_on_faces();
   }
 
   template <int dim>
   void OutwardAreas<dim>::find_nodes_on_faces()
   {
-    const auto &partition = sums.partition();
-    NodalVector mark;
-    mark.reinit(partition, Quantity::scalar);
-    for (const Face &face : faces)
-      for (const unsigned int node : face.nodes)
-        if (face.counts)
-          *mark.node(node) = 1.;
-    mark.add_to_owners();
-    is_on_face.resize(partition->n_owned());
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      is_on_face[i] = *mark.node(i) > 0.;
+    is_on_face.assign(sums.partition()->n_owned(), false);
+    for (const unsigned int node : owned_marked_nodes(sums.partition(),
+                                                      [&](const auto &mark)
+                                                      {
+                                                        for (const Face &face : faces)
+                                                          if (face.counts)
+                                                            std::for_each(face.nodes.begin(),
+                                                                          face.nodes.end(), mark);
+                                                      }))
+      is_on_face[node] = true;
   }
 
   template <int dim>
   void OutwardAreas<dim>::update(const NodalVector &position)
   {
-    sums.set_zero();
-    for (const Face &face : faces)
-      for (unsigned int q = 0; q < shapes.weights.size() && face.counts; ++q)
-      {
-        const Tensor<1, dim> normal =
-            shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });
-        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            sums.node(face.nodes[k])[d] +=
-                face.orientation * shapes.weights[q] * shapes.value(q, k) * normal[d];
-      }
-    sums.add_to_owners();
+    const auto add = [&](const Face &face, const unsigned int q)
+    {
+      const Tensor<1, dim> normal =
+          shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });
+      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          sums.node(face.nodes[k])[d] +=
+              face.orientation * shapes.weights[q] * shapes.value(q, k) * normal[d];
+    };
+    add_up({&sums},
+           [&]
+           {
+             for (const Face &face : faces)
+               for (unsigned int q = 0; q < shapes.weights.size() && face.counts; ++q)
+                 add(face, q);
+           });
   }
 
   template <int dim>

@@ -35,11 +35,11 @@ namespace tombolo
     }
   }
 
-  void StateTransfer::add_to_owners()
+  std::vector<NodalVector *> StateTransfer::sums()
   {
-    volume.add_to_owners();
-    pending_heat.add_to_owners();
+    std::vector<NodalVector *> result{&volume, &pending_heat};
     for (Component &component : components)
-      component.sum.add_to_owners();
+      result.push_back(&component.sum);
+    return result;
   }
 } // namespace tombolo

@@ -263,7 +263,6 @@ namespace tombolo
     const double interval = has_displacements(*model.conditions) ? short_interval(model) : 0.;
     model.conditions->prescribe_initial_velocity(model.state, 0., interval);
     throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
-    model.state.unsmoothed_velocity.update_ghosts();
   }
 
   template struct InitialCondition<2>;

@@ -59,17 +59,14 @@ namespace tombolo
     template <int dim>
     NodalVector persistent_numbers(const Model<dim> &model)
     {
-      NodalVector result;
-      result.reinit(model.state.partition(), Quantity::scalars);
       const std::vector<std::uint64_t> &ids = model.nodes->persistent_ids();
-      for (unsigned int i = 0; i < ids.size(); ++i)
-      {
-        const auto base = static_cast<std::uint64_t>(half_of_id);
-        result.node(i)[0] = static_cast<double>(ids[i] / base);
-        result.node(i)[1] = static_cast<double>(ids[i] % base);
-      }
-      result.update_ghosts();
-      return result;
+      return nodal_field(model.state.partition(), Quantity::scalars,
+                         [&](const unsigned int i, double *const halves)
+                         {
+                           const auto base = static_cast<std::uint64_t>(half_of_id);
+                           halves[0] = static_cast<double>(ids[i] / base);
+                           halves[1] = static_cast<double>(ids[i] % base);
+                         });
     }
   } // namespace
 
@@ -81,9 +78,8 @@ namespace tombolo
     NodalVector mass;
     if (model.has_mechanics)
     {
-      mass.reinit(model.state.partition(), Quantity::scalar);
-      mass.copy_from(model.bridge->mass());
-      mass.update_ghosts();
+      mass = scalar_field(model.state.partition(),
+                          [&](const unsigned int i) { return *model.bridge->mass().node(i); });
       model.state.unsmoothed_velocity.update_ghosts();
     }
     const auto group = archive.group("cells");

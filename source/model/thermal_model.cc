@@ -122,23 +122,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::restore_constrained(const NodalVector &unsmoothed,
-                                              NodalVector &smoothed) const
-  {
-    for (const unsigned int node : conditions.constrained_nodes())
-      *smoothed.node(node) = *unsmoothed.node(node);
-  }
-
-  template <int dim>
   void ThermalModel<dim>::find_field(NodalVector &unsmoothed, NodalVector &field)
   {
     unsmoothed.distribute();
     bridge.apply_smoothing(unsmoothed, smoothed_temperature);
+    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
     if (conditions.has_constraints())
-    {
-      restore_constrained(unsmoothed, smoothed_temperature);
-      smoothed_temperature.update_ghosts();
-    }
+      smoothed_temperature.fill(constrained, [&](const std::size_t k, double *const value)
+                                { *value = *unsmoothed.node(constrained[k]); });
     bridge.load_transfer().interpolate(smoothed_temperature, field);
     has_field = true;
     field_is_of_state = false;
@@ -175,13 +166,11 @@ namespace tombolo
     const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
     for (std::size_t k = 0; k < constrained.size(); ++k)
       kept[k] = std::exchange(*heat_of_nodes.node(constrained[k]), 0.);
-    const unsigned int n_owned = heat_of_nodes.partition()->n_owned();
     const NodalVector &smoothed_capacity = bridge.nodal_mass();
-    for (unsigned int i = 0; i < n_owned; ++i)
-      *heat_of_nodes.node(i) /= *smoothed_capacity.node(i);
-    heat_of_nodes.update_ghosts();
+    heat_of_nodes.fill([&](const unsigned int i, double *const of_node)
+                       { *of_node /= *smoothed_capacity.node(i); });
     bridge.apply_adjoint(heat_of_nodes, adjoint);
-    for (unsigned int i = 0; i < n_owned; ++i)
+    for (unsigned int i = 0; i < heat_of_nodes.partition()->n_owned(); ++i)
       *rate.node(i) += *bridge.mass().node(i) * *adjoint.node(i);
     for (std::size_t k = 0; k < constrained.size(); ++k)
       *rate.node(constrained[k]) += kept[k];
@@ -191,9 +180,8 @@ namespace tombolo
   void ThermalModel<dim>::add_surface_loads(const double factor)
   {
     loads.collect();
-    load_heat.set_zero();
-    bridge.load_transfer().add_force_of_loads(surface_nodes, loads, load_heat);
-    load_heat.add_to_owners();
+    add_up({&load_heat},
+           [&] { bridge.load_transfer().add_force_of_loads(surface_nodes, loads, load_heat); });
     for (unsigned int i = 0; i < load_heat.partition()->n_owned(); ++i)
       *heat.node(i) += factor * *load_heat.node(i);
   }
@@ -229,11 +217,8 @@ namespace tombolo
     const unsigned int n_owned = result.partition()->n_owned();
     bridge.apply_smoothing(direction, smoothed_direction);
     if (conditions.has_constraints())
-    {
-      for (const unsigned int node : conditions.constrained_nodes())
-        *smoothed_direction.node(node) = 0.;
-      smoothed_direction.update_ghosts();
-    }
+      smoothed_direction.fill(conditions.constrained_nodes(),
+                              [](const std::size_t, double *const value) { *value = 0.; });
     add_conduction(position, field, smoothed_direction, heat);
     if (conditions.has_films())
     {
@@ -319,7 +304,6 @@ namespace tombolo
   {
     const unsigned int n_owned = state.pending.partition()->n_owned();
     loads.set_zero();
-    load_heat.set_zero();
     for (unsigned int i = 0; i < n_owned; ++i)
       *loads.node(i) = std::exchange(*state.pending.node(i), 0.);
     loads.condense(); // nodes can hang since
@@ -329,8 +313,8 @@ namespace tombolo
         eroded_heat += std::exchange(of_node, 0.); // of a node that slid and then lost its cells
       else if (of_node != 0.)
         heated.push_back(i);
-    bridge.load_transfer().add_force_at_positions(heated, loads, load_heat);
-    load_heat.add_to_owners();
+    add_up({&load_heat},
+           [&] { bridge.load_transfer().add_force_at_positions(heated, loads, load_heat); });
     add_transposed_smoothing(load_heat, state.enthalpy);
     // What ghosts and images keep would be added to their owners with the next heat of surfaces.
     load_heat.set_zero();

@@ -38,21 +38,21 @@ namespace tombolo
           contact_force.reinit(view.state->partition());
           for (const SurfaceContact<dim> *const contact : view.contacts)
             contact->add_present_forces(contact_force);
-          if (view.body_contact_force != nullptr)
-            for (unsigned int node = 0; node < view.state->partition()->n_owned(); ++node)
-              for (unsigned int d = 0; d < dim; ++d)
-                contact_force.node(node)[d] += view.body_contact_force->node(node)[d];
-          contact_force.update_ghosts();
+          contact_force.fill(
+              [&](const unsigned int node, double *const force)
+              {
+                for (unsigned int d = 0; d < dim && view.body_contact_force != nullptr; ++d)
+                  force[d] += view.body_contact_force->node(node)[d];
+              });
         }
         if (!view.reaction)
           return;
-        reaction.reinit(view.state->partition());
-        for (unsigned int node = 0; node < view.state->partition()->n_owned(); ++node)
-        {
-          const std::array<double, 3> force = view.reaction(node);
-          std::copy(force.begin(), force.end(), reaction.node(node));
-        }
-        reaction.update_ghosts();
+        reaction = nodal_field(view.state->partition(), Quantity::vector,
+                               [&](const unsigned int node, double *const values)
+                               {
+                                 const std::array<double, 3> force = view.reaction(node);
+                                 std::copy(force.begin(), force.end(), values);
+                               });
       }
 
       void add(const unsigned int node, std::vector<double> &points)
@@ -236,23 +236,21 @@ namespace tombolo
     template <int dim>
     NodalVector nodes_of_elements(const OutputView<dim> &view)
     {
-      NodalVector result;
-      result.reinit(view.state->partition(), Quantity::scalar);
       const auto cells = cells_of_parts(view);
       std::vector<types::global_dof_index> cell_nodes;
-      for (unsigned int part = 0; part < view.parts.size(); ++part)
-      {
-        for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
-        {
-          if (view.parts[part].formulation->is_removed(cell))
-            continue;
-          view.nodes->cell_nodes(cells[part][cell], cell_nodes);
-          for (const auto node : cell_nodes)
-            *result.node(view.state->partition()->local_index(node)) = 1.;
-        }
-      }
-      result.add_to_owners();
-      return result;
+      return marked_nodes(view.state->partition(),
+                          [&](const auto &mark)
+                          {
+                            for (unsigned int part = 0; part < view.parts.size(); ++part)
+                              for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
+                              {
+                                if (view.parts[part].formulation->is_removed(cell))
+                                  continue;
+                                view.nodes->cell_nodes(cells[part][cell], cell_nodes);
+                                for (const auto node : cell_nodes)
+                                  mark(view.state->partition()->local_index(node));
+                              }
+                          });
     }
   } // namespace
 

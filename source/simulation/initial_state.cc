@@ -85,7 +85,6 @@ namespace tombolo
       const double interval = 1e-3 * courant; // short beside a step
       model.conditions->prescribe_initial_velocity(model.state, 0., interval);
       throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
-      model.state.unsmoothed_velocity.update_ghosts();
       model.bridge->positions_have_changed();
     }
     log.print("Initial state: " + file);

@@ -105,6 +105,14 @@ namespace tombolo
     std::copy_n(other.values, static_cast<std::size_t>(node_partition->n_local()) * slots, values);
   }
 
+  NodalVector NodalVector::copy() const
+  {
+    NodalVector result;
+    result.reinit_like(*this);
+    result.copy_from(*this);
+    return result;
+  }
+
   void NodalVector::update_ghosts()
   {
     make_symmetric();
@@ -249,5 +257,19 @@ namespace tombolo
     for (std::size_t i = 0; i < n; ++i)
       sum += values[i] * other.values[i];
     return ordered_sum(sum, node_partition->communicator());
+  }
+
+  NodalVector difference(const NodalVector &a, const NodalVector &b)
+  {
+    const bool are_positions = a.quantity() == Quantity::position;
+    NodalVector result;
+    result.reinit(a.partition(), are_positions ? Quantity::vector : a.quantity());
+    result.fill(
+        [&](const unsigned int i, double *const value)
+        {
+          for (unsigned int c = 0; c < result.n_slots_per_node(); ++c)
+            value[c] = a.node(i)[c] - b.node(i)[c];
+        });
+    return result;
   }
 } // namespace tombolo

@@ -80,7 +80,8 @@ namespace tombolo
                                 double position_time_step) const;
 
     /** Sets the constrained components of v̂ to the prescribed velocity at @p time; that of a
-     * displacement is its rate over the short @p interval after it. */
+     * displacement is its rate over the short @p interval after it. Ghosts are current then.
+     * Collective. */
     void prescribe_initial_velocity(NodalState &state, double time, double interval) const;
 
     /** The first failure on this rank, empty for none: a function without a finite

@@ -130,7 +130,6 @@ namespace tombolo
     /** Adds @p factor times what comes to nodes from the heat at surfaces in `loads`, of which it
      * takes ghosts and images, to `heat`. Collective. */
     void add_surface_loads(double factor);
-    void restore_constrained(const NodalVector &unsmoothed, NodalVector &smoothed) const;
 
     std::vector<Part<dim>> &parts;
     const NodalVector &initial_position;

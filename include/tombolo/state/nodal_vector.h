@@ -5,7 +5,9 @@
 
 #include <tombolo/state/node_partition.h>
 
+#include <initializer_list>
 #include <memory>
+#include <vector>
 
 namespace tombolo
 {
@@ -33,6 +35,9 @@ namespace tombolo
    *
    * distribute() and condense() are the same with dependent nodes of the partition: the means of
    * others C, and what is moved to these others Cᵀ.
+   *
+   * Whoever sets or adds up values at nodes does it within fill(), change_owned(), add_up() and the
+   * functions below, which leave no exchange to be forgotten.
    */
   class NodalVector
   {
@@ -78,6 +83,26 @@ namespace tombolo
 
     void set_zero();                          ///< owned, ghosts and images
     void copy_from(const NodalVector &other); ///< likewise; same partition and slots
+    NodalVector copy() const;                 ///< likewise
+
+    /** Calls @p set(node, values) for all owned nodes, and updates the ghosts. Collective. */
+    template <typename Set>
+    void fill(const Set &set)
+    {
+      for (unsigned int i = 0; i < node_partition->n_owned(); ++i)
+        set(i, node(i));
+      update_ghosts();
+    }
+
+    /** The same for these owned @p nodes alone: @p set(place in the list, values). Collective. */
+    template <typename Nodes, typename Set>
+    void fill(const Nodes &nodes, const Set &set)
+    {
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        set(k, node(nodes[k]));
+      update_ghosts();
+    }
+
     void update_ghosts();
     void add_to_owners();
     /** Gives dependent nodes the mean of others, and updates the ghosts. Collective. */
@@ -110,17 +135,98 @@ namespace tombolo
     unsigned int slots = 0;
   };
 
+  /** Updates the ghosts of @p vectors, of which @p change() has changed owned values. Collective.
+   */
+  template <typename Change>
+  void change_owned(const std::initializer_list<NodalVector *> vectors, const Change &change)
+  {
+    change();
+    for (NodalVector *const vector : vectors)
+      vector->update_ghosts();
+  }
+
+  /** Puts into owned nodes of @p sums what @p add() adds to zero at local ones. Collective. */
+  template <typename Add, typename Vectors = std::initializer_list<NodalVector *>>
+  void add_up(const Vectors &sums, const Add &add)
+  {
+    for (NodalVector *const sum : sums)
+      sum->set_zero();
+    add();
+    for (NodalVector *const sum : sums)
+      sum->add_to_owners();
+  }
+
+  /** The sums at owned nodes of what @p add(vector) adds at local ones. Collective. */
+  template <typename Add>
+  NodalVector sums_at_owners(const std::shared_ptr<const NodePartition> &partition,
+                             const Quantity quantity, const Add &add)
+  {
+    NodalVector result;
+    result.reinit(partition, quantity);
+    add(result);
+    result.add_to_owners();
+    return result;
+  }
+
+  /** A field with the values that @p set(node, values) gives owned nodes, zero before, and current
+   * ghosts. Collective. */
+  template <typename Set>
+  NodalVector nodal_field(const std::shared_ptr<const NodePartition> &partition,
+                          const Quantity quantity, const Set &set)
+  {
+    NodalVector result;
+    result.reinit(partition, quantity);
+    result.fill(set);
+    return result;
+  }
+
+  /** The same with @p set(place in the list, values) for these owned @p nodes alone. */
+  template <typename Nodes, typename Set>
+  NodalVector nodal_field(const std::shared_ptr<const NodePartition> &partition,
+                          const Quantity quantity, const Nodes &nodes, const Set &set)
+  {
+    NodalVector result;
+    result.reinit(partition, quantity);
+    result.fill(nodes, set);
+    return result;
+  }
+
   /** A scalar field with the values that @p value_of gives owned nodes, and current ghosts.
    * Collective. */
   template <typename ValueOf>
   NodalVector scalar_field(const std::shared_ptr<const NodePartition> &partition,
                            const ValueOf &value_of)
   {
+    return nodal_field(partition, Quantity::scalar,
+                       [&](const unsigned int i, double *const value) { *value = value_of(i); });
+  }
+
+  /** @p a - @p b at owned nodes, with current ghosts. Collective. */
+  NodalVector difference(const NodalVector &a, const NodalVector &b);
+
+  /** Scalar, with current ghosts: positive at the nodes for which a rank calls mark(local number)
+   * in @p visit(mark), else zero. Collective. */
+  template <typename Visit>
+  NodalVector marked_nodes(const std::shared_ptr<const NodePartition> &partition,
+                           const Visit &visit)
+  {
     NodalVector result;
     result.reinit(partition, Quantity::scalar);
+    visit([&](const unsigned int node) { *result.node(node) = 1.; });
+    result.sum_over_ranks();
+    return result;
+  }
+
+  /** The owned ones among them, ascending. Collective. */
+  template <typename Visit>
+  std::vector<unsigned int>
+  owned_marked_nodes(const std::shared_ptr<const NodePartition> &partition, const Visit &visit)
+  {
+    const NodalVector marks = marked_nodes(partition, visit);
+    std::vector<unsigned int> result;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *result.node(i) = value_of(i);
-    result.update_ghosts();
+      if (*marks.node(i) > 0.)
+        result.push_back(i);
     return result;
   }
 } // namespace tombolo

@@ -81,14 +81,12 @@ namespace tombolo
   {
     if (pair_data.partition() != partition)
       pair_data.reinit(partition, Quantity::position);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      double *const data = pair_data.node(shape.particle_node[i]);
-      for (unsigned int d = 0; d < dim; ++d)
-        data[d] = initial_positions[i][d];
-      data[node_stride - 1] = measures[i];
-    }
-    pair_data.update_ghosts();
+    pair_data.fill(shape.particle_node,
+                   [&](const std::size_t i, double *const data)
+                   {
+                     std::copy_n(initial_positions[i].begin_raw(), dim, data);
+                     data[node_stride - 1] = measures[i];
+                   });
   }
 
   template <int dim>

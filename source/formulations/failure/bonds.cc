@@ -141,11 +141,12 @@ namespace tombolo
     const auto &partition = position.partition();
     if (!partners.are_current())
       find_partners(partition, neighbourhoods);
-    NodalVector mark;
-    mark.reinit(partition, Quantity::scalar);
-    for (const unsigned int i : distorted)
-      *mark.node(shape.particle_node[i]) = 1.;
-    mark.update_ghosts();
+    const NodalVector mark = marked_nodes(partition,
+                                          [&](const auto &mark_node)
+                                          {
+                                            for (const unsigned int i : distorted)
+                                              mark_node(shape.particle_node[i]);
+                                          });
     std::vector<PartnerMessage> messages;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {

@@ -15,18 +15,19 @@ namespace tombolo
                                     const PartnerLists &broken,
                                     const std::vector<ParticleGrowth> &growth)
   {
-    NodalVector tags;
-    tags.reinit(partition, Quantity::scalars);
     const auto &nodes = neighbourhoods.global_nodes();
-    for (unsigned int i = 0; i < ids.size(); ++i)
-    {
-      double *const tag = tags.node(partition->local_index(nodes[i]));
-      tag[0] = upper_half(ids[i]);
-      tag[1] = lower_half(ids[i]);
-      tag[2] = broken[i].empty() ? 0. : 1.;
-      tag[3] = growth.empty() ? 0. : static_cast<double>(growth[i]);
-    }
-    tags.update_ghosts();
+    std::vector<unsigned int> own;
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      own.push_back(partition->local_index(nodes[i]));
+    const NodalVector tags = nodal_field(partition, Quantity::scalars, own,
+                                         [&](const std::size_t i, double *const tag)
+                                         {
+                                           tag[0] = upper_half(ids[i]);
+                                           tag[1] = lower_half(ids[i]);
+                                           tag[2] = broken[i].empty() ? 0. : 1.;
+                                           tag[3] =
+                                               growth.empty() ? 0. : static_cast<double>(growth[i]);
+                                         });
     partners.clear();
     damaged.clear();
     growths.clear();

@@ -199,13 +199,14 @@ namespace tombolo
     for (const std::vector<Entry> &row : rows)
       for (const Entry &entry : row)
         sources.add_index(entry.node.source);
-    NodalVector position;
-    position.reinit(particles.partition(sources, {}), Quantity::scalars);
-    for (unsigned int i = 0; i < particles.size(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        position.node(position.partition()->local_index(particles.nodes()[i]))[d] =
-            particles.initial_positions()[i][d];
-    position.update_ghosts();
+    const auto partition = particles.partition(sources, {});
+    std::vector<unsigned int> local;
+    for (const types::global_dof_index node : particles.nodes())
+      local.push_back(partition->local_index(node));
+    const NodalVector position =
+        nodal_field(partition, Quantity::scalars, local,
+                    [&](const std::size_t i, double *const place)
+                    { std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place); });
     // A particle is in the rows of those that are in its own.
     constexpr double beyond = 1.01;
     std::vector<double> supports = particles.initial_supports();
@@ -215,7 +216,7 @@ namespace tombolo
         {
           const Images::Map map = nodes->images()->map(entry.node.mirrors);
           const double other =
-              map.sign[d] * position.node(position.partition()->local_index(entry.node.source))[d] +
+              map.sign[d] * position.node(partition->local_index(entry.node.source))[d] +
               map.offset[d];
           double &support = supports[std::size_t(i) * node_stride + d];
           support =

@@ -111,14 +111,12 @@ namespace tombolo
                                         const std::vector<unsigned int> &partner)
   {
     remember_springs();
-    NodalVector id_of_node;
-    id_of_node.reinit(partition, Quantity::scalars);
-    for (std::size_t i = 0; i < own_ids.size(); ++i)
-    {
-      id_of_node.node(shape.particle_node[i])[0] = upper_half(own_ids[i]);
-      id_of_node.node(shape.particle_node[i])[1] = lower_half(own_ids[i]);
-    }
-    id_of_node.update_ghosts();
+    const NodalVector id_of_node = nodal_field(partition, Quantity::scalars, shape.particle_node,
+                                               [&](const std::size_t i, double *const halves)
+                                               {
+                                                 halves[0] = upper_half(own_ids[i]);
+                                                 halves[1] = lower_half(own_ids[i]);
+                                               });
     ids = own_ids;
     row_of_pairs = pair_start;
     partner_ids.clear();
@@ -159,37 +157,40 @@ namespace tombolo
     const bool rubs = friction.largest() > 0.;
     if (rubs)
     {
-      for (unsigned int i = 0; i < shape.n_particles(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          displacement.node(shape.particle_node[i])[d] =
-              position.node(shape.particle_node[i])[d] - former_position[d][i];
-      displacement.update_ghosts();
+      displacement.fill(shape.particle_node,
+                        [&](const std::size_t i, double *const of_node)
+                        {
+                          const double *const place = position.node(shape.particle_node[i]);
+                          for (unsigned int d = 0; d < dim; ++d)
+                            of_node[d] = place[d] - former_position[d][i];
+                        });
       inverse_deformation.assign(shape.n_particles(), {});
       couple.assign(shape.n_particles(), {});
     }
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      if (!touches[i])
-        continue;
-      const unsigned int own = shape.particle_node[i];
-      std::fill_n(ends.node(own), node_stride, 0.);
-      if (heat.enthalpy != nullptr)
-        ends.node(own)[temperature_slot] = heat.enthalpy->temperature(
-            own,
-            heat.enthalpy->enthalpy(own, *heat.temperature->node(own)) + *heat.pending->node(own));
-      if (!rubs || shape.is_rigid(i))
-        continue;
-      const Tensor<2, dim> deformation = shape.is_undeformed(i)
-                                             ? Tensor<2, dim>(unit_symmetric_tensor<dim>())
-                                             : row_deformation<dim>(shape, i, position);
-      if (!(determinant(deformation) > 0.))
-        continue;
-      inverse_deformation[i] = invert(deformation);
-      const std::array<double, 3> spin =
-          spin_of_row<dim>(shape, i, inverse_deformation[i], displacement);
-      std::copy(spin.begin(), spin.end(), ends.node(own));
-    }
-    ends.update_ghosts();
+    ends.fill(shape.particle_node,
+              [&](const std::size_t row, double *const of_end)
+              {
+                const auto i = static_cast<unsigned int>(row);
+                if (!touches[i])
+                  return;
+                const unsigned int own = shape.particle_node[i];
+                std::fill_n(of_end, node_stride, 0.);
+                if (heat.enthalpy != nullptr)
+                  of_end[temperature_slot] = heat.enthalpy->temperature(
+                      own, heat.enthalpy->enthalpy(own, *heat.temperature->node(own)) +
+                               *heat.pending->node(own));
+                if (!rubs || shape.is_rigid(i))
+                  return;
+                const Tensor<2, dim> deformation =
+                    shape.is_undeformed(i) ? Tensor<2, dim>(unit_symmetric_tensor<dim>())
+                                           : row_deformation<dim>(shape, i, position);
+                if (!(determinant(deformation) > 0.))
+                  return;
+                inverse_deformation[i] = invert(deformation);
+                const std::array<double, 3> spin =
+                    spin_of_row<dim>(shape, i, inverse_deformation[i], displacement);
+                std::copy(spin.begin(), spin.end(), of_end);
+              });
     exchanges.clear();
     std::fill(is_touching.begin(), is_touching.end(), false);
   }
@@ -303,11 +304,15 @@ namespace tombolo
     if (exposures.partition() != ends.partition())
       exposures.reinit(ends.partition(), Quantity::scalar);
     exposures.set_zero();
-    for (const Exchange &exchange : exchanges)
-      *exposures.node(exchange.own) +=
-          exchange.exposure /
-          heat.enthalpy->capacity(exchange.own, ends.node(exchange.own)[temperature_slot]);
-    exposures.update_ghosts();
+    change_owned({&exposures},
+                 [&]
+                 {
+                   for (const Exchange &exchange : exchanges)
+                     *exposures.node(exchange.own) +=
+                         exchange.exposure /
+                         heat.enthalpy->capacity(exchange.own,
+                                                 ends.node(exchange.own)[temperature_slot]);
+                 });
     for (const Exchange &exchange : exchanges)
     {
       const double x = *exposures.node(exchange.own) + *exposures.node(exchange.other);

@@ -136,13 +136,10 @@ namespace tombolo
     const auto partition = rows.partition(particles);
     rows.set_partition(*partition);
     const Stencils &shape = rows.stencils();
-    NodalVector reference;
-    reference.reinit(partition, Quantity::position);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(kernel.positions().begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                  reference.node(shape.particle_node[i]));
-    reference.update_ghosts();
-    isolate_distorted(reference);
+    isolate_distorted(
+        nodal_field(partition, Quantity::position, shape.particle_node,
+                    [&](const std::size_t i, double *const place)
+                    { std::copy_n(&kernel.positions()[i * node_stride], node_stride, place); }));
   }
 
   template <int dim>

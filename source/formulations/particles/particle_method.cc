@@ -288,11 +288,11 @@ namespace tombolo
 
     at_start.set_partition(*partition, initial);
     kernel.set_positions(position, initial); // owned nodes have the same numbers in all partitions
-    NodalVector present;
-    present.reinit(partition, Quantity::position);
-    for (const unsigned int node : initial.particle_node)
-      std::copy_n(position.node(node), node_stride, present.node(node));
-    present.update_ghosts();
+    const std::vector<unsigned int> &particles = initial.particle_node;
+    const NodalVector present =
+        nodal_field(partition, Quantity::position, particles,
+                    [&](const std::size_t i, double *const place)
+                    { std::copy_n(position.node(particles[i]), node_stride, place); });
     for (unsigned int i = 0; i < initial.n_particles(); ++i)
       if (old_index[i] == numbers::invalid_unsigned_int && !initial.is_undeformed(i))
       {

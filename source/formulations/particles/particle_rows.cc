@@ -86,10 +86,8 @@ namespace tombolo
   void ParticleRows<dim>::compute_at(const NodalVector &position,
                                      const std::vector<double> &support)
   {
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(support.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                  support_of_node.node(shape.particle_node[i]));
-    support_of_node.update_ghosts();
+    support_of_node.fill(shape.particle_node, [&](const std::size_t i, double *const of_node)
+                         { std::copy_n(&support[i * node_stride], node_stride, of_node); });
     compute(position.data(), support_of_node.data());
   }
 
@@ -108,14 +106,14 @@ namespace tombolo
                                          NodalVector &reference) const
   {
     const bool is_renewed = !kernel.positions().empty();
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      if (double *const target = reference.node(shape.particle_node[i]); is_renewed)
-        std::copy_n(kernel.positions().begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                    target);
-      else
-        for (unsigned int d = 0; d < dim; ++d)
-          target[d] = particles.initial_positions()[i][d];
-    reference.update_ghosts();
+    reference.fill(shape.particle_node,
+                   [&](const std::size_t i, double *const place)
+                   {
+                     if (is_renewed)
+                       std::copy_n(&kernel.positions()[i * node_stride], node_stride, place);
+                     else
+                       std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place);
+                   });
   }
 
   template <int dim>

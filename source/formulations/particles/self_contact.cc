@@ -287,12 +287,12 @@ namespace tombolo
       }
     }
     double *const shrinkage = points.component(points.find_field(shrinkage_name), 0);
-    for (unsigned int i = 0; i < factor.size(); ++i)
-    {
-      shrinkage[i] = 1. - (1. - shrinkage[i]) * factor[i];
-      spheres.node(candidates.particle_node[i])[radius] = present_radius(i, shrinkage[i]);
-    }
-    spheres.update_ghosts();
+    spheres.fill(candidates.particle_node,
+                 [&](const std::size_t i, double *const sphere)
+                 {
+                   shrinkage[i] = 1. - (1. - shrinkage[i]) * factor[i];
+                   sphere[radius] = present_radius(static_cast<unsigned int>(i), shrinkage[i]);
+                 });
   }
 
   template <int dim>

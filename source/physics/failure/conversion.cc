@@ -47,17 +47,17 @@ namespace tombolo
     template <int dim>
     NodalVector extra_mass(const Model<dim> &model, const Part<dim> &part)
     {
-      NodalVector result;
-      result.reinit(model.state.partition(), Quantity::scalar);
-      for (unsigned int i = 0; part.particles != nullptr && i < part.inertia.size(); ++i)
+      const auto add = [&](NodalVector &sums)
       {
-        const Stencils &rows = part.particles->stencils();
-        *result.node(rows.particle_node[i]) += (part.inertia[i] - 1.) * rows.mass[i];
-      }
-      if (part.particles == nullptr && !part.inertia.empty())
-        part.formulation->add_extra_mass(part.inertia, result);
-      result.add_to_owners();
-      return result;
+        for (unsigned int i = 0; part.particles != nullptr && i < part.inertia.size(); ++i)
+        {
+          const Stencils &rows = part.particles->stencils();
+          *sums.node(rows.particle_node[i]) += (part.inertia[i] - 1.) * rows.mass[i];
+        }
+        if (part.particles == nullptr && !part.inertia.empty())
+          part.formulation->add_extra_mass(part.inertia, sums);
+      };
+      return sums_at_owners(model.state.partition(), Quantity::scalar, add);
     }
 
     /** Particles have the mean inertia of the cells and particles of which they are made, with @p
@@ -212,8 +212,7 @@ namespace tombolo
       const NodalVector extra = extra_mass(model, source), of_particles = extra_mass(model, target);
       StateTransfer converted(model.state.partition(), source.formulation->points(),
                               target.formulation->points());
-      pair.cells->add_state(cells, converted);
-      converted.add_to_owners();
+      add_up(converted.sums(), [&] { pair.cells->add_state(cells, converted); });
       if (model.heat)
         converted.temperature = &model.heat->state.present_temperature;
       pair.cells->deactivate_cells(cells);

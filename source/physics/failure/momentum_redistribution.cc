@@ -111,15 +111,16 @@ namespace tombolo
                                                  const std::vector<std::uint8_t> &constrained)
   {
     const auto &partition = model.state.partition();
-    weight.reinit(partition, Quantity::scalars);
-    for (unsigned int node = 0; node < partition->n_owned(); ++node)
-      for (unsigned int c = 0; c < node_stride; ++c)
-        if (constrained.empty() || !((constrained[node] >> c) & 1u))
-          weight.node(node)[c] = *mass.node(node);
+    std::vector<double> factor(partition->n_owned(), 1.);
     for (const NodePartition::Reflected &on_plane : partition->nodes_on_planes())
-      for (unsigned int c = 0; c < node_stride; ++c)
-        weight.node(on_plane.source)[c] *= 2.;
-    weight.update_ghosts();
+      factor[on_plane.source] *= 2.;
+    weight = nodal_field(partition, Quantity::scalars,
+                         [&](const unsigned int node, double *const of_node)
+                         {
+                           for (unsigned int c = 0; c < node_stride; ++c)
+                             if (constrained.empty() || !((constrained[node] >> c) & 1u))
+                               of_node[c] = factor[node] * *mass.node(node);
+                         });
   }
 
   template <int dim>
@@ -149,24 +150,27 @@ namespace tombolo
   }
 
   template <int dim>
-  void MomentumRedistribution<dim>::share(const std::vector<double> &given,
-                                          NodalVector &received) const
+  NodalVector MomentumRedistribution<dim>::share(const std::vector<double> &given,
+                                                 const Quantity quantity) const
   {
-    for (std::size_t k = 0; k < leaving.row.size(); ++k)
-      for (unsigned int c = 0; c < node_stride; ++c)
-      {
-        const double amount = given[k * node_stride + c];
-        if (amount == 0.)
-          continue;
-        double sum = sum_of_receivable(k, c, true);
-        const bool only_bonded = sum > 0.;
-        if (!only_bonded)
-          sum = sum_of_receivable(k, c, false);
-        for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1]; ++entry)
-          received.node(leaving.neighbour[entry])[c] +=
-              amount * (receivable(entry, c, only_bonded) / sum);
-      }
-    received.add_to_owners();
+    const auto add = [&](NodalVector &received)
+    {
+      for (std::size_t k = 0; k < leaving.row.size(); ++k)
+        for (unsigned int c = 0; c < node_stride; ++c)
+        {
+          const double amount = given[k * node_stride + c];
+          if (amount == 0.)
+            continue;
+          double sum = sum_of_receivable(k, c, true);
+          const bool only_bonded = sum > 0.;
+          if (!only_bonded)
+            sum = sum_of_receivable(k, c, false);
+          for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1]; ++entry)
+            received.node(leaving.neighbour[entry])[c] +=
+                amount * (receivable(entry, c, only_bonded) / sum);
+        }
+    };
+    return sums_at_owners(model.state.partition(), quantity, add);
   }
 
   template <int dim>
@@ -180,10 +184,7 @@ namespace tombolo
     find_weights(mass, model.conditions->constrained_components());
 
     NodalVector &v_hat = model.state.unsmoothed_velocity;
-    NodalVector before, received;
-    before.reinit(partition);
-    before.copy_from(v_hat);
-    received.reinit(partition);
+    const NodalVector before = v_hat.copy();
     std::vector<double> given(leaving.row.size() * node_stride, 0.);
     for (std::size_t k = 0; k < leaving.row.size(); ++k)
     {
@@ -203,7 +204,7 @@ namespace tombolo
         v_hat.node(node)[c] = smoothed;
       }
     }
-    share(given, received);
+    const NodalVector received = share(given, Quantity::vector);
     for (unsigned int node = 0; node < partition->n_owned(); ++node)
       for (unsigned int c = 0; c < dim; ++c)
         if (received.node(node)[c] != 0.)
@@ -233,17 +234,14 @@ namespace tombolo
         of_node = 0.;
       }
     }
-    v_hat.update_ghosts();
+    v_hat.update_ghosts(); // and not before what was lost is known, without normal components
   }
 
   template <int dim>
   void MomentumRedistribution<dim>::hand_over_heat(const NodalVector &field,
                                                    NodalVector &unsmoothed, NodalVector &enthalpy)
   {
-    const auto &partition = model.state.partition();
     const NodalEnthalpy &of_temperature = model.heat->nodal_enthalpy;
-    NodalVector received;
-    received.reinit(partition, Quantity::scalars);
     std::vector<double> given(leaving.row.size() * node_stride, 0.);
     for (std::size_t k = 0; k < leaving.row.size(); ++k)
     {
@@ -255,14 +253,15 @@ namespace tombolo
       given[k * node_stride] = *enthalpy.node(node) - kept;
       *enthalpy.node(node) = kept;
     }
-    share(given, received);
-    for (unsigned int node = 0; node < partition->n_owned(); ++node)
-      if (*received.node(node) != 0.)
-      {
-        *enthalpy.node(node) += *received.node(node);
-        *unsmoothed.node(node) = of_temperature.temperature(node, *enthalpy.node(node));
-      }
-    unsmoothed.update_ghosts();
+    const NodalVector received = share(given, Quantity::scalars);
+    unsmoothed.fill(
+        [&](const unsigned int node, double *const of_node)
+        {
+          if (*received.node(node) == 0.)
+            return;
+          *enthalpy.node(node) += *received.node(node);
+          *of_node = of_temperature.temperature(node, *enthalpy.node(node));
+        });
   }
 
   template class MomentumRedistribution<2>;

@@ -242,14 +242,12 @@ namespace tombolo
     NodalVector constrained_nodes_of(const Model<dim> &model,
                                      const std::shared_ptr<const NodePartition> &partition)
     {
-      NodalVector is_constrained;
-      is_constrained.reinit(partition, Quantity::scalar);
+      std::vector<bool> is_constrained(partition->n_owned(), false);
       for (const unsigned int node : model.heat->conditions.constrained_nodes())
-        *is_constrained.node(node) = 1.;
+        is_constrained[node] = true;
       for (const unsigned int node : partition->dependent_nodes().node)
-        *is_constrained.node(node) = 0.;
-      is_constrained.update_ghosts();
-      return is_constrained;
+        is_constrained[node] = false;
+      return scalar_field(partition, [&](const unsigned int i) { return is_constrained[i]; });
     }
 
     /** This rank's share of the rows of the matrix, one at a time: what its points add to the rows

@@ -59,16 +59,14 @@ namespace tombolo
     paper_limit_at_estimate = paper.time_step;
 
     const auto &partition = heat.state.enthalpy.partition();
-    const unsigned int n_owned = partition->n_owned();
     capacity.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < n_owned; ++i)
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *capacity.node(i) =
           heat.nodal_enthalpy.capacity(i, *heat.state.unsmoothed_temperature.node(i));
     solver.set_partition(partition);
     solver.add_noise(capacity, model.state.initial_position, 1, n_calls == 0 ? 1. : 0.1, n_calls);
-    for (const unsigned int node : heat.conditions.constrained_nodes())
-      *solver.mode.node(node) = 0.;
-    solver.mode.update_ghosts();
+    solver.mode.fill(heat.conditions.constrained_nodes(),
+                     [](const std::size_t, double *const value) { *value = 0.; });
     if (has_films)
       heat.conditions.update_areas(model.state.position); // nothing has taken them here yet
     const double largest = solver.find(
@@ -77,9 +75,8 @@ namespace tombolo
         {
           heat.apply_conduction(model.state.position, heat.state.temperature, time, direction,
                                 image);
-          for (unsigned int i = 0; i < n_owned; ++i)
-            *image.node(i) /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.;
-          image.update_ghosts();
+          image.fill([&](const unsigned int i, double *const value)
+                     { *value /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.; });
         },
         n_calls == 0 ? Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()))
                      : 6);

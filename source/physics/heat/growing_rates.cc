@@ -78,9 +78,14 @@ namespace tombolo
       for (NodalVector *const vector : {&direction, &image})
         vector->reinit(partition, Quantity::scalars);
     direction.set_zero();
-    visit_free_nodes(heat, [&](const unsigned int node, const double capacity)
-                     { *direction.node(node) = *rate.node(node) / capacity / largest; });
-    direction.update_ghosts();
+    change_owned({&direction},
+                 [&]
+                 {
+                   visit_free_nodes(heat,
+                                    [&](const unsigned int node, const double capacity) {
+                                      *direction.node(node) = *rate.node(node) / capacity / largest;
+                                    });
+                 });
     heat.apply_conduction(model.state.position, heat.state.temperature, time, direction, image);
     double norm = 0, of_direction = 0, of_image = 0;
     visit_free_nodes(heat,

@@ -26,9 +26,8 @@ namespace tombolo
 
     void to_nodes(const Vector &source, NodalVector &target)
     {
-      for (unsigned int i = 0; i < target.partition()->n_owned(); ++i)
-        *target.node(i) = source.local_element(i);
-      target.update_ghosts();
+      target.fill([&](const unsigned int i, double *const value)
+                  { *value = source.local_element(i); });
     }
   } // namespace
 
@@ -131,9 +130,8 @@ namespace tombolo
     void add_short_waves() const
     {
       const std::vector<unsigned int> &constrained = model.heat->conditions.constrained_nodes();
-      for (const unsigned int node : constrained)
-        *owner.direction.node(node) = 0.;
-      owner.direction.update_ghosts();
+      owner.direction.fill(constrained,
+                           [](const std::size_t, double *const value) { *value = 0.; });
       model.heat->bridge.apply_short_wave_part(owner.direction, owner.image);
       for (unsigned int i = 0; i < between.locally_owned_size(); ++i)
         *owner.image.node(i) = *owner.direction.node(i) + short_wave_weight * *owner.image.node(i);

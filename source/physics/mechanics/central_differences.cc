@@ -44,14 +44,14 @@ namespace tombolo
       break;
     case Bridge::Operators::affine: {
       const NodalVector &momentum = bridge.momentum_rate(model.state, dt_n);
-      for (unsigned int i = 0; i < x.partition()->n_owned(); ++i)
-      {
-        const double mass = *bridge.mass().node(i);
-        store_node(load_node(v_hat.node(i)) +
-                       load_node(momentum.node(i)) * (mass > 0. ? dt_n / mass : 0.),
-                   v_hat.node(i));
-      }
-      v_hat.update_ghosts();
+      v_hat.fill(
+          [&](const unsigned int i, double *const velocity)
+          {
+            const double mass = *bridge.mass().node(i);
+            store_node(load_node(velocity) +
+                           load_node(momentum.node(i)) * (mass > 0. ? dt_n / mass : 0.),
+                       velocity);
+          });
       bridge.move_with_smoothed_velocity(model.state, dt); // x = S x̂, (10)-(12)
     }
     }

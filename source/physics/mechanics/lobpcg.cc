@@ -126,10 +126,12 @@ namespace tombolo
     combine(products[0] > 0. ? 1. / std::sqrt(products[0]) : 0., mode,
             products[1] > 0. ? share / std::sqrt(products[1]) : 0., field, 0., field);
     // Nothing measures the mode where there is no mass.
-    for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
-      if (*mass.node(i) == 0.)
-        std::fill_n(mode.node(i), node_stride, 0.);
-    mode.update_ghosts();
+    mode.fill(
+        [&](const unsigned int i, double *const value)
+        {
+          if (*mass.node(i) == 0.)
+            std::fill_n(value, node_stride, 0.);
+        });
   }
 
   double Lobpcg::rayleigh_quotient(const NodalVector &mass, const Operator &apply) const

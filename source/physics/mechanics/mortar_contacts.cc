@@ -132,16 +132,15 @@ namespace tombolo
   void MortarContacts<dim>::nodes_were_placed(Model<dim> &model, const Clock &,
                                               const NodalVector &before)
   {
-    NodalVector places; // with ghosts
-    places.reinit(model.state.partition(), Quantity::position);
-    for (unsigned int i = 0; i < places.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        places.node(i)[d] = before.node(i)[d];
-        last_position.node(i)[d] += model.state.position.node(i)[d] - before.node(i)[d];
-      }
-    places.update_ghosts();
-    last_position.update_ghosts();
+    const NodalVector places = nodal_field(model.state.partition(), Quantity::position,
+                                           [&](const unsigned int i, double *const place)
+                                           { std::copy_n(before.node(i), dim, place); });
+    last_position.fill(
+        [&](const unsigned int i, double *const place)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            place[d] += model.state.position.node(i)[d] - before.node(i)[d];
+        });
     model.state.position.update_ghosts();
     for (const auto &contact : members)
       contact->place_nodes(places, model.state.position);

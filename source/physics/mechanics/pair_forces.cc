@@ -94,17 +94,14 @@ namespace tombolo
     const NodalState &state = model.state;
     if (applied.partition() != state.partition())
       applied.reinit(state.partition());
-    else
-      applied.set_zero();
-    for_parts_with_pairs(model,
-                         [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
-                         {
-                           if (pairs.pair_terms().has_viscosity())
-                             pairs.pair_terms().apply_viscosity(
-                                 pairs.pair_rows(), state.position.data(), state.velocity.data(),
-                                 tangent.velocity->data(), tangent.factor, applied.data());
-                         });
-    applied.add_to_owners();
+    const auto apply = [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+    {
+      if (pairs.pair_terms().has_viscosity())
+        pairs.pair_terms().apply_viscosity(pairs.pair_rows(), state.position.data(),
+                                           state.velocity.data(), tangent.velocity->data(),
+                                           tangent.factor, applied.data());
+    };
+    add_up({&applied}, [&] { for_parts_with_pairs(model, apply); });
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       store_node(load_node(tangent.force->node(i)) + load_node(applied.node(i)),
                  tangent.force->node(i));

@@ -90,11 +90,9 @@ namespace tombolo
     void leave_out_dependent_nodes(const Section &section, const Model<dim> &model,
                                    std::vector<unsigned int> &nodes)
     {
-      NodalVector is_rigid;
-      is_rigid.reinit(model.state.partition(), Quantity::scalar);
-      for (const unsigned int node : nodes)
-        *is_rigid.node(node) = 1.;
-      is_rigid.update_ghosts();
+      const NodalVector is_rigid =
+          marked_nodes(model.state.partition(),
+                       [&](const auto &mark) { std::for_each(nodes.begin(), nodes.end(), mark); });
       const NodePartition::DependentNodes &dependent = model.state.partition()->dependent_nodes();
       bool follows_others = false;
       for (std::size_t row = 0; row < dependent.node.size(); ++row)

@@ -63,11 +63,14 @@ namespace tombolo
     if (!model.conditions->has_constraints())
       return;
     const auto &constrained = model.conditions->constrained_components();
-    for (const unsigned int node : model.conditions->constrained_nodes())
-      for (unsigned int d = 0; d < 3; ++d)
-        if ((constrained[node] >> d) & 1u)
-          vector.node(node)[d] = 0.;
-    vector.update_ghosts();
+    const auto &nodes = model.conditions->constrained_nodes();
+    vector.fill(nodes,
+                [&](const std::size_t k, double *const value)
+                {
+                  for (unsigned int d = 0; d < 3; ++d)
+                    if ((constrained[nodes[k]] >> d) & 1u)
+                      value[d] = 0.;
+                });
   }
 
   template <int dim>
@@ -76,8 +79,6 @@ namespace tombolo
   {
     ++count;
     Bridge &bridge = *model.bridge;
-    const unsigned int n_owned = model.state.partition()->n_owned();
-
     bridge.apply_smoothing(v_hat, velocity);
     remove_constrained(model, velocity);
     Assembly<dim>(model.parts)
@@ -90,9 +91,8 @@ namespace tombolo
     tangent.force = &force;
     for (const auto &process : model.processes)
       process->linearize(model, Clock(), tangent);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
-    force.update_ghosts();
+    force.fill([&](const unsigned int i, double *const value)
+               { store_node(load_node(value) / load_node(bridge.nodal_mass().node(i)), value); });
     remove_constrained(model, force);
     bridge.apply_adjoint(force, result);
     remove_constrained(model, result);

@@ -72,13 +72,10 @@ namespace tombolo
     if (back == 0.)
       return internal_power(model, step);
     NodalState &state = model.state;
-    NodalVector present;
-    present.reinit(state.partition(), state.position.quantity());
-    present.copy_from(state.position);
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      store_node(load_node(present.node(i)) - load_node(state.velocity.node(i)) * back,
-                 state.position.node(i));
-    state.position.update_ghosts();
+    const NodalVector present = state.position.copy();
+    state.position.fill(
+        [&](const unsigned int i, double *const place)
+        { store_node(load_node(place) - load_node(state.velocity.node(i)) * back, place); });
     model.bridge->positions_have_changed();
     const double result = internal_power(model, step);
     state.position.copy_from(present);

@@ -72,23 +72,19 @@ namespace tombolo
   {
     const auto &partition = model.state.partition();
     viscous_force.reinit(partition);
-    NodalVector mark;
-    mark.reinit(partition, Quantity::scalar);
     local.clear();
     for (const Fibre &fibre : fibres)
     {
       auto &nodes = local.emplace_back();
       for (unsigned int k = 0; k < 3; ++k)
-      {
         nodes[k] = partition->local_index(fibre.node[k]);
-        *mark.node(nodes[k]) = 1.;
-      }
     }
-    mark.add_to_owners();
-    touched.clear();
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (*mark.node(i) > 0.)
-        touched.push_back(i);
+    touched = owned_marked_nodes(partition,
+                                 [&](const auto &mark)
+                                 {
+                                   for (const auto &nodes : local)
+                                     std::for_each(nodes.begin(), nodes.end(), mark);
+                                 });
     touched = with_nodes_depended_on(partition, touched);
   }
 

@@ -63,39 +63,38 @@ namespace tombolo
     NodalState &state = model.state;
     if (model.bridge->operators() != Bridge::Operators::identity)
       state.unsmoothed_velocity.update_ghosts(); // those who smooth read owned values only
-    momentum.set_zero();
-    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-      if (has_xsph(*particles))
-      {
-        const PairInteractions<dim> &pairs = *particles->pairs();
-        pairs.pair_terms().add_exchanged_momentum(pairs.pair_rows(), state.position.data(),
-                                                  state.unsmoothed_velocity.data(),
-                                                  momentum.data());
-      }
-    momentum.add_to_owners();
+    const auto add = [&]
+    {
+      for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+        if (has_xsph(*particles))
+          particles->pairs()->pair_terms().add_exchanged_momentum(
+              particles->pairs()->pair_rows(), state.position.data(),
+              state.unsmoothed_velocity.data(), momentum.data());
+    };
+    add_up({&momentum}, add);
     moved.set_zero();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
     // A spring of contact stores energy by the position, which only the velocity can pay for.
     const auto *const contacts = model.template find_process<RigidContacts<dim>>();
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-    {
-      if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
-          (contacts != nullptr && contacts->nodal_force(i).norm_square() != 0.))
-        continue;
-      const double scale = clock.next_step / *mass.node(i);
-      const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];
-      for (unsigned int d = 0; d < dim; ++d)
-        if (((fixed >> d) & 1u) == 0)
+    state.position.fill(
+        [&](const unsigned int i, double *const place)
         {
-          const double added = scale * momentum.node(i)[d];
-          state.position.node(i)[d] += added;
-          work += added * state.force.node(i)[d];
-          moved.node(i)[d] = added;
-          in_contacts += 0.5 * other_force.node(i)[d] * added;
-        }
-    }
+          if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
+              (contacts != nullptr && contacts->nodal_force(i).norm_square() != 0.))
+            return;
+          const double scale = clock.next_step / *mass.node(i);
+          const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];
+          for (unsigned int d = 0; d < dim; ++d)
+            if (((fixed >> d) & 1u) == 0)
+            {
+              const double added = scale * momentum.node(i)[d];
+              place[d] += added;
+              work += added * state.force.node(i)[d];
+              moved.node(i)[d] = added;
+              in_contacts += 0.5 * other_force.node(i)[d] * added;
+            }
+        });
     model.bridge->positions_have_changed();
-    state.position.update_ghosts();
   }
 
   template <int dim>

@@ -42,40 +42,44 @@ namespace tombolo
     // The first step from rest is half a one: a whole one, again and again, would not be stable.
     const double step = is_from_rest ? 0.5 : 1.;
     double energy = 0;
-    for (unsigned int i = 0; i < displacement.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        if (problem.constrained().node(i)[d] > 0.)
+    displacement.fill(
+        [&](const unsigned int i, double *const of_node)
         {
-          displacement.node(i)[d] = prescribed_share * problem.prescribed().node(i)[d];
-          continue;
-        }
-        const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
-        if (!(mass > 0.))
-          continue;
-        double &speed = velocity.node(i)[d];
-        speed += step * problem.residual().node(i)[d] / mass;
-        displacement.node(i)[d] += speed;
-        energy += 0.5 * mass * speed * speed;
-      }
-    displacement.update_ghosts();
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            if (problem.constrained().node(i)[d] > 0.)
+            {
+              of_node[d] = prescribed_share * problem.prescribed().node(i)[d];
+              continue;
+            }
+            const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
+            if (!(mass > 0.))
+              continue;
+            double &speed = velocity.node(i)[d];
+            speed += step * problem.residual().node(i)[d] / mass;
+            of_node[d] += speed;
+            energy += 0.5 * mass * speed * speed;
+          }
+        });
     return ordered_sum(energy, problem.model.communicator);
   }
 
   template <int dim>
   void DynamicRelaxation<dim>::go_to_rest(const StaticProblem<dim> &problem)
   {
-    for (unsigned int i = 0; i < displacement.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
-        if (problem.constrained().node(i)[d] > 0. || !(mass > 0.))
-          continue;
-        const double now = velocity.node(i)[d];
-        const double before = now - problem.residual().node(i)[d] / mass;
-        displacement.node(i)[d] -= now + 0.5 * before;
-      }
-    displacement.update_ghosts();
+    displacement.fill(
+        [&](const unsigned int i, double *const of_node)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
+            if (problem.constrained().node(i)[d] > 0. || !(mass > 0.))
+              continue;
+            const double now = velocity.node(i)[d];
+            const double before = now - problem.residual().node(i)[d] / mass;
+            of_node[d] -= now + 0.5 * before;
+          }
+        });
     velocity.set_zero();
   }
 

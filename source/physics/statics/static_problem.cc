@@ -41,17 +41,18 @@ namespace tombolo
   void StaticProblem<dim>::set_constrained()
   {
     const NodePartition &partition = *model.state.partition();
-    mask.reinit(model.state.partition(), Quantity::scalars);
-    const auto &constrained = model.conditions->constrained_components();
-    for (unsigned int i = 0; i < partition.n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        if (!constrained.empty() && ((constrained[i] >> d) & 1u))
-          mask.node(i)[d] = 1.;
+    auto constrained = model.conditions->constrained_components();
+    constrained.resize(partition.n_owned(), 0);
     for (const NodePartition::Reflected &on_plane : partition.nodes_on_planes())
       for (unsigned int d = 0; d < dim; ++d)
         if (on_plane.reflection.sign[d] < 0.)
-          mask.node(on_plane.source)[d] = 1.;
-    mask.update_ghosts();
+          constrained[on_plane.source] |= static_cast<std::uint8_t>(1u << d);
+    mask = nodal_field(model.state.partition(), Quantity::scalars,
+                       [&](const unsigned int i, double *const of_node)
+                       {
+                         for (unsigned int d = 0; d < dim; ++d)
+                           of_node[d] = (constrained[i] >> d) & 1u;
+                       });
   }
 
   template <int dim>
@@ -69,19 +70,22 @@ namespace tombolo
     prescribed_displacement.set_zero();
     const std::vector<unsigned int> &nodes = model.conditions->constrained_nodes();
     double largest = 0;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const int condition = model.conditions->prescribing_condition(k, d);
-        if (condition < 0 || (present.is_start &&
-                              model.conditions->all()[static_cast<unsigned int>(condition)].type !=
-                                  MechanicalConditionType::displacement))
-          continue;
-        const double value = state.acceleration.node(nodes[k])[d] * step * step;
-        prescribed_displacement.node(nodes[k])[d] = value;
-        largest = std::max(largest, std::abs(value));
-      }
-    prescribed_displacement.update_ghosts();
+    prescribed_displacement.fill(
+        nodes,
+        [&](const std::size_t k, double *const displacement)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const int condition = model.conditions->prescribing_condition(k, d);
+            if (condition < 0 ||
+                (present.is_start &&
+                 model.conditions->all()[static_cast<unsigned int>(condition)].type !=
+                     MechanicalConditionType::displacement))
+              continue;
+            displacement[d] = state.acceleration.node(nodes[k])[d] * step * step;
+            largest = std::max(largest, std::abs(displacement[d]));
+          }
+        });
     has_driven_nodes = Utilities::MPI::max(largest, model.communicator) > 0.;
     state.acceleration.set_zero();
     trial = std::make_unique<Trial<dim>>(model);

@@ -32,8 +32,8 @@ namespace tombolo
       NodalVector sum;
     };
 
-    /** Brings what was added at ghosts to the owners. Collective. */
-    void add_to_owners();
+    /** All that cells add to. */
+    std::vector<NodalVector *> sums();
 
     NodalVector volume;       ///< Σ V_k, scalar [L^3]
     NodalVector pending_heat; ///< of plastic work, that nodes have not got [M L^2/T^2]

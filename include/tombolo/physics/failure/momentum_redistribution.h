@@ -48,7 +48,7 @@ namespace tombolo
     bool can_give(std::size_t k, unsigned int c) const;
     /** Gives @p given, node_stride for each leaving particle, to the nodes of its row: @p received,
      * which is zero. Collective. */
-    void share(const std::vector<double> &given, NodalVector &received) const;
+    NodalVector share(const std::vector<double> &given, Quantity quantity) const;
     /** The part of component @p c that goes to entry @p entry of the row of @p k is
      * receivable(...) over its sum. */
     double receivable(std::size_t entry, unsigned int c, bool only_bonded) const;
