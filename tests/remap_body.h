@@ -5,7 +5,7 @@
 #include "plugin_interpolated_remap/interpolated_remap.h"
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/formulations/smoothed/integration_rule.h>
+#include <tombolo/formulations/smoothed/sub_cells.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
 

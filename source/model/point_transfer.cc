@@ -10,7 +10,6 @@
 #include <deal.II/fe/mapping_q1.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace tombolo
@@ -40,50 +39,56 @@ namespace tombolo
         }
       return result;
     }
-
-    /** The stress of a part at nodes, the mean by volume of its cells around them, by components.
-     * Collective. */
-    template <int dim>
-    std::array<NodalVector, 6> stress_at_nodes(const Model<dim> &model, const unsigned int part)
-    {
-      const Formulation<dim> &formulation = *model.parts[part].formulation;
-      const MaterialPoints &points = formulation.points();
-      std::array<NodalVector, 6> result;
-      NodalVector volumes;
-      for (NodalVector &component : result)
-        component.reinit(model.state.partition(), Quantity::scalar);
-      volumes.reinit(model.state.partition(), Quantity::scalar);
-      std::vector<types::global_dof_index> nodes;
-      unsigned int row = 0;
-      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
-      {
-        model.nodes->cell_nodes(cell, nodes);
-        for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
-        {
-          const unsigned int i = formulation.point_of_cell(row, q);
-          const double volume = points.component(MaterialPoints::volume, 0)[i];
-          for (const auto node : nodes)
-          {
-            const unsigned int local = model.state.partition()->local_index(node);
-            *volumes.node(local) += volume;
-            for (unsigned int c = 0; c < 6; ++c)
-              *result[c].node(local) += volume * points.component(MaterialPoints::stress, c)[i];
-          }
-        }
-        ++row;
-      }
-      volumes.add_to_owners();
-      for (NodalVector &component : result)
-      {
-        component.add_to_owners();
-        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-          if (*volumes.node(i) > 0.)
-            *component.node(i) /= *volumes.node(i);
-        component.update_ghosts();
-      }
-      return result;
-    }
   } // namespace
+
+  template <int dim>
+  std::array<NodalVector, 6> stress_at_nodes(const Model<dim> &model,
+                                             const std::vector<unsigned int> &parts)
+  {
+    const auto &partition = model.state.partition();
+    std::array<NodalVector, 6> result;
+    for (NodalVector &component : result)
+      component.reinit(partition, Quantity::scalar);
+    const auto add = [&](NodalVector &volumes)
+    {
+      std::vector<types::global_dof_index> nodes;
+      for (const unsigned int part : parts)
+      {
+        const Formulation<dim> &formulation = *model.parts[part].formulation;
+        const MaterialPoints &points = formulation.points();
+        unsigned int row = 0;
+        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
+        {
+          model.nodes->cell_nodes(cell, nodes);
+          for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
+          {
+            const unsigned int i = formulation.point_of_cell(row, q);
+            const double volume = points.component(MaterialPoints::volume, 0)[i];
+            for (const auto node : nodes)
+            {
+              const unsigned int local = partition->local_index(node);
+              *volumes.node(local) += volume;
+              for (unsigned int c = 0; c < 6; ++c)
+                *result[c].node(local) += volume * points.component(MaterialPoints::stress, c)[i];
+            }
+          }
+          ++row;
+        }
+      }
+    };
+    const NodalVector volumes = sums_at_owners(partition, Quantity::scalar, add);
+    for (NodalVector &component : result)
+    {
+      component.add_to_owners(); // with those of the volumes they were added up
+      component.fill(
+          [&](const unsigned int i, double *const stress)
+          {
+            if (*volumes.node(i) > 0.)
+              *stress /= *volumes.node(i);
+          });
+    }
+    return result;
+  }
 
   template <int dim>
   void PointTransfer<dim>::write(Model<dim> &model, const unsigned int part, StateArchive &archive)
@@ -92,7 +97,7 @@ namespace tombolo
     const unsigned int n_points = model.has_mechanics ? formulation.n_points_per_cell() : 0;
     if (n_points == 0)
       return;
-    const std::array<NodalVector, 6> stress = stress_at_nodes(model, part);
+    const std::array<NodalVector, 6> stress = stress_at_nodes(model, {part});
     std::vector<double> places, volumes, corner_stress;
     std::vector<types::global_dof_index> nodes;
     unsigned int row = 0;
@@ -357,6 +362,10 @@ namespace tombolo
         });
   }
 
+  template std::array<NodalVector, 6> stress_at_nodes(const Model<2> &,
+                                                      const std::vector<unsigned int> &);
+  template std::array<NodalVector, 6> stress_at_nodes(const Model<3> &,
+                                                      const std::vector<unsigned int> &);
   template class PointTransfer<2>;
   template class PointTransfer<3>;
 } // namespace tombolo

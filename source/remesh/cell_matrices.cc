@@ -90,13 +90,13 @@ namespace tombolo
   template <int dim>
   NodalVector CellMatrices<dim>::diagonal_of_cells() const
   {
-    NodalVector result;
-    result.reinit(partition, Quantity::scalar);
-    for (std::size_t cell = 0; cell < matrices.size(); ++cell)
-      for (unsigned int a = 0; a < n_corners; ++a)
-        *result.node(nodes_of_cells[cell][a]) += matrices[cell][a * (a + 1) / 2 + a];
-    result.add_to_owners();
-    return result;
+    const auto add = [&](NodalVector &sums)
+    {
+      for (std::size_t cell = 0; cell < matrices.size(); ++cell)
+        for (unsigned int a = 0; a < n_corners; ++a)
+          *sums.node(nodes_of_cells[cell][a]) += matrices[cell][a * (a + 1) / 2 + a];
+    };
+    return sums_at_owners(partition, Quantity::scalar, add);
   }
 
   template <int dim>
@@ -120,9 +120,7 @@ namespace tombolo
       return dot_by_slot(residual, preconditioned, preconditioner);
     };
     // What the residual is without a solution at the free nodes.
-    NodalVector start;
-    start.reinit(partition, solution.quantity());
-    start.copy_from(solution);
+    NodalVector start = solution.copy();
     for (unsigned int i = 0; i < n_owned; ++i)
       if (*preconditioner.node(i) > 0.)
         std::fill_n(start.node(i), node_stride, 0.);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_overlap.h>
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/remesh/cell_cutting.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/numbers_of_ranks.h>
-#include <tombolo/remesh/point_integrals.h>
-#include <tombolo/remesh/simplex_lanes.h>
-#include <tombolo/remesh/uncovered_mass.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 namespace tombolo
@@ -21,15 +22,9 @@ namespace tombolo
   namespace
   {
     template <int dim>
-    BoundingBox<dim> box_of(const std::vector<Point<dim>> &points)
-    {
-      return BoundingBox<dim>(points);
-    }
-
-    template <int dim>
     BoundingBox<dim> box_of_corners(const typename SubCells<dim>::Corners &corners)
     {
-      return box_of<dim>(std::vector<Point<dim>>(corners.begin(), corners.end()));
+      return BoundingBox<dim>(std::vector<Point<dim>>(corners.begin(), corners.end()));
     }
 
     /** The volumes of the sub-cells without simplices that are turned over. */
@@ -57,6 +52,17 @@ namespace tombolo
           result.insert(result.end(), field->node(node), field->node(node) + node_stride);
       return result;
     }
+
+    template <int dim>
+    std::string without_taker(const RemapCell<dim> &cell)
+    {
+      Point<dim> centre;
+      for (const Point<dim> &corner : cell.before)
+        centre += corner / static_cast<double>(cell.before.size());
+      std::ostringstream text;
+      text << "A refill finds no cell to put the mass of the cell around (" << centre << ") into.";
+      return text.str();
+    }
   } // namespace
 
   std::map<unsigned int, std::vector<double>>
@@ -80,17 +86,13 @@ namespace tombolo
       : cells(cells), integrals(cells.size()), covered(cells.size() * n_sub_cells),
         communicator(communicator), n_fields(static_cast<unsigned int>(fields.size()))
   {
-    const double moves = std::any_of(cells.begin(), cells.end(),
-                                     [](const RemapCell<dim> &cell) { return cell.has_moved(); })
-                             ? 1.
-                             : 0.;
-    has_motion = Utilities::MPI::max(moves, communicator) > 0.;
-    has_cut_cells =
-        Utilities::MPI::max(std::any_of(cells.begin(), cells.end(),
-                                        [](const RemapCell<dim> &cell) { return cell.is_cut; })
-                                ? 1.
-                                : 0.,
-                            communicator) > 0.;
+    const auto any = [&](const auto &is_such)
+    {
+      const bool found = std::any_of(cells.begin(), cells.end(), is_such);
+      return Utilities::MPI::max(found ? 1 : 0, communicator) > 0;
+    };
+    has_motion = any([](const RemapCell<dim> &cell) { return cell.has_moved(); });
+    has_cut_cells = any([](const RemapCell<dim> &cell) { return cell.is_cut; });
     if (!has_motion)
       return;
     send_cells(fields);
@@ -154,7 +156,7 @@ namespace tombolo
     std::vector<double> own_box;
     if (!places.empty())
     {
-      const auto box = box_of<dim>(places).get_boundary_points();
+      const auto box = BoundingBox<dim>(places).get_boundary_points();
       for (unsigned int d = 0; d < dim; ++d)
       {
         own_box.push_back(box.first[d]);
@@ -224,35 +226,12 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<double> CellOverlap<dim>::covered_volumes(const std::vector<Received> &received) const
-  {
-    std::map<unsigned int, std::vector<double>> messages;
-    std::size_t next = 0;
-    for (const auto &[rank, n] : n_received)
-      for (unsigned int k = 0; k < n; ++k, ++next)
-        for (unsigned int q = 0; q < n_sub_cells; ++q)
-        {
-          Covered of_sub_cell;
-          received[next].find_covered(q, of_sub_cell.volume, of_sub_cell.moment);
-          messages[rank].push_back(of_sub_cell.volume);
-        }
-    std::vector<double> result(cells.size() * n_sub_cells, 0.);
-    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
-    {
-      const double *value = data.data();
-      for (const unsigned int cell : sent.at(rank))
-        for (unsigned int q = 0; q < n_sub_cells; ++q)
-          result[cell * n_sub_cells + q] += *value++;
-    }
-    return result;
-  }
-
-  template <int dim>
   void CellOverlap<dim>::change_densities(std::vector<Received> &received,
                                           const std::shared_ptr<const NodePartition> &partition)
   {
     constexpr double least_share = 1e-6, least_change = 1e-12;
-    std::vector<double> factors = covered_volumes(received);
+    return_covered(received);
+    std::vector<double> factors(covered.size(), 0.);
     std::vector<bool> is_bare(factors.size(), false);
     std::vector<double> mass;
     bool any = false;
@@ -265,16 +244,16 @@ namespace tombolo
       for (unsigned int q = 0; q < n_sub_cells; ++q)
       {
         const std::size_t i = cell * n_sub_cells + q;
-        is_bare[i] = cells[cell].is_cut && !(factors[i] > least_share * volumes[q]);
+        is_bare[i] = cells[cell].is_cut && !(covered[i].volume > least_share * volumes[q]);
         any = any || is_bare[i];
-        factors[i] = !cells[cell].is_cut ? 1. : is_bare[i] ? 0. : volumes[q] / factors[i];
+        factors[i] = !cells[cell].is_cut ? 1. : is_bare[i] ? 0. : volumes[q] / covered[i].volume;
       }
     }
     if (Utilities::MPI::max(any ? 1 : 0, communicator) != 0)
     {
       is_uncovered = is_bare;
       std::vector<double> none;
-      give_to_neighbours(*this, partition, 0, mass, none);
+      give_to_neighbours(partition, 0, mass, none);
       for (std::size_t i = 0; i < factors.size(); ++i)
         if (const double of_cell = cells[i / n_sub_cells].mass[i % n_sub_cells]; of_cell > 0.)
           factors[i] *= mass[i] / of_cell;
@@ -304,21 +283,19 @@ namespace tombolo
     std::size_t next = 0;
     for (const auto &[rank, n] : n_received)
       for (unsigned int k = 0; k < n; ++k, ++next)
-      {
-        std::vector<double> &data = messages[rank];
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
+          std::vector<double> &data = messages[rank];
           Covered of_sub_cell;
           received[next].find_covered(q, of_sub_cell.volume, of_sub_cell.moment);
           data.push_back(of_sub_cell.volume);
           data.insert(data.end(), &of_sub_cell.moment[0], &of_sub_cell.moment[0] + dim);
         }
-      }
+    covered.assign(cells.size() * n_sub_cells, {});
     for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
       const double *value = data.data();
       for (const unsigned int cell : sent.at(rank))
-      {
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
           Covered &of_sub_cell = covered[cell * n_sub_cells + q];
@@ -326,6 +303,79 @@ namespace tombolo
           for (unsigned int d = 0; d < dim; ++d)
             of_sub_cell.moment[d] += *value++;
         }
+    }
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::give_to_neighbours(const std::shared_ptr<const NodePartition> &partition,
+                                            const unsigned int n_components,
+                                            std::vector<double> &mass,
+                                            std::vector<double> &values) const
+  {
+    const auto takes = [&](const std::size_t i)
+    {
+      return !is_uncovered[i] && mass[i] > 0. &&
+             is_source(static_cast<unsigned int>(i / n_sub_cells));
+    };
+    const auto nodes = [&](const std::size_t i) -> auto &
+    {
+      return cells[i / n_sub_cells].nodes;
+    };
+    NodalVector of_takers, of_givers;
+    of_takers.reinit(partition, Quantity::scalar);
+    for (std::size_t i = 0; i < mass.size(); ++i)
+      for (const unsigned int node : nodes(i))
+        *of_takers.node(node) += takes(i) ? mass[i] : 0.;
+    of_takers.sum_over_ranks();
+    std::string failure;
+    // What a giver gives to a node, as a share of its own.
+    std::vector<double> share(mass.size(), 0.);
+    for (std::size_t i = 0; i < mass.size(); ++i)
+    {
+      if (!is_uncovered[i])
+        continue;
+      double n_nodes = 0;
+      for (const unsigned int node : nodes(i))
+        n_nodes += *of_takers.node(node) > 0. ? 1. : 0.;
+      if (n_nodes > 0.)
+        share[i] = 1. / n_nodes;
+      else if (failure.empty())
+        failure = without_taker(cells[i / n_sub_cells]);
+    }
+    throw_on_all_ranks<RunError>(failure, communicator);
+
+    // The first one is the mass itself.
+    std::vector<double> taken(mass.size() * (1 + n_components), 0.);
+    for (unsigned int f = 0; f <= n_components; ++f)
+    {
+      const auto content = [&](const std::size_t i)
+      { return mass[i] * (f == 0 ? 1. : values[i * n_components + f - 1]); };
+      of_givers.reinit(partition, Quantity::scalar);
+      for (std::size_t i = 0; i < mass.size(); ++i)
+        if (is_uncovered[i])
+          for (const unsigned int node : nodes(i))
+            if (*of_takers.node(node) > 0.)
+              *of_givers.node(node) += share[i] * content(i);
+      of_givers.sum_over_ranks();
+      for (std::size_t i = 0; i < mass.size(); ++i)
+        if (takes(i))
+          for (const unsigned int node : nodes(i))
+            taken[i * (1 + n_components) + f] +=
+                mass[i] / *of_takers.node(node) * *of_givers.node(node);
+    }
+    for (std::size_t i = 0; i < mass.size(); ++i)
+    {
+      const double *const of_others = taken.data() + i * (1 + n_components);
+      if (is_uncovered[i])
+        mass[i] = 0.;
+      else if (of_others[0] > 0.)
+      {
+        for (unsigned int f = 0; f < n_components; ++f)
+        {
+          double &value = values[i * n_components + f];
+          value = (mass[i] * value + of_others[1 + f]) / (mass[i] + of_others[0]);
+        }
+        mass[i] += of_others[0];
       }
     }
   }

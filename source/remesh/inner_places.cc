@@ -2,8 +2,7 @@
 #include <tombolo/remesh/inner_places.h>
 
 #include <tombolo/remesh/cell_matrices.h>
-#include <tombolo/remesh/corners_at.h>
-#include <tombolo/remesh/simplex_lanes.h>
+#include <tombolo/remesh/cell_simplices.h>
 
 #include <algorithm>
 
@@ -88,7 +87,7 @@ namespace tombolo
       for (NodalVector &column : result)
         column.reinit(partition);
       const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-      for (std::size_t c = 0; c < nodes.size(); ++c)
+      const auto add_cell = [&](const std::size_t c)
       {
         const SimplexLanes<dim> of_lattice(lattice[c]);
         const SimplexLanes<dim> present(corners_at<dim>(nodes[c], position));
@@ -127,16 +126,21 @@ namespace tombolo
             for (unsigned int a = 0; a < dim; ++a)
               result[b].node(nodes[c][k])[a] += of_corners[a * dim + b][k];
         }
-      }
-      volume.add_to_owners();
+      };
+      std::vector<NodalVector *> sums{&volume};
       for (NodalVector &column : result)
-      {
-        column.add_to_owners();
+        sums.push_back(&column);
+      add_up(sums,
+             [&]
+             {
+               for (std::size_t c = 0; c < nodes.size(); ++c)
+                 add_cell(c);
+             });
+      for (NodalVector &column : result)
         for (unsigned int i = 0; i < partition->n_owned(); ++i)
           if (*volume.node(i) > 0.)
             for (unsigned int a = 0; a < dim; ++a)
               column.node(i)[a] /= *volume.node(i);
-      }
       return result;
     }
   } // namespace
@@ -151,23 +155,20 @@ namespace tombolo
     CellMatrices<dim> matrices(partition, nodes.size());
     for (std::size_t cell = 0; cell < nodes.size(); ++cell)
       matrices.add_cell(nodes[cell], laplacian_of_cell<dim>(lattice[cell]));
-    NodalVector displacement, nothing;
-    for (NodalVector *const vector : {&displacement, &nothing})
-      vector->reinit(partition);
-    const auto n_values = std::size_t(partition->n_owned()) * node_stride;
-    for (std::size_t i = 0; i < n_values; ++i)
-      displacement.data()[i] = position.data()[i] - initial.data()[i];
+    NodalVector displacement = difference(position, initial), nothing;
+    nothing.reinit(partition);
     NodalVector preconditioner = matrices.diagonal_of_cells();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (!(*is_free.node(i) > 0.))
         *preconditioner.node(i) = 0.;
     constexpr double tolerance = 1e-14;
     matrices.solve(nothing, preconditioner, tolerance, displacement);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (*is_free.node(i) > 0.)
-        for (unsigned int d = 0; d < dim; ++d)
-          position.node(i)[d] = initial.node(i)[d] + displacement.node(i)[d];
-    position.update_ghosts();
+    position.fill(
+        [&](const unsigned int i, double *const place)
+        {
+          for (unsigned int d = 0; d<dim && * is_free.node(i)> 0.; ++d)
+            place[d] = initial.node(i)[d] + displacement.node(i)[d];
+        });
   }
 
   template <int dim>
@@ -177,14 +178,9 @@ namespace tombolo
                const NodalVector &is_free, const NodalVector &initial, const NodalVector &position)
   {
     const auto &partition = position.partition();
-    std::vector<typename SubCells<dim>::Corners> present(nodes.size());
-    for (std::size_t c = 0; c < nodes.size(); ++c)
-      present[c] = corners_at<dim>(nodes[c], position);
     // Where the steps lead to: iterations start from there.
-    NodalVector harmonic, result;
-    harmonic.reinit(partition, initial.quantity());
-    harmonic.copy_from(initial);
-    place_inner_nodes<dim>(nodes, present, is_free, position, harmonic);
+    NodalVector harmonic = initial.copy(), result;
+    place_inner_nodes<dim>(nodes, corners_at<dim>(nodes, position), is_free, position, harmonic);
     const std::array<NodalVector, dim> deformation =
         deformation_at_nodes<dim>(nodes, lattice, position);
     result.reinit(partition);

@@ -3,8 +3,8 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/cell_matrices.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/node_maxima.h>
-#include <tombolo/remesh/simplex_lanes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ namespace tombolo
                        CellMatrices<dim> &matrices, NodalVector &right_side, NodalVector &after)
     {
       constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
-      for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      const auto add_cell = [&](const std::size_t c)
       {
         const auto &integrals = overlap.integrals[c];
         const auto &nodes = overlap.cells[c].nodes;
@@ -49,9 +49,13 @@ namespace tombolo
             right_side.node(nodes[k])[slot] +=
                 integrals.values[(std::size_t(number) * n_corners + k) * node_stride + slot];
         }
-      }
-      for (NodalVector *const vector : {&right_side, &after})
-        vector->add_to_owners();
+      };
+      add_up({&right_side, &after},
+             [&]
+             {
+               for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+                 add_cell(c);
+             });
     }
 
     /** The largest of @p sign times a slot of a field at nodes up to two cells away that have
@@ -138,11 +142,12 @@ namespace tombolo
         sums[node_stride + slot] += new_mass(i) * field.node(i)[slot];
     }
     sums = ordered_sum(sums, overlap.communicator);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      if (*weight.node(i) > 0.)
-        for (unsigned int slot = 0; slot < node_stride; ++slot)
-          field.node(i)[slot] += (sums[slot] - sums[node_stride + slot]) / sums[2 * node_stride];
-    field.update_ghosts();
+    field.fill(
+        [&](const unsigned int i, double *const value)
+        {
+          for (unsigned int slot = 0; slot<node_stride && * weight.node(i)> 0.; ++slot)
+            value[slot] += (sums[slot] - sums[node_stride + slot]) / sums[2 * node_stride];
+        });
   }
 
   template <int dim>
@@ -152,12 +157,14 @@ namespace tombolo
     if (!overlap.has_motion)
       return;
     const unsigned int n_owned = field.partition()->n_owned();
-    NodalVector is_near;
-    is_near.reinit(field.partition(), Quantity::scalar);
-    for (const RemapCell<dim> &cell : overlap.cells)
-      for (unsigned int k = 0; k < cell.nodes.size() && cell.has_moved(); ++k)
-        *is_near.node(cell.nodes[k]) += 1.;
-    is_near.add_to_owners();
+    const NodalVector is_near =
+        marked_nodes(field.partition(),
+                     [&](const auto &mark)
+                     {
+                       for (const RemapCell<dim> &cell : overlap.cells)
+                         if (cell.has_moved())
+                           std::for_each(cell.nodes.begin(), cell.nodes.end(), mark);
+                     });
     for (unsigned int slot = 0; slot < node_stride; ++slot)
     {
       const auto highest = largest_around<dim>(overlap.cells, before, slot, 1.);

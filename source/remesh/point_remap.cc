@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/node_maxima.h>
 #include <tombolo/remesh/point_remap.h>
-#include <tombolo/remesh/simplex_lanes.h>
-#include <tombolo/remesh/stress_invariants.h>
-#include <tombolo/remesh/uncovered_mass.h>
 
 #include <tombolo/base/throw_on_all_ranks.h>
 
@@ -87,9 +85,7 @@ namespace tombolo
           if (!cells[c].is_void_before)
             add_cell(c, points);
         for (NodalVector &vector : moments)
-        {
           vector.sum_over_ranks();
-        }
       }
 
       /** By component. */
@@ -309,9 +305,7 @@ namespace tombolo
              << mean_of_corners<dim>(overlap.cells[c].after) << ").";
         empty = text.str();
       }
-      for (const std::string &of_rank : texts_of_ranks(overlap.communicator, empty))
-        if (!of_rank.empty())
-          throw RunError(of_rank);
+      throw_on_all_ranks<RunError>(empty, overlap.communicator);
     }
 
     /** The same density in all sub-cells of a cell: those with too much give to those with too
@@ -411,7 +405,7 @@ namespace tombolo
     check_coverage(overlap);
     const unsigned int n = points.n_components;
     if (!overlap.is_uncovered.empty())
-      give_to_neighbours(overlap, partition, n, points.mass, points.values);
+      overlap.give_to_neighbours(partition, n, points.mass, points.values);
     const unsigned int size = (1 + dim) * (1 + n);
     const std::vector<double> received =
         overlap.forward(describe_sub_cells(overlap, partition, points), size * n_of_cell<dim>);

@@ -2,7 +2,7 @@
 #include <tombolo/remesh/simplex_pairs.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
-#include <tombolo/remesh/simplex_lanes.h>
+#include <tombolo/remesh/cell_simplices.h>
 
 #include <algorithm>
 #include <cstddef>

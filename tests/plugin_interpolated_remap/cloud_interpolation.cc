@@ -5,7 +5,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/remesh/cell_overlap.h>
-#include <tombolo/remesh/stress_invariants.h>
+#include <tombolo/remesh/point_remap.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>

@@ -3,7 +3,7 @@
 
 #include "cloud_interpolation.h"
 
-#include <tombolo/formulations/smoothed/integration_rule.h>
+#include <tombolo/formulations/smoothed/sub_cells.h>
 #include <tombolo/formulations/smoothed/value_remap.h>
 #include <tombolo/remesh/node_maxima.h>
 

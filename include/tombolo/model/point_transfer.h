@@ -3,7 +3,9 @@
 
 #include <tombolo/state/archive_rows.h>
 #include <tombolo/state/field.h>
+#include <tombolo/state/nodal_vector.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -90,4 +92,10 @@ namespace tombolo
     std::vector<double> places, volumes, corner_stress; ///< initial places and volumes of points
     Points sources;
   };
+
+  /** The stress of @p parts at nodes, with ghosts: the mean by volume of their cells around them,
+   * by components, zero elsewhere. Collective. */
+  template <int dim>
+  std::array<NodalVector, 6> stress_at_nodes(const Model<dim> &model,
+                                             const std::vector<unsigned int> &parts);
 } // namespace tombolo

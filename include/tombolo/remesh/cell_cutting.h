@@ -1,16 +1,292 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/remesh/cell_overlap.h>
-#include <tombolo/remesh/point_integrals.h>
-#include <tombolo/remesh/received_cell.h>
+#include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/remesh/simplex_overlaps.h>
 #include <tombolo/remesh/simplex_pairs.h>
+#include <tombolo/state/nodal_vector.h>
 
+#include <deal.II/base/tensor.h>
+
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace tombolo
 {
+  /** The number of pairs of fields: they are added two at a time. */
+  inline std::size_t n_pairs_of(const std::size_t n_fields)
+  {
+    return (n_fields + 1) / 2;
+  }
+
+  /** Integrals over one simplex of after with the functions 1, b_1, ..., b_dim, where b are its
+   * barycentric coordinates. */
+  template <int dim>
+  struct SimplexIntegrals
+  {
+    static constexpr unsigned int n_slots = 2 * node_stride; // of two fields
+    double products[dim + 1][4] = {};                        ///< of the functions
+    std::vector<double> values; ///< of fields, by two fields, function, field and slot
+
+    explicit SimplexIntegrals(const unsigned int n_fields)
+        : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.)
+    {}
+
+    void clear()
+    {
+      for (auto &row : products)
+        std::fill_n(row, 4, 0.);
+      std::fill(values.begin(), values.end(), 0.);
+    }
+
+    /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
+     * all. @p old_at_new: the coordinates of the old simplex at the vertices of the new one, rows;
+     * the fields have the values @p of_old at points of the old cell (values_at_points()), of which
+     * @p vertices are those of the simplex. */
+    void add(const OverlapMoments<dim> &moments, const double of_simplex,
+             const double (&old_at_new)[4][4], const std::vector<double> &of_old,
+             const std::uint8_t *const vertices)
+    {
+      double of_density[dim + 1][4];
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j <= dim; ++j)
+      {
+        const NodeLanes row = of_simplex * load_node(moments.products[j]);
+        store_node(row, of_density[j]);
+        store_node(load_node(products[j]) + row, products[j]);
+      }
+      const std::size_t of_point = values.size() / (dim + 1);
+      for (std::size_t first = 0; first < of_point; first += n_slots)
+      {
+        // The fields as linear functions of the new coordinates.
+        EightDoubles of_new[dim + 1];
+        TOMBOLO_UNROLL
+        for (unsigned int i = 0; i <= dim; ++i)
+        {
+          const EightDoubles z = load_eight(of_old.data() + vertices[i] * of_point + first);
+          TOMBOLO_UNROLL
+          for (unsigned int k = 0; k <= dim; ++k)
+            of_new[k] = i == 0 ? old_at_new[k][i] * z : of_new[k] + old_at_new[k][i] * z;
+        }
+        TOMBOLO_UNROLL
+        for (unsigned int k = 1; k <= dim; ++k)
+          of_new[k] -= of_new[0];
+        double *const to = values.data() + first * (dim + 1);
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j <= dim; ++j)
+        {
+          EightDoubles sum = load_eight(to + j * n_slots);
+          TOMBOLO_UNROLL
+          for (unsigned int k = 0; k <= dim; ++k)
+            sum += of_density[j][k] * of_new[k];
+          store_eight(sum, to + j * n_slots);
+        }
+      }
+    }
+
+    /** What it has of itself. */
+    void add_whole(const double mass, const std::vector<double> &of_old,
+                   const std::uint8_t *const vertices)
+    {
+      static const OverlapMoments<dim> moments = moments_of_whole_simplex();
+      constexpr double unit[4][4] = {
+          {1., 0., 0., 0.}, {0., 1., 0., 0.}, {0., 0., 1., 0.}, {0., 0., 0., 1.}};
+      add(moments, mass, unit, of_old, vertices);
+    }
+
+    /** Those with b_j in place of the functions, in which the sums of the others are. */
+    void take_coordinates()
+    {
+      TOMBOLO_UNROLL
+      for (unsigned int j = 1; j <= dim; ++j)
+        store_node(load_node(products[0]) - load_node(products[j]), products[0]);
+      for (auto &row : products)
+        for (unsigned int k = 1; k <= dim; ++k)
+          row[0] -= row[k];
+      const std::size_t of_point = values.size() / (dim + 1);
+      for (std::size_t first = 0; first < of_point; first += n_slots)
+      {
+        double *const of_first = values.data() + first * (dim + 1);
+        for (unsigned int j = 1; j <= dim; ++j)
+          store_eight(load_eight(of_first) - load_eight(of_first + j * n_slots), of_first);
+      }
+    }
+
+  private:
+    static OverlapMoments<dim> moments_of_whole_simplex()
+    {
+      SimplexOverlap::Piece<dim> piece;
+      for (unsigned int k = 0; k <= dim; ++k)
+        for (unsigned int j = 0; j <= dim; ++j)
+          piece[k].in_new[j] = k == j ? 1. : 0.;
+      OverlapMoments<dim> result;
+      result.add(piece);
+      return result;
+    }
+  };
+
+  /** Values of fields at the points of a cell, by point, field and slot, from those at corners.
+   * Where the number of fields is odd, there is one more, of zeros. */
+  template <int dim>
+  void values_at_points(const double *const of_corners, const std::size_t n_fields,
+                        std::vector<double> &result)
+  {
+    const auto &shares = SimplexPoints<dim>::instance().shares;
+    const std::size_t n = n_fields * node_stride;
+    const std::size_t of_point = n_pairs_of(n_fields) * 2 * node_stride;
+    result.assign(shares.size() * of_point, 0.);
+    for (std::size_t p = 0; p < shares.size(); ++p)
+      for (unsigned int a = 0; a < SimplexPoints<dim>::n_corners; ++a)
+        if (shares[p][a] != 0.)
+          for (std::size_t c = 0; c < n; ++c)
+            result[p * of_point + c] += shares[p][a] * of_corners[a * n + c];
+  }
+
+  /** A cell of before that reaches cells of after of this rank (CellOverlap), and what they have of
+   * it. */
+  template <int dim>
+  struct ReceivedCell
+  {
+    static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
+    static constexpr unsigned int n_sub_cells = SubCells<dim>::n_sub_cells;
+    static constexpr unsigned int n_simplices = SimplexPoints<dim>::n_simplices;
+
+    SimplexCell<dim> simplices;
+    /** Of sub-cells, and what it has changed by since cells of after have got something of them. */
+    std::array<double, n_sub_cells> density, change{};
+    bool is_cut;
+    std::vector<double> values;         ///< of fields at its points (SimplexPoints)
+    double centre[4] = {};              ///< and zeros
+    double common[n_simplices][4] = {}; ///< of each simplex: ∫ (x - centre), and at the end ∫ 1
+
+    /** The numbers that a cell with @p n_values at its corners is sent as. */
+    static std::size_t size(const std::size_t n_values)
+    {
+      return n_corners * dim + n_sub_cells + 1 + n_values;
+    }
+
+    /** From corners, densities, whether it is cut, and values at corners. */
+    ReceivedCell(const double *data, const std::size_t n_values) : simplices(corners_in(data))
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        centre[d] = simplices.place[d][SimplexPoints<dim>::centre];
+      data += n_corners * dim;
+      for (double &of_sub_cell : density)
+        of_sub_cell = *data++;
+      is_cut = *data++ > 0.;
+      values_at_points<dim>(data, n_values / (n_corners * node_stride), values);
+    }
+
+    /** ∫ 1 and ∫ x over what cells of after have of a sub-cell. */
+    void find_covered(const unsigned int sub_cell, double &volume,
+                      dealii::Tensor<1, dim> &moment) const
+    {
+      volume = 0;
+      moment = {};
+      for (unsigned int s = 0; s < n_simplices; ++s)
+        if (SimplexPoints<dim>::instance().sub_cell[s] == sub_cell)
+        {
+          volume += common[s][3];
+          for (unsigned int d = 0; d < dim; ++d)
+            moment[d] += common[s][d] + common[s][3] * centre[d];
+        }
+    }
+
+  private:
+    static typename SubCells<dim>::Corners corners_in(const double *data)
+    {
+      typename SubCells<dim>::Corners corners;
+      for (dealii::Point<dim> &corner : corners)
+        for (unsigned int d = 0; d < dim; ++d)
+          corner[d] = *data++;
+      return corners;
+    }
+  };
+
+  /** Integrals over a cell of after, with the functions of its points (SimplexPoints). */
+  template <int dim>
+  class PointIntegrals
+  {
+  public:
+    static constexpr unsigned int n_points = SimplexPoints<dim>::n_points;
+
+    explicit PointIntegrals(const unsigned int n_fields)
+        : values(n_pairs_of(n_fields) * n_points * 2 * node_stride, 0.), n_fields(n_fields)
+    {}
+
+    void clear()
+    {
+      std::fill_n(&matrix[0][0], n_points * n_points, 0.);
+      std::fill(values.begin(), values.end(), 0.);
+    }
+
+    /** Of the simplex with these @p vertices, with its coordinates as functions. */
+    void add(const SimplexIntegrals<dim> &integrals, const std::uint8_t *const vertices)
+    {
+      const std::size_t of_point = values.size() / n_points;
+      for (unsigned int j = 0; j <= dim; ++j)
+      {
+        for (unsigned int k = 0; k <= dim; ++k)
+          matrix[vertices[j]][vertices[k]] += integrals.products[j][k];
+        for (std::size_t first = 0; first < of_point; first += 2 * node_stride)
+        {
+          double *const to = values.data() + vertices[j] * of_point + first;
+          const double *const from =
+              integrals.values.data() + first * (dim + 1) + std::size_t(j) * 2 * node_stride;
+          store_eight(load_eight(to) + load_eight(from), to);
+        }
+      }
+    }
+
+    /** Adds them to those of a cell. */
+    void give(typename CellOverlap<dim>::Integrals &cell) const
+    {
+      constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
+      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+      const std::size_t of_point = values.size() / n_points;
+      EightDoubles rows[n_corners];
+      for (EightDoubles &row : rows)
+        row = 0.;
+      for (unsigned int p = 0; p < n_points; ++p)
+      {
+        EightDoubles half = 0.;
+        for (unsigned int q = 0; q < n_points; ++q)
+          half += matrix[p][q] * load_eight(points.of_point[q]);
+        for (unsigned int a = 0; a < n_corners; ++a)
+        {
+          const double share = points.shares[p][a];
+          if (share == 0.)
+            continue;
+          rows[a] += share * half;
+          for (unsigned int field = 0; field < n_fields; ++field)
+            for (unsigned int slot = 0; slot < node_stride; ++slot)
+              cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
+                  share * values[p * of_point + field * node_stride + slot];
+        }
+      }
+      for (unsigned int a = 0; a < n_corners; ++a)
+      {
+        double of_corners[8];
+        store_eight(rows[a], of_corners);
+        for (unsigned int b = 0; b < n_corners; ++b)
+        {
+          cell.matrix[std::size_t(a) * n_corners + b] += of_corners[b];
+          cell.mass[b] += of_corners[b]; // the functions add up to one
+        }
+      }
+    }
+
+  private:
+    double matrix[n_points][n_points] = {};
+    std::vector<double> values; // by point, field and slot
+    unsigned int n_fields;
+  };
+
   /** Cuts cells of before by the simplices of cells of after. Buffers are kept from one cell to the
    * next. */
   template <int dim>

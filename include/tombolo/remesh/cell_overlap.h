@@ -8,6 +8,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -47,10 +48,9 @@ namespace tombolo
    * The overlap of the cells of a part before and after their corners have moved, exactly: every
    * simplex of before is cut by those of after. The mass of a sub-cell of before is uniform in what
    * cells of after cover of it; one that they do not cover at all gives it to those around
-   * (give_to_neighbours()).
-   * Gives the integrals of the conservative projection of nodal fields, and which sub-cell of
-   * before gives how much to which sub-cell of after. Cells of before are sent to the ranks whose
-   * cells they reach.
+   * (give_to_neighbours()). Gives the integrals of the conservative projection of nodal fields, and
+   * which sub-cell of before gives how much to which sub-cell of after. Cells of before are sent to
+   * the ranks whose cells they reach.
    */
   template <int dim>
   class CellOverlap
@@ -114,6 +114,20 @@ namespace tombolo
      * the order of Share::from. Collective. */
     std::vector<double> forward(const std::vector<double> &of_cells, unsigned int n) const;
 
+    /**
+     * Sub-cells of before that no cell of after covers (is_uncovered) give their mass, and what it
+     * carries, to those around that are covered, by their masses: first to all of cells that share
+     * a node with theirs. They have no mass then. Sums over all sub-cells of m and of m s stay to
+     * round-off.
+     *
+     * @p mass by cell and sub-cell [M]; @p values by cell, sub-cell and component, @p n_components
+     * per mass. Throws a RunError with the place where there is nothing around to take it.
+     * Collective.
+     */
+    void give_to_neighbours(const std::shared_ptr<const NodePartition> &partition,
+                            unsigned int n_components, std::vector<double> &mass,
+                            std::vector<double> &values) const;
+
   private:
     using Received = ReceivedCell<dim>;
 
@@ -122,8 +136,6 @@ namespace tombolo
      * Simplices with the same density as before do not count any more. Collective. */
     void change_densities(std::vector<Received> &received,
                           const std::shared_ptr<const NodePartition> &partition);
-    /** The volumes of sub-cells of this rank that cells of after cover. Collective. */
-    std::vector<double> covered_volumes(const std::vector<Received> &received) const;
     void add_unmoved(unsigned int cell, const std::vector<const NodalVector *> &fields);
     /** Brings what received cells have given back to their owners. Collective. */
     void return_covered(const std::vector<Received> &received);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/simplex_overlaps.h>
-#include <tombolo/remesh/simplex_points.h>
 
 #include <array>
 #include <vector>

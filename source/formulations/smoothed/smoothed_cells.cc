@@ -2,17 +2,38 @@
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 
 #include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/formulations/elements/cell_conduction.h>
+#include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/smoothed/smoothed_conduction.h>
-#include <tombolo/formulations/smoothed/smoothed_limits.h>
-#include <tombolo/formulations/smoothed/smoothed_stiffness.h>
 #include <tombolo/formulations/step_cost.h>
+#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** The initial positions of the points of cells, in batches, with the @p shares of the corners
+     * of a cell in each of its points, [q][k]. While the cells know their initial positions. */
+    template <int dim>
+    std::vector<Point<dim>> initial_points_of(const CellBatches<dim> &cells,
+                                              const std::vector<std::vector<double>> &shares)
+    {
+      const auto n_points = static_cast<unsigned int>(shares.size());
+      std::vector<Point<dim>> result(std::size_t(padded_to_lanes(cells.n_cells())) * n_points);
+      for (unsigned int cell = 0; cell < padded_to_lanes(cells.n_cells()); ++cell)
+        for (unsigned int q = 0; q < n_points; ++q)
+          for (unsigned int k = 0; k < shares[q].size(); ++k)
+            for (unsigned int d = 0; d < dim; ++d)
+              result[point_in_lanes(cell, n_points, q)][d] +=
+                  shares[q][k] *
+                  cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
+      return result;
+    }
+  } // namespace
 
   template <int dim>
   void SmoothedCells<dim>::declare_parameters(ParameterHandler &handler)
@@ -85,34 +106,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedCells<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
-  {
-    integration.add_internal_force(input, force);
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::apply_elastic_stiffness(const NodalVector &position,
-                                                   const NodalVector &velocity,
-                                                   const double time_step, NodalVector &force) const
-  {
-    integration.apply_elastic_stiffness(position, velocity, time_step, force);
-  }
-
-  template <int dim>
-  void
-  SmoothedCells<dim>::find_cell_equations(const MechanicalInput &input,
-                                          const std::function<void(const CellEquations &)> &take)
-  {
-    find_smoothed_equations(rows, cells, integration.row_material(), input, take);
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::find_couplings(const NodeGroupAction &use) const
-  {
-    find_smoothed_couplings(rows, n_cells(), use);
-  }
-
-  template <int dim>
   void SmoothedCells<dim>::for_batches(
       const NodalVector &position,
       const std::function<void(unsigned int, const CellNodes &)> &use) const
@@ -164,19 +157,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedCells<dim>::add_conduction(const NodalVector &position,
-                                          const NodalVector &of_conductivity,
-                                          const NodalVector &temperature,
-                                          NodalVector &heat_rate) const
-  {
-    add_smoothed_conduction(rows, cells, heat->conductivity(), position, of_conductivity,
-                            temperature, heat_rate);
-  }
-
-  template <int dim>
   StepLimit SmoothedCells<dim>::diffusion_limit(const NodalVector &position) const
   {
-    return smoothed_diffusion_limit(cells, heat->largest_diffusivity() / material().density(),
+    return diffusion_limit_of_cells(cells, heat->largest_diffusivity() / material().density(),
                                     position);
   }
 
@@ -208,31 +191,137 @@ namespace tombolo
         });
   }
 
-  template <int dim>
-  const std::vector<Point<dim>> &SmoothedCells<dim>::initial_point_positions() const
-  {
-    return initial_points;
-  }
-
-  template <int dim>
-  const MaterialPoints &SmoothedCells<dim>::points() const
-  {
-    return integration.points();
-  }
-
-  template <int dim>
-  MaterialPoints &SmoothedCells<dim>::points()
-  {
-    return integration.points();
-  }
-
-  template <int dim>
-  unsigned int SmoothedCells<dim>::n_points_per_cell() const
-  {
-    return has_points ? rows.n_points_per_cell() : 0;
-  }
-
   TOMBOLO_REGISTER_FOR_DIMENSIONS(
       Formulation, SmoothedCells, "smoothed cells",
       "element-free Galerkin cells of degree 1: convex approximation with smoothed gradients")
+
+  template <int dim>
+  std::vector<unsigned int> SmoothedCells<dim>::distorted_cells(const NodalVector &position) const
+  {
+    std::vector<unsigned int> result, points(n_points_per_cell());
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+    {
+      if (is_removed(cell))
+        continue;
+      for (unsigned int q = 0; q < points.size(); ++q)
+        points[q] = point_of_cell(cell, q);
+      if (refilled.is_distorted(rows.stencils(), points, position))
+        result.push_back(cell);
+    }
+    return result;
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::set_void_cells(const std::vector<bool> &is_void)
+  {
+    refilled.set_void_cells(is_void);
+    take_void_cells();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::take_void_cells()
+  {
+    const unsigned int n_points = n_points_per_cell();
+    const std::vector<unsigned int> from =
+        remove_cells(void_cells().of_cells(), n_points, cells, integration.points());
+    const std::vector<Point<dim>> old = initial_points;
+    initial_points.assign(from.size() * n_points, Point<dim>());
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+      for (unsigned int q = 0; q < n_points; ++q)
+        initial_points[point_of_cell(cell, q)] = old[point_at(from[cells.place(cell)], q)];
+  }
+
+  template <int dim>
+  std::vector<types::global_dof_index>
+  SmoothedCells<dim>::nodes_of_cell(const unsigned int cell) const
+  {
+    return cells.nodes_of_cell(cell);
+  }
+
+  template <int dim>
+  std::vector<double> SmoothedCells<dim>::masses_of_cells() const
+  {
+    std::vector<double> result;
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+      for (unsigned int k = 0; k < n_corners; ++k)
+        result.push_back(cells.mass_of_node(cell, k));
+    return result;
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_hanging_masses(NodalVector &mass) const
+  {
+    hanging_masses.add_mass(mass);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::set_masses(const std::vector<double> &of_cells)
+  {
+    cells.set_masses(of_cells);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::renew_reference(const NodalVector &position)
+  {
+    rows.initialize(refilled.setup(), &position);
+    if (criterion.is_on())
+      reference = position.copy();
+  }
+
+  template <int dim>
+  std::vector<unsigned int>
+  SmoothedCells<dim>::find_converting_cells(const NodalVector &position) const
+  {
+    std::vector<bool> converts(cells.n_present_cells(), false);
+    mark_by_points(criterion, points(), n_points_per_cell(), converts);
+    mark_by_shape(criterion, cells, 1, position, converts);
+    std::vector<double> time_steps;
+    if (criterion.time_step())
+      courant_limits(position, time_steps);
+    for (unsigned int place = 0; place < converts.size() && criterion.time_step(); ++place)
+      if (!(time_steps[cells.cell_at(place)] >= *criterion.time_step()))
+        converts[place] = true;
+    return cells_at(cells, converts);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_state(const std::vector<unsigned int> &converted,
+                                     StateTransfer &state) const
+  {
+    add_state_of_cells(cells, points(), integration.heating(), material().density(),
+                       rows.corner_shares(), converted, state);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::take_converted_cells(const std::vector<unsigned int> &converted)
+  {
+    lost_cells.convert(converted, n_cells());
+    set_void_cells(lost_cells.flags());
+    refilled.take_masses(cells);
+    // Functions of the cells that are left end where those are that have become particles.
+    rows.initialize(refilled.setup(), reference.partition() != nullptr ? &reference : nullptr);
+  }
+
+  template <int dim>
+  SmoothedPointState<dim> SmoothedCells<dim>::point_state()
+  {
+    return {integration.points(), integration.material().density(), integration.heating(), rows,
+            cells};
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::serialize(StateArchive &archive)
+  {
+    if (criterion.is_on())
+      lost_cells.serialize(n_cells(), heat != nullptr, archive);
+    if (!refill().is_on())
+      return;
+    std::vector<double> masses = masses_of_cells();
+    archive.rows("mass of corners", n_corners, masses);
+    if (archive.is_reading())
+      cells.set_masses(masses);
+  }
+
+  template class SmoothedCells<2>;
+  template class SmoothedCells<3>;
 } // namespace tombolo

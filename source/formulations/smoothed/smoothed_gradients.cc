@@ -4,6 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/formulations/row_block.h>
 #include <tombolo/formulations/smoothed/smoothed_row_builder.h>
 
 #include <deal.II/base/mpi.h>
@@ -45,24 +46,6 @@ namespace tombolo
   }
 
   template <int dim>
-  SmoothedIntegrationRule SmoothedGradients<dim>::integration_rule() const
-  {
-    return rule;
-  }
-
-  template <int dim>
-  unsigned int SmoothedGradients<dim>::n_points_per_cell() const
-  {
-    return static_cast<unsigned int>(shares_of_points.size());
-  }
-
-  template <int dim>
-  void SmoothedGradients<dim>::prepare_positions()
-  {
-    can_move = true;
-  }
-
-  template <int dim>
   void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
                                           const NodalVector *const position)
   {
@@ -82,9 +65,9 @@ namespace tombolo
         failure = builder.add_cell(c, rule, rows_of_cells);
         first_node.push_back(cells[c].nodes.front());
       }
-    for (const std::string &of_rank : texts_of_ranks(setup.communicator, failure))
-      if (!of_rank.empty())
-        throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + of_rank);
+    if (!failure.empty())
+      failure = "The part \"" + setup.name + "\" cannot be made of this mesh: " + failure;
+    throw_on_all_ranks<InputError>(failure, setup.communicator);
 
     if (position == nullptr || node_set.size() == 0)
       find_node_set(rows_of_cells, setup.nodes->dof_handler().n_dofs());
@@ -154,24 +137,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const Stencils &SmoothedGradients<dim>::stencils() const
-  {
-    return rows;
-  }
-
-  template <int dim>
-  const std::vector<double> &SmoothedGradients<dim>::volumes() const
-  {
-    return point_volumes;
-  }
-
-  template <int dim>
-  const std::vector<std::vector<double>> &SmoothedGradients<dim>::corner_shares() const
-  {
-    return shares_of_points;
-  }
-
-  template <int dim>
   void SmoothedGradients<dim>::interpolate(const unsigned int *const nodes,
                                            const NodalVector &vector, double *const at_points) const
   {
@@ -186,9 +151,69 @@ namespace tombolo
   }
 
   template <int dim>
-  const IndexSet &SmoothedGradients<dim>::required_nodes() const
+  void SmoothedGradients<dim>::add_conduction(const CellBatches<dim> &cells,
+                                              const TemperatureTable &conductivity,
+                                              const NodalVector &position,
+                                              const NodalVector &of_conductivity,
+                                              const NodalVector &temperature,
+                                              NodalVector &heat_rate) const
   {
-    return node_set;
+    if (conductivity.largest() == 0.)
+      return;
+    const unsigned int n_points = n_points_per_cell();
+    std::vector<double> at_points(std::size_t(n_points) * n_lanes);
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      interpolate(cells.nodes(batch), of_conductivity, at_points.data());
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+        {
+          const unsigned int number = (batch * n_points + q) * n_lanes + lane;
+          const Stencils::Row row = rows.row(number);
+          const unsigned int origin = rows.particle_node[number];
+          NodeLanes columns[3] = {0., 0., 0.};
+          RowBlock::add_row(row, position.data(),
+                            load_node(RowBlock::node(position.data(), origin)), columns);
+          Tensor<1, dim> gradient;
+          Tensor<2, dim> deformation;
+          for (unsigned int k = 0; k < row.size; ++k)
+            for (unsigned int a = 0; a < dim; ++a)
+              gradient[a] += row.gradient[k * Stencils::n_gradient + a] *
+                             (*temperature.node(row.neighbour[k]) - *temperature.node(origin));
+          for (unsigned int a = 0; a < dim; ++a)
+            for (unsigned int b = 0; b < dim; ++b)
+              deformation[a][b] = columns[b][a];
+          const Tensor<2, dim> inverse_deformation = invert(deformation);
+          const Tensor<1, dim> flux =
+              point_volumes[number] * determinant(deformation) *
+              conductivity.value(at_points[q * n_lanes + lane]) *
+              (inverse_deformation * (transpose(inverse_deformation) * gradient));
+          for (unsigned int k = 0; k < row.size; ++k)
+            for (unsigned int a = 0; a < dim; ++a)
+              *heat_rate.node(row.neighbour[k]) -=
+                  flux[a] * row.gradient[k * Stencils::n_gradient + a];
+        }
+    }
+  }
+
+  template <int dim>
+  void SmoothedGradients<dim>::find_couplings(const unsigned int n_cells,
+                                              const NodeGroupAction &use) const
+  {
+    const unsigned int n_points = n_points_per_cell();
+    std::vector<unsigned int> group;
+    for (unsigned int cell = 0; cell < n_cells; ++cell)
+    {
+      group.clear();
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const Stencils::Row row = rows.row(point_in_lanes(cell, n_points, q));
+        group.insert(group.end(), row.neighbour, row.neighbour + row.size);
+      }
+      std::sort(group.begin(), group.end());
+      group.erase(std::unique(group.begin(), group.end()), group.end());
+      use(group);
+    }
   }
 
   template <int dim>

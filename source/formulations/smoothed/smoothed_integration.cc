@@ -6,6 +6,7 @@
 #include <tombolo/formulations/mean_dilatation.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/row_block.h>
+#include <tombolo/formulations/row_stiffness.h>
 
 #include <algorithm>
 #include <type_traits>
@@ -208,66 +209,63 @@ namespace tombolo
   {
     failure_message.clear();
     with_points(
-        [&](const auto n_points) {
-          this->template add_force_of_points<std::decay_t<decltype(n_points)>::value>(input, force);
+        [&](const auto number)
+        {
+          constexpr unsigned int n_points = decltype(number)::value,
+                                 batch_size = n_points * n_lanes;
+          const bool is_logarithmic = measure == StrainMeasure::logarithmic;
+          BatchMotion<n_points> motion;
+          alignas(64) double nodal_temperature[batch_size], temperature_increment[batch_size];
+          MaterialBatch material_batch;
+          material_batch.n = batch_size;
+          material_batch.time_increment = input.time_increment;
+          material_batch.measure = measure;
+          material_batch.internal_variables.resize(material_variables.size());
+          for (unsigned int c = 0; c < 6; ++c)
+            material_batch.strain_increment[c] = motion.strain[c];
+          for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
+          {
+            advance_motion(batch, input, motion);
+            const std::size_t first = std::size_t(batch) * batch_size;
+            for (unsigned int c = 0; c < 6; ++c)
+              material_batch.stress[c] =
+                  material_points.component(MaterialPoints::stress, c) + first;
+            material_batch.relative_volume =
+                material_points.component(MaterialPoints::volume_ratio, 0) + first;
+            material_batch.volume_ratio =
+                is_logarithmic ? motion.factor : material_batch.relative_volume;
+            for (std::size_t c = 0; c < material_variables.size(); ++c)
+              material_batch.internal_variables[c] = material_variables[c] + first;
+            if (plastic_heating.is_on())
+            {
+              rows->interpolate(cells->nodes(batch), *input.temperature, nodal_temperature);
+              plastic_heating.advance(material_points, first, batch_size, nodal_temperature,
+                                      input.time_increment == 0., temperature_increment);
+              material_batch.temperature = plastic_heating.temperature(material_points) + first;
+              material_batch.temperature_increment = temperature_increment;
+            }
+            part_material->update_stress(material_batch);
+            if (is_logarithmic)
+              LogarithmicPoints::complete(material_points, first, batch_size);
+            if (bulk_viscosity.is_on())
+              bulk_viscosity.advance(material_points, first, batch_size,
+                                     material_batch.strain_increment, input.time_increment);
+            Lanes stress[n_points][6];
+            for (unsigned int q = 0; q < n_points; ++q)
+            {
+              const std::size_t i = first + q * n_lanes;
+              const Lanes volume =
+                  load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
+              for (unsigned int c = 0; c < 6; ++c)
+                stress[q][c] =
+                    volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
+              if (bulk_viscosity.is_on())
+                for (unsigned int c = 0; c < 3; ++c)
+                  stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
+            }
+            scatter(batch, stress, motion, force);
+          }
         });
-  }
-
-  template <int dim>
-  template <unsigned int n_points>
-  void SmoothedIntegration<dim>::add_force_of_points(const MechanicalInput &input,
-                                                     NodalVector &force)
-  {
-    constexpr unsigned int batch_size = n_points * n_lanes;
-    const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-    BatchMotion<n_points> motion;
-    alignas(64) double nodal_temperature[batch_size], temperature_increment[batch_size];
-    MaterialBatch material_batch;
-    material_batch.n = batch_size;
-    material_batch.time_increment = input.time_increment;
-    material_batch.measure = measure;
-    material_batch.internal_variables.resize(material_variables.size());
-    for (unsigned int c = 0; c < 6; ++c)
-      material_batch.strain_increment[c] = motion.strain[c];
-    for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
-    {
-      advance_motion(batch, input, motion);
-      const std::size_t first = std::size_t(batch) * batch_size;
-      for (unsigned int c = 0; c < 6; ++c)
-        material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      material_batch.relative_volume =
-          material_points.component(MaterialPoints::volume_ratio, 0) + first;
-      material_batch.volume_ratio = is_logarithmic ? motion.factor : material_batch.relative_volume;
-      for (std::size_t c = 0; c < material_variables.size(); ++c)
-        material_batch.internal_variables[c] = material_variables[c] + first;
-      if (plastic_heating.is_on())
-      {
-        rows->interpolate(cells->nodes(batch), *input.temperature, nodal_temperature);
-        plastic_heating.advance(material_points, first, batch_size, nodal_temperature,
-                                input.time_increment == 0., temperature_increment);
-        material_batch.temperature = plastic_heating.temperature(material_points) + first;
-        material_batch.temperature_increment = temperature_increment;
-      }
-      part_material->update_stress(material_batch);
-      if (is_logarithmic)
-        LogarithmicPoints::complete(material_points, first, batch_size);
-      if (bulk_viscosity.is_on())
-        bulk_viscosity.advance(material_points, first, batch_size, material_batch.strain_increment,
-                               input.time_increment);
-      Lanes stress[n_points][6];
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        const std::size_t i = first + q * n_lanes;
-        const Lanes volume = load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
-        for (unsigned int c = 0; c < 6; ++c)
-          stress[q][c] =
-              volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
-        if (bulk_viscosity.is_on())
-          for (unsigned int c = 0; c < 3; ++c)
-            stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
-      }
-      scatter(batch, stress, motion, force);
-    }
   }
 
   template <int dim>
@@ -325,52 +323,73 @@ namespace tombolo
                                                          NodalVector &force) const
   {
     with_points(
-        [&](const auto n_points)
+        [&](const auto number)
         {
-          this->template apply_stiffness_of_points<std::decay_t<decltype(n_points)>::value>(
-              position, velocity, time_step, force);
+          constexpr unsigned int n_points = decltype(number)::value;
+          const PointStiffness stiffness(*part_material, material_points, measure);
+          BatchMotion<n_points> motion;
+          for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
+          {
+            find_motion(batch, position, velocity, motion);
+            Lanes stress[n_points][6];
+            for (unsigned int q = 0; q < n_points; ++q)
+            {
+              const std::size_t i = (std::size_t(batch) * n_points + q) * n_lanes;
+              Lanes volume = -motion.volume[q];          // scatter() subtracts
+              if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
+                volume /=
+                    load_lanes(material_points.component(MaterialPoints::volume_ratio, 0) + i);
+              Lanes modulus = stiffness.lambda(i);
+              if (bulk_viscosity.is_on())
+                modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(material_points) + i);
+              stiffness.find_stress(motion.gradient[q], volume, modulus, stress[q]);
+            }
+            scatter(batch, stress, motion, force);
+          }
         });
   }
 
   template <int dim>
-  template <unsigned int n_points>
-  void SmoothedIntegration<dim>::apply_stiffness_of_points(const NodalVector &position,
-                                                           const NodalVector &velocity,
-                                                           const double time_step,
-                                                           NodalVector &force) const
+  void SmoothedIntegration<dim>::find_cell_equations(
+      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
   {
-    const PointStiffness stiffness(*part_material, material_points, measure);
-    BatchMotion<n_points> motion;
-    for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
-    {
-      find_motion(batch, position, velocity, motion);
-      Lanes stress[n_points][6];
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        const std::size_t i = (std::size_t(batch) * n_points + q) * n_lanes;
-        Lanes volume = -motion.volume[q];          // scatter() subtracts
-        if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
-          volume /= load_lanes(material_points.component(MaterialPoints::volume_ratio, 0) + i);
-        Lanes modulus = stiffness.lambda(i);
-        if (bulk_viscosity.is_on())
-          modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(material_points) + i);
-        stiffness.find_stress(motion.gradient[q], volume, modulus, stress[q]);
-      }
-      scatter(batch, stress, motion, force);
-    }
-  }
-
-  template <int dim>
-  RowMaterial SmoothedIntegration<dim>::row_material()
-  {
-    return {part_material.get(), measure, &plastic_heating, &material_points,
-            material_variables,  true};
-  }
-
-  template <int dim>
-  std::string SmoothedIntegration<dim>::unfit_to_linearize() const
-  {
-    return bulk_viscosity.is_on() ? "artificial bulk viscosity, which resists rates" : "";
+    with_points(
+        [&](const auto number)
+        {
+          constexpr unsigned int n_points = decltype(number)::value;
+          using Stiffness = RowStiffness<dim, n_points>;
+          constexpr unsigned int batch_size = n_points * n_lanes;
+          const RowMaterial material{part_material.get(), measure,
+                                     &plastic_heating,    &material_points,
+                                     material_variables,  true};
+          const auto stiffness = std::make_unique<Stiffness>(material, input.time_increment);
+          const Stencils &stencils = rows->stencils();
+          alignas(64) double temperature[batch_size];
+          typename Stiffness::Gradients gradients;
+          for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
+          {
+            const std::size_t first = std::size_t(batch) * batch_size;
+            for (unsigned int q = 0; q < n_points; ++q)
+            {
+              RowBlock::gather_gradients<dim>(stencils, first + q * n_lanes, n_lanes,
+                                              input.position->data(), input.velocity->data(),
+                                              gradients.deformation[q], gradients.displacement[q]);
+              for (Lanes &entry : gradients.displacement[q].entry)
+                entry *= input.time_increment;
+              gradients.volume[q] = load_lanes(rows->volumes().data() + first + q * n_lanes);
+            }
+            if (plastic_heating.is_on())
+              rows->interpolate(cells->nodes(batch), *input.temperature, temperature);
+            stiffness->find(first, gradients, temperature);
+            for (unsigned int lane = 0; lane < cells->n_valid(batch); ++lane)
+            {
+              std::array<Stencils::Row, n_points> of_cell{};
+              for (unsigned int q = 0; q < n_points; ++q)
+                of_cell[q] = stencils.row(static_cast<unsigned int>(first) + q * n_lanes + lane);
+              stiffness->hand_over(lane, of_cell, take);
+            }
+          }
+        });
   }
 
   template <int dim>
@@ -391,12 +410,6 @@ namespace tombolo
           for (unsigned int k = 0; k < shares[q].size(); ++k)
             *heat.node(cells->nodes(batch)[k * n_lanes + lane]) += shares[q][k] * given;
         }
-  }
-
-  template <int dim>
-  double SmoothedIntegration<dim>::pending_plastic_heat() const
-  {
-    return plastic_heating.pending(material_points);
   }
 
   template <int dim>
@@ -429,12 +442,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::string &SmoothedIntegration<dim>::failure() const
-  {
-    return failure_message;
-  }
-
-  template <int dim>
   Lanes SmoothedIntegration<dim>::squared_speed(const unsigned int batch) const
   {
     const PointStiffness stiffness(*part_material, material_points, StrainMeasure::rate);
@@ -444,24 +451,6 @@ namespace tombolo
       largest =
           max(largest, stiffness.squared_speed((std::size_t(batch) * n_points + q) * n_lanes));
     return largest;
-  }
-
-  template <int dim>
-  const Material &SmoothedIntegration<dim>::material() const
-  {
-    return *part_material;
-  }
-
-  template <int dim>
-  const MaterialPoints &SmoothedIntegration<dim>::points() const
-  {
-    return material_points;
-  }
-
-  template <int dim>
-  MaterialPoints &SmoothedIntegration<dim>::points()
-  {
-    return material_points;
   }
 
   template class SmoothedIntegration<2>;

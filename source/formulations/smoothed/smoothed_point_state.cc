@@ -27,36 +27,6 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int SmoothedPointState<dim>::n_components() const
-  {
-    return static_cast<unsigned int>(components.size());
-  }
-
-  template <int dim>
-  unsigned int SmoothedPointState<dim>::volume_ratio() const
-  {
-    const auto found =
-        std::find_if(components.begin(), components.end(),
-                     [this](const Component &component) {
-                       return component.values == points.component(MaterialPoints::volume_ratio, 0);
-                     });
-    return static_cast<unsigned int>(found - components.begin());
-  }
-
-  template <int dim>
-  double SmoothedPointState<dim>::initial_volume(const unsigned int point) const
-  {
-    return points.component(MaterialPoints::volume, 0)[point] /
-           points.component(MaterialPoints::volume_ratio, 0)[point];
-  }
-
-  template <int dim>
-  double SmoothedPointState<dim>::mass(const unsigned int point) const
-  {
-    return density * initial_volume(point);
-  }
-
-  template <int dim>
   void SmoothedPointState<dim>::get(const unsigned int point, const double mass,
                                     double *values) const
   {
@@ -128,27 +98,6 @@ namespace tombolo
     }
   }
 
-  template <int dim>
-  std::vector<dealii::Point<dim>> initial_points_of(const CellBatches<dim> &cells,
-                                                    const std::vector<std::vector<double>> &shares)
-  {
-    const auto n_points = static_cast<unsigned int>(shares.size());
-    std::vector<dealii::Point<dim>> result(std::size_t(padded_to_lanes(cells.n_cells())) *
-                                           n_points);
-    for (unsigned int cell = 0; cell < padded_to_lanes(cells.n_cells()); ++cell)
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int k = 0; k < shares[q].size(); ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            result[point_in_lanes(cell, n_points, q)][d] +=
-                shares[q][k] *
-                cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
-    return result;
-  }
-
   template class SmoothedPointState<2>;
   template class SmoothedPointState<3>;
-  template std::vector<dealii::Point<2>>
-  initial_points_of(const CellBatches<2> &, const std::vector<std::vector<double>> &);
-  template std::vector<dealii::Point<3>>
-  initial_points_of(const CellBatches<3> &, const std::vector<std::vector<double>> &);
 } // namespace tombolo

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/sub_cells.h>
 
+#include <deal.II/base/geometry_info.h>
+
 #include <type_traits>
 
 namespace tombolo
@@ -36,7 +38,7 @@ namespace tombolo
     {
       std::vector<unsigned int> result;
       for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
-        if (((corner >> (face / 2)) & 1u) == face % 2)
+        if (SubCells<dim>::is_on_face(corner, face))
           result.push_back(corner);
       return result;
     }
@@ -56,17 +58,6 @@ namespace tombolo
       SharesOf<dim> shares;
       shares.fill(1. / SubCells<dim>::n_corners);
       return shares;
-    }
-
-    bool is_even(const unsigned int corner)
-    {
-      return (((corner & 1u) + ((corner >> 1) & 1u) + ((corner >> 2) & 1u)) & 1u) == 0;
-    }
-
-    /** The number of an even corner of a hexahedron among them. */
-    unsigned int number_of_even(const unsigned int corner)
-    {
-      return corner / 2;
     }
 
     template <int dim>
@@ -122,6 +113,7 @@ namespace tombolo
       return result;
     }
 
+    /** The number of a sub-cell is half of that of its even corner. */
     std::vector<SubCells<3>::Facet> make_facets(std::integral_constant<int, 3> /*dim*/)
     {
       constexpr unsigned int n_faces = GeometryInfo<3>::faces_per_cell;
@@ -140,24 +132,22 @@ namespace tombolo
           for (unsigned int axis = 0; axis < 3; ++axis)
             if (axis != face / 2)
               neighbours.push_back(corner ^ (1u << axis));
-          if (is_even(corner))
+          if (SubCells<3>::is_even(corner))
             for (const unsigned int end : neighbours)
               result.push_back(
                   make_facet<3>({{corner_alone<3>(corner), corner_alone<3>(end), face_centre}},
-                                outward, number_of_even(corner), SubCells<3>::outside, face));
+                                outward, corner / 2, SubCells<3>::outside, face));
           else
             result.push_back(make_facet<3>({{corner_alone<3>(corner), face_centre, centre}},
                                            unit[neighbours[1]] - unit[neighbours[0]],
-                                           number_of_even(neighbours[0]),
-                                           number_of_even(neighbours[1]), n_faces));
+                                           neighbours[0] / 2, neighbours[1] / 2, n_faces));
         }
       }
       return result;
     }
 
-    /** Centroids in the unit cell: all
-     * simplices of a sub-cell, which the facets of a face make with the centre of the cell, have
-     * the same volume there. */
+    /** Centroids in the unit cell: all simplices of a sub-cell, which the facets of a face make
+     * with the centre of the cell, have the same volume there. */
     template <int dim>
     std::array<SharesOf<dim>, SubCells<dim>::n_sub_cells> make_centroids()
     {
@@ -174,6 +164,7 @@ namespace tombolo
         result[q] = mean_of<dim>(simplices[q]);
       return result;
     }
+
   } // namespace
 
   template <int dim>
@@ -212,6 +203,42 @@ namespace tombolo
     return result;
   }
 
+  SmoothedIntegrationRule smoothed_integration_rule(const std::string &name)
+  {
+    return name == "smoothed" ? SmoothedIntegrationRule::smoothed
+                              : SmoothedIntegrationRule::one_point;
+  }
+
+  template <int dim>
+  PointOfCell<dim>::PointOfCell(const typename SubCells<dim>::Corners &corners)
+  {
+    Point<dim> unit;
+    for (unsigned int d = 0; d < dim; ++d)
+      unit[d] = 0.5;
+    for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
+    {
+      place += GeometryInfo<dim>::d_linear_shape_function(unit, corner) * corners[corner];
+      jacobian += outer_product(Tensor<1, dim>(corners[corner]),
+                                GeometryInfo<dim>::d_linear_shape_function_gradient(unit, corner));
+    }
+  }
+
+  template <int dim>
+  std::vector<std::vector<double>> corner_shares_of_points(const SmoothedIntegrationRule rule)
+  {
+    std::vector<std::vector<double>> result;
+    if (rule == SmoothedIntegrationRule::smoothed)
+      for (const auto &shares : SubCells<dim>::centroids())
+        result.emplace_back(shares.begin(), shares.end());
+    else
+      result.emplace_back(SubCells<dim>::n_corners, 1. / SubCells<dim>::n_corners);
+    return result;
+  }
+
   template class SubCells<2>;
   template class SubCells<3>;
+  template struct PointOfCell<2>;
+  template struct PointOfCell<3>;
+  template std::vector<std::vector<double>> corner_shares_of_points<2>(SmoothedIntegrationRule);
+  template std::vector<std::vector<double>> corner_shares_of_points<3>(SmoothedIntegrationRule);
 } // namespace tombolo

@@ -5,7 +5,6 @@
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/base/words_of_type.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/output/time_table.h>
@@ -235,54 +234,45 @@ namespace tombolo
   AdaptiveRefinement<dim>::cells_to_be_fine(Model<dim> &model,
                                             const std::vector<std::vector<double>> &values) const
   {
-    const NodePartition &partition = *model.state.partition();
-    std::vector<std::vector<bool>> result(values.size());
-    NodalVector mark;
-    mark.reinit(model.state.partition(), Quantity::scalar);
-    std::vector<types::global_dof_index> nodes;
+    std::vector<std::vector<bool>> result;
+    for (const std::vector<double> &of_part : values)
+      result.emplace_back(of_part.size(), false);
+    NodalVector marks;
     std::string failure;
     for (unsigned int layer = 0; layer <= layers; ++layer)
     {
-      for (unsigned int p = 0; p < values.size(); ++p)
-      {
-        result[p].resize(values[p].size(), false);
-        unsigned int number = 0;
-        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
-        {
-          model.nodes->cell_nodes(cell, nodes);
-          bool is_fine = result[p][number];
-          if (layer == 0)
-            is_fine = values[p][number] > refine_above;
-          else
-            for (const auto node : nodes)
-              is_fine = is_fine || *mark.node(partition.local_index(node)) > 0.;
-          try
-          {
-            is_fine = is_fine && (where == nullptr || (*where)(cell->center()));
-          }
-          catch (const std::exception &exception)
-          {
-            failure = exception.what(); // other ranks may have no such cell
-          }
-          result[p][number++] = is_fine;
-        }
-      }
+      for_cells(model,
+                [&](const unsigned int p, const unsigned int number, const auto &cell,
+                    const std::vector<unsigned int> &nodes)
+                {
+                  const bool is_near = layer > 0 && std::any_of(nodes.begin(), nodes.end(),
+                                                                [&](const auto node)
+                                                                { return *marks.node(node) > 0.; });
+                  const bool is_fine = result[p][number] || is_near ||
+                                       (layer == 0 && values[p][number] > refine_above);
+                  try
+                  {
+                    result[p][number] = is_fine && (where == nullptr || (*where)(cell->center()));
+                  }
+                  catch (const std::exception &exception)
+                  {
+                    failure = exception.what(); // other ranks may have no such cell
+                  }
+                });
       throw_on_all_ranks<RunError>(failure, model.communicator);
       if (layer == layers)
         break;
-      mark.set_zero();
-      for (unsigned int p = 0; p < values.size(); ++p)
-      {
-        unsigned int number = 0;
-        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
-          if (result[p][number++])
-          {
-            model.nodes->cell_nodes(cell, nodes);
-            for (const auto node : nodes)
-              *mark.node(partition.local_index(node)) += 1.;
-          }
-      }
-      mark.sum_over_ranks();
+      marks = marked_nodes(model.state.partition(),
+                           [&](const auto &mark)
+                           {
+                             for_cells(model,
+                                       [&](const unsigned int p, const unsigned int number,
+                                           const auto &, const std::vector<unsigned int> &nodes)
+                                       {
+                                         if (result[p][number])
+                                           std::for_each(nodes.begin(), nodes.end(), mark);
+                                       });
+                           });
     }
     return result;
   }
@@ -297,28 +287,24 @@ namespace tombolo
     CellDivisions divided;
     unsigned int finest = 0, finest_wanted = 0;
     std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
-    for (unsigned int p = 0; p < values.size(); ++p)
-    {
-      unsigned int number = 0;
-      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
-      {
-        const std::uint64_t id = persistent_id(cell->id(), dim);
-        const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
-        const bool is_of_file =
-            cell->level() == 0 ||
-            std::binary_search(of_file.begin(), of_file.end(), parent_of<dim>(id));
-        finest = std::max(finest, level);
-        if (is_fine[p][number] && level < most_levels)
-        {
-          divided.push_back(id);
-          finest_wanted = std::max(finest_wanted, level + 1);
-        }
-        else if (!is_fine[p][number] && !is_of_file && coarsen_below &&
-                 values[p][number] < *coarsen_below)
-          ++n_joinable[parent_of<dim>(id)];
-        ++number;
-      }
-    }
+    for_cells(model,
+              [&](const unsigned int p, const unsigned int number, const auto &cell, const auto &)
+              {
+                const std::uint64_t id = persistent_id(cell->id(), dim);
+                const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
+                const bool is_of_file =
+                    cell->level() == 0 ||
+                    std::binary_search(of_file.begin(), of_file.end(), parent_of<dim>(id));
+                finest = std::max(finest, level);
+                if (is_fine[p][number] && level < most_levels)
+                {
+                  divided.push_back(id);
+                  finest_wanted = std::max(finest_wanted, level + 1);
+                }
+                else if (!is_fine[p][number] && !is_of_file && coarsen_below &&
+                         values[p][number] < *coarsen_below)
+                  ++n_joinable[parent_of<dim>(id)];
+              });
     // Siblings are on one rank.
     CellDivisions joined;
     for (const auto &[parent, n] : n_joinable)

@@ -4,9 +4,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
-#include <tombolo/physics/remeshing/mesh_of_part.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/corners_at.h>
 #include <tombolo/remesh/inner_places.h>
 
 #include <deal.II/base/mpi.h>
@@ -38,25 +36,6 @@ namespace tombolo
               *ids.node(model.state.partition()->local_index(cell.nodes[k])));
       }
       return result;
-    }
-
-    /** How far nodes are from where they were. Collective. */
-    NodalVector ways_since(const NodalVector &before, const NodalVector &now)
-    {
-      NodalVector result;
-      result.reinit_like(now);
-      const std::size_t n_values = std::size_t(now.partition()->n_owned()) * node_stride;
-      for (std::size_t i = 0; i < n_values; ++i)
-        result.data()[i] = now.data()[i] - before.data()[i];
-      result.update_ghosts();
-      return result;
-    }
-
-    template <int dim>
-    double volume_of(const typename SubCells<dim>::Corners &corners)
-    {
-      const auto of_sub_cells = CellSimplices<dim>::volumes(corners);
-      return std::accumulate(of_sub_cells.begin(), of_sub_cells.end(), 0.);
     }
 
     /** The sizes of a cell of the mesh along the axes. */
@@ -101,9 +80,9 @@ namespace tombolo
       bool is_free = CellMarks::any_marked(local_nodes[c], between_sizes);
       for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
         for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
-          is_free = is_free || (cells[c].boundary_ids[face] != numbers::internal_face_boundary_id &&
-                                ((k >> (face / 2)) & 1u) == face % 2 &&
-                                *is_held.node(local_nodes[c][k]) == 0.);
+          is_free = is_free ||
+                    (cells[c].boundary_ids[face] != numbers::internal_face_boundary_id &&
+                     SubCells<dim>::is_on_face(k, face) && *is_held.node(local_nodes[c][k]) == 0.);
       if (cells[c].is_void && is_free)
         end_of_void.push_back(c);
     }
@@ -136,20 +115,17 @@ namespace tombolo
   void FilledPlaces<dim>::take_void_cells(const Model<dim> &model)
   {
     cells = smoothed_cells_of(mesh_of_part(model, part, &voids));
-    surface = std::make_unique<SurfaceSlide<dim>>(model, cells);
+    surface = std::make_unique<SurfaceSlide<dim>>(model, cells, local_nodes);
   }
 
   template <int dim>
   NodalVector FilledPlaces<dim>::nodes_near_surface(const Model<dim> &model) const
   {
     const auto &partition = model.state.partition();
-    NodalVector result =
-        scalar_field(partition, [&](const unsigned int i)
-                     { return surface->surface_nodes().is_on_boundary(i) ? 1. : 0.; });
-    const std::vector<bool> is_near = CellMarks::cells_marked(local_nodes, result);
-    result.reinit(partition, Quantity::scalar);
-    CellMarks::mark(local_nodes, is_near, true, result);
-    return result;
+    const NodalVector on_boundary = scalar_field(partition, [&](const unsigned int i)
+                                                 { return surface->is_on_boundary(i) ? 1. : 0.; });
+    return CellMarks::nodes_of(partition, local_nodes,
+                               CellMarks::cells_marked(local_nodes, on_boundary));
   }
 
   template <int dim>
@@ -157,7 +133,7 @@ namespace tombolo
                                             std::vector<unsigned int> &distorted) const
   {
     constexpr double share_of_size = 0.3;
-    const NodalVector ways = ways_since(settled, model.state.position);
+    const NodalVector ways = difference(model.state.position, settled);
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
       bool has_moved = false;
@@ -168,7 +144,7 @@ namespace tombolo
         const double way = share_of_size * sizes_of(cells[c])[face / 2];
         for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
           has_moved =
-              has_moved || (((k >> (face / 2)) & 1u) == face % 2 &&
+              has_moved || (SubCells<dim>::is_on_face(k, face) &&
                             vector_of<dim>(ways.node(local_nodes[c][k])).norm_square() > way * way);
       }
       if (has_moved)
@@ -183,7 +159,7 @@ namespace tombolo
   {
     constexpr double share_of_size = 0.5;
     const NodalVector ways =
-        ways_since(motion.places(model.state.initial_position, clock.time), model.state.position);
+        difference(model.state.position, motion.places(model.state.initial_position, clock.time));
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
       const Tensor<1, dim> sizes = sizes_of(cells[c]);
@@ -211,27 +187,22 @@ namespace tombolo
     Search search;
     search.mesh_places = motion.places(model.state.initial_position, clock.time);
     search.mesh = motion.corners(cells, clock.time, model.communicator);
-    for (NodalVector *const vector : {&search.in_patch, &search.held, &search.way_shares})
-      vector->reinit(partition, Quantity::scalar);
-    search.in_patch.copy_from(in_patch);
-    search.in_patch.update_ghosts();
+    search.in_patch = in_patch.copy();
     search.near = CellMarks::cells_marked(local_nodes, search.in_patch);
     search.at_surface = CellMarks::cells_marked(local_nodes, nodes_near_surface(model));
     for (std::size_t c = 0; c < cells.size(); ++c)
       search.at_surface[c] = search.at_surface[c] && search.near[c];
-    CellMarks::mark(local_nodes, search.near, false, search.held);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-    {
-      *search.way_shares.node(i) = 1.;
-      if (prescribed.is_element(partition->global_index(i)) || *between_sizes.node(i) > 0. ||
-          (surface->surface_nodes().is_on_boundary(i) && !surface->surface_nodes().is_smooth(i)))
-        *search.held.node(i) = 1.;
-    }
-    search.held.update_ghosts();
-    std::vector<Corners> present;
-    for (const auto &nodes : local_nodes)
-      present.push_back(corners_at<dim>(nodes, position));
-    filling->measure(voids.of_cells(), present, search.near, search.mesh, search.at_surface);
+    search.way_shares = scalar_field(partition, [](const unsigned int) { return 1.; });
+    search.held = CellMarks::nodes_of(partition, local_nodes, search.near, false);
+    search.held.fill(
+        [&](const unsigned int i, double *const is_held)
+        {
+          if (prescribed.is_element(partition->global_index(i)) || *between_sizes.node(i) > 0. ||
+              (surface->is_on_boundary(i) && !surface->is_smooth(i)))
+            *is_held = 1.;
+        });
+    filling->measure(voids.of_cells(), corners_at<dim>(local_nodes, position), search.near,
+                     search.mesh, search.at_surface);
     for (std::size_t c = 0; c < cells.size(); ++c)
       search.volume += search.near[c] ? volumes[c] : 0.;
     search.volume = ordered_sum(search.volume, model.communicator);
@@ -243,55 +214,51 @@ namespace tombolo
                                          const Search &search) const
   {
     const auto &partition = position.partition();
-    NodalVector result;
-    result.reinit(partition, Quantity::scalar);
     const NodalVector moves = scalar_field(
         partition, [&](const unsigned int i)
         { return *search.on_surface.node(i) > 0. && *is_bound.node(i) == 0. ? 1. : 0.; });
-    std::vector<Corners> next;
-    for (const auto &nodes : local_nodes)
-      next.push_back(corners_at<dim>(nodes, position));
     const std::vector<double> shares =
-        filling->shares_in(void_after, next, search.near, search.mesh, search.at_surface);
-    for (std::size_t c = 0; c < cells.size(); ++c)
+        filling->shares_in(void_after, corners_at<dim>(local_nodes, position), search.near,
+                           search.mesh, search.at_surface);
+    const auto add = [&](NodalVector &sums)
     {
-      if (!void_after[c] || !search.at_surface[c])
-        continue;
-      double n_moving = 0;
-      for (const unsigned int node : local_nodes[c])
-        n_moving += *moves.node(node);
-      const double of_cell =
-          std::max(0., filling->share(c) - shares[c]) * volume_of<dim>(search.mesh[c]);
-      for (const unsigned int node : local_nodes[c])
-        if (*moves.node(node) > 0.)
-          *result.node(node) += of_cell / n_moving;
-    }
-    result.add_to_owners();
-    return spread(moves, std::move(result));
+      for (std::size_t c = 0; c < cells.size(); ++c)
+      {
+        if (!void_after[c] || !search.at_surface[c])
+          continue;
+        double n_moving = 0;
+        for (const unsigned int node : local_nodes[c])
+          n_moving += *moves.node(node);
+        const auto volumes = CellSimplices<dim>::volumes(search.mesh[c]);
+        const double of_cell = std::max(0., filling->share(c) - shares[c]) *
+                               std::accumulate(volumes.begin(), volumes.end(), 0.);
+        for (const unsigned int node : local_nodes[c])
+          if (*moves.node(node) > 0.)
+            *sums.node(node) += of_cell / n_moving;
+      }
+    };
+    return spread(moves, sums_at_owners(partition, Quantity::scalar, add));
   }
 
   template <int dim>
   NodalVector FilledPlaces<dim>::spread(const NodalVector &moves, NodalVector values) const
   {
     constexpr unsigned int n_sweeps = 4;
-    const auto &partition = values.partition();
+    const auto &partition = moves.partition();
     std::vector<double> n_moving(cells.size(), 0.);
-    NodalVector n_cells, next;
-    n_cells.reinit(partition, Quantity::scalar);
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      for (const unsigned int node : local_nodes[c])
-        if (!void_after[c] && *moves.node(node) > 0.)
-        {
-          n_moving[c] += 1.;
-          *n_cells.node(node) += 1.;
-        }
-    n_cells.add_to_owners();
-    for (unsigned int sweep = 0; sweep < n_sweeps; ++sweep)
+    const auto count = [&](NodalVector &sums)
     {
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        *values.node(i) /= std::max(1., *n_cells.node(i));
-      values.update_ghosts();
-      next.reinit(partition, Quantity::scalar);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        for (const unsigned int node : local_nodes[c])
+          if (!void_after[c] && *moves.node(node) > 0.)
+          {
+            n_moving[c] += 1.;
+            *sums.node(node) += 1.;
+          }
+    };
+    const NodalVector n_cells = sums_at_owners(partition, Quantity::scalar, count);
+    const auto add_means = [&](NodalVector &sums)
+    {
       for (std::size_t c = 0; c < cells.size(); ++c)
       {
         if (n_moving[c] == 0.)
@@ -300,10 +267,14 @@ namespace tombolo
         for (const unsigned int node : local_nodes[c])
           of_cell += *moves.node(node) * *values.node(node);
         for (const unsigned int node : local_nodes[c])
-          *next.node(node) += *moves.node(node) * of_cell / n_moving[c];
+          *sums.node(node) += *moves.node(node) * of_cell / n_moving[c];
       }
-      next.add_to_owners();
-      std::swap(values, next);
+    };
+    for (unsigned int sweep = 0; sweep < n_sweeps; ++sweep)
+    {
+      values.fill([&](const unsigned int i, double *const value)
+                  { *value /= std::max(1., *n_cells.node(i)); });
+      values = sums_at_owners(partition, Quantity::scalar, add_means);
     }
     return values;
   }
@@ -312,17 +283,18 @@ namespace tombolo
   void FilledPlaces<dim>::classify_nodes(const SurfaceSlide<dim> &next, Search &search) const
   {
     const auto &partition = search.held.partition();
-    NodalVector of_full;
-    for (NodalVector *const vector : {&of_full, &search.inside, &search.on_surface})
+    const NodalVector of_full = CellMarks::nodes_of(partition, local_nodes, void_after, false);
+    for (NodalVector *const vector : {&search.inside, &search.on_surface})
       vector->reinit(partition, Quantity::scalar);
-    CellMarks::mark(local_nodes, void_after, false, of_full);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (next.surface_nodes().is_on_boundary(i) && !next.surface_nodes().is_smooth(i))
-        *search.held.node(i) = 1.;
-      else if (*search.held.node(i) == 0. && *of_full.node(i) > 0.)
-        *(next.surface_nodes().is_on_boundary(i) ? search.on_surface : search.inside).node(i) = 1.;
-    search.held.update_ghosts();
-    search.on_surface.update_ghosts();
+    change_owned({&search.held, &search.on_surface},
+                 [&]
+                 {
+                   for (unsigned int i = 0; i < partition->n_owned(); ++i)
+                     if (next.is_on_boundary(i) && !next.is_smooth(i))
+                       *search.held.node(i) = 1.;
+                     else if (*search.held.node(i) == 0. && *of_full.node(i) > 0.)
+                       *(next.is_on_boundary(i) ? search.on_surface : search.inside).node(i) = 1.;
+                 });
   }
 
   template <int dim>
@@ -340,23 +312,27 @@ namespace tombolo
   {
     const NodalVector &position = model.state.position;
     void_after = filling->choose(voids.of_cells(), search.near, changeable_cells(search));
-    const SurfaceSlide<dim> next(model, cells_with(model, void_after));
+    const SurfaceSlide<dim> next(model, cells_with(model, void_after), local_nodes);
     classify_nodes(next, search);
-    NodalVector result;
-    result.reinit_like(position);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-      std::copy_n((*search.held.node(i) > 0. ? position : search.mesh_places).node(i), node_stride,
-                  result.node(i));
-    result.update_ghosts();
+    NodalVector result = nodal_field(position.partition(), position.quantity(),
+                                     [&](const unsigned int i, double *const place)
+                                     {
+                                       const NodalVector &from = *search.held.node(i) > 0.
+                                                                     ? position
+                                                                     : search.mesh_places;
+                                       std::copy_n(from.node(i), node_stride, place);
+                                     });
     // A node that goes a part of its way only, for the sake of its cells, may leave a tool.
     constexpr double whole_way = 1., part_of_way = 0.5;
-    NodalVector slides;
-    slides.reinit(position.partition(), Quantity::scalar);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-      if (*search.on_surface.node(i) > 0.)
-        *slides.node(i) = *search.way_shares.node(i) == whole_way ? whole_way : part_of_way;
+    const NodalVector slides = scalar_field(
+        position.partition(),
+        [&](const unsigned int i)
+        {
+          const bool goes_all_way = *search.way_shares.node(i) == whole_way;
+          return *search.on_surface.node(i) == 0. ? 0. : goes_all_way ? whole_way : part_of_way;
+        });
     next.slide_onto(
-        *surface, search.in_patch, search.volume, local_nodes, search.on_surface, search.way_shares,
+        *surface, search.in_patch, search.volume, search.on_surface, search.way_shares,
         search.mesh_places, position,
         [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
         {
@@ -387,11 +363,7 @@ namespace tombolo
       mend(*is_thin, search);
     }
     void_after = voids.of_cells();
-    NodalVector result;
-    result.reinit_like(position);
-    result.copy_from(position);
-    result.update_ghosts();
-    return result;
+    return position.copy();
   }
 
   template <int dim>
@@ -433,7 +405,6 @@ namespace tombolo
   void FilledPlaces<dim>::mend(const std::vector<bool> &is_thin, Search &search)
   {
     constexpr double most_to_empty = 0.8, smallest_share = 0.1;
-    const MPI_Comm communicator = search.held.partition()->communicator();
     std::vector<bool> may_change = changeable_cells(search), stays = is_thin;
     double has_changed = 0;
     for (std::size_t c = 0; c < cells.size(); ++c)
@@ -444,22 +415,25 @@ namespace tombolo
         stays[c] = false;
         has_changed = 1.;
       }
-    NodalVector marks;
-    marks.reinit(search.held.partition(), Quantity::scalar);
-    CellMarks::mark(local_nodes, stays, true, marks);
-    for (unsigned int i = 0; i < marks.partition()->n_owned(); ++i)
-    {
-      double &share = *search.way_shares.node(i);
-      if (!(*marks.node(i) > 0.) || *search.on_surface.node(i) == 0.)
-        continue;
-      has_changed = 1.;
-      if (share == 0.)
-        *search.held.node(i) = 1.;
-      share = share > smallest_share ? 0.5 * share : 0.;
-    }
-    search.held.update_ghosts();
-    if (Utilities::MPI::max(has_changed, communicator) == 0.)
-      CellMarks::mark(local_nodes, CellMarks::cells_marked(local_nodes, marks), true, search.held);
+    const auto &partition = search.held.partition();
+    const NodalVector marks = CellMarks::nodes_of(partition, local_nodes, stays);
+    search.held.fill(
+        [&](const unsigned int i, double *const is_held)
+        {
+          double &share = *search.way_shares.node(i);
+          if (!(*marks.node(i) > 0.) || *search.on_surface.node(i) == 0.)
+            return;
+          has_changed = 1.;
+          if (share == 0.)
+            *is_held = 1.;
+          share = share > smallest_share ? 0.5 * share : 0.;
+        });
+    if (Utilities::MPI::max(has_changed, partition->communicator()) > 0.)
+      return;
+    const NodalVector around =
+        CellMarks::nodes_of(partition, local_nodes, CellMarks::cells_marked(local_nodes, marks));
+    search.held.fill([&](const unsigned int i, double *const is_held)
+                     { *is_held = std::max(*is_held, *around.node(i)); });
   }
 
   template class FilledPlaces<2>;

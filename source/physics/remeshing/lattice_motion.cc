@@ -49,16 +49,14 @@ namespace tombolo
   NodalVector LatticeMotion<dim>::move(const NodalVector &initial, const NodalVector &from,
                                        const Way &way) const
   {
-    NodalVector result;
-    result.reinit_like(from);
-    result.copy_from(from);
-    for (unsigned int i = 0; is_on() && i < from.partition()->n_owned(); ++i)
-    {
-      const Tensor<1, dim> of_node = way(Point<dim>(vector_of<dim>(initial.node(i))));
-      for (unsigned int d = 0; d < dim; ++d)
-        result.node(i)[d] += of_node[d];
-    }
-    result.update_ghosts();
+    NodalVector result = from.copy();
+    result.fill(
+        [&](const unsigned int i, double *const place)
+        {
+          const Tensor<1, dim> of_node = way(Point<dim>(vector_of<dim>(initial.node(i))));
+          for (unsigned int d = 0; d < dim && is_on(); ++d)
+            place[d] += of_node[d];
+        });
     return result;
   }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/nodal_content.h>
 
-#include <tombolo/formulations/smoothed/refined_cell_facets.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 
 #include <numeric>
+#include <utility>
 
 namespace tombolo
 {
@@ -34,46 +35,41 @@ namespace tombolo
 
   template <int dim>
   NodalContent<dim>::NodalContent(const Model<dim> &model, const unsigned int part,
-                                  const NodalVector &of_part)
-      : part(part)
+                                  NodalVector of_part)
+      : mass(std::move(of_part)), part(part)
   {
-    const auto &partition = model.state.partition();
-    mass.reinit(partition, Quantity::scalar);
-    mass.copy_from(of_part);
     if (!model.heat)
       return;
     enthalpy = enthalpies(model, temperatures(model));
-    initial.reinit(partition, Quantity::scalars);
-    initial.copy_from(enthalpy);
+    initial = enthalpy.copy();
   }
 
   template <int dim>
   NodalVector NodalContent<dim>::temperatures(const Model<dim> &model) const
   {
-    NodalVector result;
-    result.reinit(model.state.partition(), Quantity::scalars);
     const ThermalState &thermal = model.heat->state;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      if (*mass.node(i) > 0.)
-      {
-        result.node(i)[0] = *thermal.unsmoothed_temperature.node(i);
-        result.node(i)[1] = *thermal.next_unsmoothed_temperature.node(i);
-        result.node(i)[2] = *thermal.present_temperature.node(i);
-      }
-    return result;
+    return nodal_field(model.state.partition(), Quantity::scalars,
+                       [&](const unsigned int i, double *const values)
+                       {
+                         if (!(*mass.node(i) > 0.))
+                           return;
+                         values[0] = *thermal.unsmoothed_temperature.node(i);
+                         values[1] = *thermal.next_unsmoothed_temperature.node(i);
+                         values[2] = *thermal.present_temperature.node(i);
+                       });
   }
 
   template <int dim>
   NodalVector NodalContent<dim>::enthalpies(const Model<dim> &model,
                                             const NodalVector &temperatures) const
   {
-    NodalVector result;
-    result.reinit(model.state.partition(), Quantity::scalars);
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
-        result.node(i)[slot] = model.parts[part].heat->enthalpy(temperatures.node(i)[slot]);
-    result.update_ghosts();
-    return result;
+    const ThermalProperties &properties = *model.parts[part].heat;
+    return nodal_field(model.state.partition(), Quantity::scalars,
+                       [&](const unsigned int i, double *const values)
+                       {
+                         for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
+                           values[slot] = properties.enthalpy(temperatures.node(i)[slot]);
+                       });
   }
 
   template <int dim>
@@ -91,28 +87,33 @@ namespace tombolo
       unsmoothed = model.heat->nodal_enthalpy.temperature(i, of_node);
       field += unsmoothed;
     };
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      if (*after.node(i) > 0. || *mass.node(i) > 0.)
-      {
-        change(i, 0, *thermal.enthalpy.node(i), *thermal.unsmoothed_temperature.node(i),
-               *thermal.temperature.node(i));
-        change(i, 1, *thermal.next_enthalpy.node(i), *thermal.next_unsmoothed_temperature.node(i),
-               *thermal.next_temperature.node(i));
-        if (*after.node(i) > 0.)
-          *thermal.present_temperature.node(i) = properties.temperature(enthalpy.node(i)[2]);
-      }
-    for (NodalVector *const vector : {&thermal.unsmoothed_temperature, &thermal.temperature,
-                                      &thermal.next_unsmoothed_temperature,
-                                      &thermal.next_temperature, &thermal.present_temperature})
-      vector->update_ghosts();
+    change_owned(
+        {&thermal.unsmoothed_temperature, &thermal.temperature,
+         &thermal.next_unsmoothed_temperature, &thermal.next_temperature,
+         &thermal.present_temperature},
+        [&]
+        {
+          for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+          {
+            if (!(*after.node(i) > 0. || *mass.node(i) > 0.))
+              continue;
+            change(i, 0, *thermal.enthalpy.node(i), *thermal.unsmoothed_temperature.node(i),
+                   *thermal.temperature.node(i));
+            change(i, 1, *thermal.next_enthalpy.node(i),
+                   *thermal.next_unsmoothed_temperature.node(i), *thermal.next_temperature.node(i));
+            if (*after.node(i) > 0.)
+              *thermal.present_temperature.node(i) = properties.temperature(enthalpy.node(i)[2]);
+          }
+        });
     model.heat->limit_is_outdated = true;
   }
 
   template <int dim>
-  std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
-                                     const std::vector<SmoothedCell<dim>> &lattice,
-                                     const SmoothedIntegrationRule rule, const NodalVector &after,
-                                     const NodalVector &velocity, const double step)
+  std::vector<double>
+  NodalContent<dim>::former_volumes(const std::vector<RemapCell<dim>> &cells,
+                                    const std::vector<SmoothedCell<dim>> &lattice,
+                                    const SmoothedIntegrationRule rule, const NodalVector &after,
+                                    const NodalVector &velocity, const double step)
   {
     std::vector<double> result;
     for (std::size_t c = 0; c < cells.size(); ++c)
@@ -140,12 +141,4 @@ namespace tombolo
 
   template class NodalContent<2>;
   template class NodalContent<3>;
-  template std::vector<double> former_volumes(const std::vector<RemapCell<2>> &,
-                                              const std::vector<SmoothedCell<2>> &,
-                                              SmoothedIntegrationRule, const NodalVector &,
-                                              const NodalVector &, double);
-  template std::vector<double> former_volumes(const std::vector<RemapCell<3>> &,
-                                              const std::vector<SmoothedCell<3>> &,
-                                              SmoothedIntegrationRule, const NodalVector &,
-                                              const NodalVector &, double);
 } // namespace tombolo

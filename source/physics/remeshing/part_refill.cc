@@ -5,7 +5,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/mesh/bodies.h>
 #include <tombolo/model/persistent_cell_ids.h>
-#include <tombolo/remesh/corners_at.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/state/state_archive.h>
 
@@ -42,11 +42,11 @@ namespace tombolo
   template <int dim>
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
                               SmoothedCells<dim> &cells, const double end_time)
-      : part(part), cells(cells), places(model, part, cells, end_time),
+      : part(part), settings(cells.refill()), cells(cells), places(model, part, cells, end_time),
         rule(cells.point_state().gradients().integration_rule()),
-        by_values(cells.refill().template value_remap<dim>())
+        by_values(settings.template value_remap<dim>())
   {
-    if (is_conservative())
+    if (settings.is_conservative())
       return;
     const Bodies<dim> of_mesh(*model.nodes);
     for (const SmoothedCell<dim> &cell : places.lattice())
@@ -57,9 +57,9 @@ namespace tombolo
   bool PartRefill<dim>::refill(Model<dim> &model, const Clock &clock)
   {
     std::vector<unsigned int> distorted = cells.distorted_cells(model.state.position);
-    places.add_moved_cells(model, clock, distorted);
+    places.motion.add_moved_cells(places.lattice(), clock.time, model.communicator, distorted);
     places.set_partition(*model.state.partition());
-    if (fills_cells())
+    if (settings.fills_cells())
       places.filled()->add_cells_at_void(
           model, settled.partition() != nullptr ? settled : model.state.initial_position,
           distorted);
@@ -75,10 +75,10 @@ namespace tombolo
         point_mass.clear();
       return false; // the part goes on as it is
     }
-    places.time_of_last() = clock.time;
+    places.motion.time_of_last = clock.time;
     model.begin_change();
     remap(model, after, clock, remapped, points);
-    if (fills_cells())
+    if (settings.fills_cells())
       places.filled()->take_void_cells(model);
     ++count;
     return true;
@@ -91,7 +91,7 @@ namespace tombolo
     const SmoothedPointState<dim> state = cells.point_state();
     const double *const ratio = cells.points().component(MaterialPoints::volume_ratio, 0);
     const unsigned int n_points = cells.n_points_per_cell();
-    for (unsigned int c = 0; c < cells.n_cells() && fills_cells(); ++c)
+    for (unsigned int c = 0; c < cells.n_cells() && settings.fills_cells(); ++c)
     {
       result.push_back(0.);
       for (unsigned int q = 0; q < n_points && !cells.is_removed(c); ++q)
@@ -110,13 +110,13 @@ namespace tombolo
     const std::vector<bool> void_before = cells.void_cells().of_cells();
     try
     {
-      if (fills_cells())
+      if (settings.fills_cells())
         cells.set_void_cells(places.filled()->next_void());
       cells.renew_reference(after);
     }
     catch (const InputError &) // on all ranks
     {
-      if (fills_cells())
+      if (settings.fills_cells())
         cells.set_void_cells(void_before);
       return false;
     }
@@ -129,7 +129,7 @@ namespace tombolo
   {
     const NodalVector &before = model.state.position;
     NodalVector near_surface;
-    if (fills_cells())
+    if (settings.fills_cells())
       near_surface = places.filled()->nodes_near_surface(model);
     Cells result;
     for (const auto &nodes : places.nodes())
@@ -139,13 +139,14 @@ namespace tombolo
       cell.before = corners_at<dim>(nodes, before);
       cell.after = corners_at<dim>(nodes, after);
       for (unsigned int k = 0; k < nodes.size(); ++k)
-        cell.is_cut = cell.is_cut || (fills_cells() ? *near_surface.node(nodes[k]) > 0.
-                                                    : *places.sliding_nodes().node(nodes[k]) > 0. &&
-                                                          cell.before[k] != cell.after[k]);
+        cell.is_cut =
+            cell.is_cut || (settings.fills_cells() ? *near_surface.node(nodes[k]) > 0.
+                                                   : *places.sliding_nodes().node(nodes[k]) > 0. &&
+                                                         cell.before[k] != cell.after[k]);
       const auto number = static_cast<unsigned int>(result.size());
       cell.is_void_before = cells.is_removed(number);
       cell.is_void_after =
-          fills_cells() ? places.filled()->next_void()[number] : cell.is_void_before;
+          settings.fills_cells() ? places.filled()->next_void()[number] : cell.is_void_before;
       if (!bodies.empty())
         cell.body = bodies[result.size()];
       result.push_back(cell);
@@ -196,7 +197,7 @@ namespace tombolo
     SmoothedPointState<dim> state = cells.point_state();
     const unsigned int n_points = cells.n_points_per_cell();
     const double *values = points.values.data();
-    if (fills_cells())
+    if (settings.fills_cells())
       state.clear();
     for (unsigned int c = 0; c < remapped.size(); ++c)
       for (unsigned int q = 0; q < n_points; ++q, values += points.n_components)
@@ -212,16 +213,16 @@ namespace tombolo
   template <int dim>
   NodalVector PartRefill<dim>::own_mass(const std::shared_ptr<const NodePartition> &partition) const
   {
-    NodalVector result;
-    result.reinit(partition, Quantity::scalar);
-    const std::vector<double> masses = cells.masses_of_cells();
-    const auto &nodes = places.nodes();
-    for (std::size_t c = 0; c < nodes.size(); ++c)
-      for (unsigned int k = 0; k < nodes[c].size(); ++k)
-        *result.node(nodes[c][k]) += masses[c * nodes[c].size() + k];
-    cells.add_hanging_masses(result);
-    result.add_to_owners();
-    return result;
+    return sums_at_owners(partition, Quantity::scalar,
+                          [&](NodalVector &sums)
+                          {
+                            const std::vector<double> masses = cells.masses_of_cells();
+                            const auto &nodes = places.nodes();
+                            for (std::size_t c = 0; c < nodes.size(); ++c)
+                              for (unsigned int k = 0; k < nodes[c].size(); ++k)
+                                *sums.node(nodes[c][k]) += masses[c * nodes[c].size() + k];
+                            cells.add_hanging_masses(sums);
+                          });
   }
 
   template <int dim>
@@ -246,13 +247,12 @@ namespace tombolo
   {
     NodalState &state = model.state;
     const auto partition = state.partition();
-    NodalVector inertia;
-    inertia.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *inertia.node(i) =
-          *model.bridge->mass().node(i) / model.parts[part].material->relative_inertia();
+    const double relative_inertia = model.parts[part].material->relative_inertia();
+    const NodalVector inertia =
+        scalar_field(partition, [&](const unsigned int i)
+                     { return *model.bridge->mass().node(i) / relative_inertia; });
     std::vector<const NodalVector *> fields(1, &state.unsmoothed_velocity);
-    state.unsmoothed_velocity.update_ghosts();
+    state.unsmoothed_velocity.update_ghosts(); // those who smooth leave them as they were
     if (model.heat)
       fields.push_back(&nodal.enthalpy);
     const CellOverlap<dim> overlap(remapped, fields, model.communicator);
@@ -266,14 +266,12 @@ namespace tombolo
     }
     set_masses(overlap);
     const NodalVector mass_after = own_mass(partition);
-    NodalVector inertia_after;
-    inertia_after.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i);
+    const NodalVector inertia_after =
+        scalar_field(partition, [&](const unsigned int i)
+                     { return *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i); });
     project_nodal_field(overlap, 0, inertia, inertia_after, state.unsmoothed_velocity);
     if (!model.heat)
       return;
-    nodal.initial.update_ghosts();
     project_nodal_field(overlap, 1, nodal.mass, mass_after, nodal.enthalpy);
     limit_nodal_field(overlap, nodal.initial, mass_after, nodal.enthalpy);
   }
@@ -304,7 +302,7 @@ namespace tombolo
   {
     const unsigned int n_points = cells.n_points_per_cell();
     constexpr unsigned int n_corners = SubCells<dim>::n_corners;
-    const unsigned int ratio = cells.point_state().volume_ratio();
+    constexpr unsigned int ratio = SmoothedPointState<dim>::volume_ratio;
     std::vector<double> masses = cells.masses_of_cells();
     std::array<double, 4> sums{}; // of points and corners, before and after
     for (std::size_t c = 0; c < remapped.size(); ++c)
@@ -355,13 +353,13 @@ namespace tombolo
     NodalState &state = model.state;
     const auto partition = state.partition();
     NodalContent<dim> nodal(model, part, own_mass(partition));
-    if (is_conservative())
+    if (settings.is_conservative())
       remap_conservatively(model, remapped, nodal, points);
     else
       remap_by_values(model, after, remapped, nodal, points);
-    const std::vector<double> volumes = former_volumes(
+    const std::vector<double> volumes = nodal.former_volumes(
         remapped, places.lattice(), rule, after, state.unsmoothed_velocity, clock.previous_step);
-    if (!is_conservative())
+    if (!settings.is_conservative())
       take_masses(remapped, volumes, points, model.communicator);
     set_points(remapped, points, volumes);
     moved.clear();
@@ -369,16 +367,12 @@ namespace tombolo
       if (!std::equal(after.node(i), after.node(i) + dim, state.position.node(i)))
         moved.push_back(i);
     if (state.unsmoothed_position.partition() != nullptr)
-    {
-      for (const unsigned int node : moved)
-        std::copy_n(after.node(node), dim, state.unsmoothed_position.node(node));
-      state.unsmoothed_position.update_ghosts();
-    }
-    if (fills_cells())
+      state.unsmoothed_position.fill(moved, [&](const std::size_t k, double *const place)
+                                     { std::copy_n(after.node(moved[k]), dim, place); });
+    if (settings.fills_cells())
       settle(model, after);
     state.position.copy_from(after);
-    reference.reinit(partition, after.quantity());
-    reference.copy_from(after);
+    reference = after.copy();
     model.renew_partition(); // owned nodes keep their local numbers
     moved.erase(std::remove_if(moved.begin(), moved.end(),
                                [&](const unsigned int node)
@@ -395,10 +389,7 @@ namespace tombolo
   void PartRefill<dim>::settle(const Model<dim> &model, const NodalVector &after)
   {
     if (settled.partition() == nullptr)
-    {
-      settled.reinit_like(after);
-      settled.copy_from(model.state.initial_position);
-    }
+      settled = model.state.initial_position.copy();
     for (unsigned int i = 0; i < after.partition()->n_owned(); ++i)
       if (*places.nodes_of_patch().node(i) > 0.)
         std::copy_n(after.node(i), node_stride, settled.node(i));
@@ -413,11 +404,11 @@ namespace tombolo
       return false;
     if (archive.is_reading())
       reference.reinit(model.state.partition(), model.state.position.quantity());
-    archive("time of the last", places.time_of_last());
+    archive("time of the last", places.motion.time_of_last);
     archive.nodal("reference position", dim, reference);
     archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
     archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
-    if (fills_cells())
+    if (settings.fills_cells())
     {
       if (archive.is_reading())
         settled.reinit_like(reference);
@@ -434,7 +425,7 @@ namespace tombolo
     if (!archive.is_reading())
       return true;
     cells.renew_reference(reference);
-    if (fills_cells())
+    if (settings.fills_cells())
       places.filled()->take_void_cells(model);
     return true;
   }

@@ -46,14 +46,14 @@ namespace tombolo
             void_cells.push_back(cells->nodes_of_cell(c));
       }
     if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return part.refill->fills_cells(); }))
+                    [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
       model.remove_faces(void_cells);
     if (!model.heat)
       return;
     heat = &this->actions.add_heat("heat of refills", "remap loss heat");
     heat->stays_on_rank();
     if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return !part.refill->is_conservative(); }))
+                    [](const Refilled &part) { return !part.refill->settings.is_conservative(); }))
       model.heat->can_lose_heat = true;
   }
 
@@ -66,20 +66,18 @@ namespace tombolo
       if (clock.step == 0 || clock.step % part.interval != 0)
         continue;
       model.bridge->smooth_velocity(model.state);
-      const bool is_conservative = part.refill->is_conservative();
+      const bool is_conservative = part.refill->settings.is_conservative();
       const Content before = content_of(model);
       const HeatContent heat_before =
           model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
       const double power = internal_power(model, clock.previous_step);
       NodalVector places;
-      if (part.refill->slides())
-      {
-        places.reinit(model.state.partition(), model.state.position.quantity());
-        places.copy_from(model.state.position);
-      }
+      if (part.refill->settings.surface_slides())
+        places = model.state.position.copy();
       if (!part.refill->refill(model, clock))
         continue;
-      const double given = part.refill->slides() ? place_nodes(model, clock, places) : 0.;
+      const double given =
+          part.refill->settings.surface_slides() ? place_nodes(model, clock, places) : 0.;
       if (is_conservative)
         restore_angular_momentum(model, part.refill->moved_nodes(), before);
       model.bridge->smooth_velocity(model.state);
@@ -102,7 +100,7 @@ namespace tombolo
       }
       else if (model.heat)
         book_heat(model, heat_before);
-      if (model.heat && part.refill->fills_cells())
+      if (model.heat && part.refill->settings.fills_cells())
         carry_heat(model, part.refill->touched_nodes());
       ++model.revisions.stencils;
       change.cells = change.stencils = change.masses = true;
@@ -242,13 +240,14 @@ namespace tombolo
       rotation[2] = sums[2] / inertia[2][2];
     else if (dim == 3 && determinant(inertia) > smallest_determinant * scale * scale * scale)
       rotation = invert(inertia) * Tensor<1, 3>({sums[0], sums[1], sums[2]});
-    for (const unsigned int i : nodes)
-    {
-      const Tensor<1, 3> velocity = cross_product_3d(rotation, arm_of(i));
-      for (unsigned int d = 0; d < dim; ++d)
-        state.unsmoothed_velocity.node(i)[d] += velocity[d];
-    }
-    state.unsmoothed_velocity.update_ghosts();
+    state.unsmoothed_velocity.fill(nodes,
+                                   [&](const std::size_t k, double *const velocity)
+                                   {
+                                     const Tensor<1, 3> added =
+                                         cross_product_3d(rotation, arm_of(nodes[k]));
+                                     for (unsigned int d = 0; d < dim; ++d)
+                                       velocity[d] += added[d];
+                                   });
   }
 
   template <int dim>
@@ -282,7 +281,7 @@ namespace tombolo
   {
     massless.clear();
     if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return part.refill->fills_cells(); }))
+                    [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (*model.state.mass.node(i) == 0.)
           massless.push_back(i);
@@ -290,8 +289,8 @@ namespace tombolo
                                     [](const auto &process)
                                     { return process->roles.placed_nodes == ProcessRole::acts; });
     for (const Refilled &part : parts)
-      if (part.refill->slides() && !follow)
-        part.refill->settings().refuse_sliding(
+      if (part.refill->settings.surface_slides() && !follow)
+        part.refill->settings.refuse_sliding(
             "a contact between parts does not follow nodes that slide; allowed with it is held.");
   }
 
@@ -324,7 +323,7 @@ namespace tombolo
       return result;
     for (Refilled &part : parts)
     {
-      const auto end = part.has_reached_end || !part.refill->fills_cells()
+      const auto end = part.has_reached_end || !part.refill->settings.fills_cells()
                            ? std::nullopt
                            : part.refill->reached_end(model.communicator);
       if (!end)
@@ -332,7 +331,7 @@ namespace tombolo
       part.has_reached_end = true;
       std::ostringstream text;
       text << "At t = " << clock.time << " the material of part \""
-           << model.parts[part.refill->number_of_part()].name << "\" has reached void cells at "
+           << model.parts[part.refill->part].name << "\" has reached void cells at "
            << place_text(*end)
            << " that cannot be filled, at the end of the mesh or beside cells of another size. A "
               "larger mesh with more void cells, all of one size, gives it room.";

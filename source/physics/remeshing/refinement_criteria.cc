@@ -2,11 +2,12 @@
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
 #include <tombolo/materials/material_memory.h>
-#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/model/point_transfer.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace tombolo
 {
@@ -36,27 +37,6 @@ namespace tombolo
       if (!(std::abs(determinant(jacobian)) > 0.))
         return Tensor<1, dim>();
       return along_axes * invert(jacobian);
-    }
-
-    /** Calls visit(part, cell number, local nodes) for all owned cells. */
-    template <int dim, typename Visitor>
-    void for_cells(const Model<dim> &model, const Visitor &visit)
-    {
-      const NodePartition &partition = *model.state.partition();
-      std::vector<types::global_dof_index> nodes;
-      std::vector<unsigned int> local;
-      for (unsigned int p = 0; p < model.parts.size(); ++p)
-      {
-        unsigned int number = 0;
-        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
-        {
-          model.nodes->cell_nodes(cell, nodes);
-          local.clear();
-          for (const auto node : nodes)
-            local.push_back(partition.local_index(node));
-          visit(p, number++, local);
-        }
-      }
     }
 
     template <int dim>
@@ -131,7 +111,7 @@ namespace tombolo
       std::vector<std::vector<double>> result = zero_for_cells(model);
       const NodalVector &temperature = model.heat->state.temperature;
       for_cells(model,
-                [&](const unsigned int part, const unsigned int cell,
+                [&](const unsigned int part, const unsigned int cell, const auto &,
                     const std::vector<unsigned int> &nodes)
                 {
                   std::vector<double> at_nodes;
@@ -167,35 +147,12 @@ namespace tombolo
 
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
-      std::array<NodalVector, 7> sums; // of volume times stress, and of volume
-      for (NodalVector &sum : sums)
-        sum.reinit(model.state.partition(), Quantity::scalar);
-      for_cells(model,
-                [&](const unsigned int part, const unsigned int cell,
-                    const std::vector<unsigned int> &nodes)
-                {
-                  const Formulation<dim> &formulation = *model.parts[part].formulation;
-                  const MaterialPoints &points = formulation.points();
-                  for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
-                  {
-                    const unsigned int i = formulation.point_of_cell(cell, q);
-                    const double volume = points.component(MaterialPoints::volume, 0)[i];
-                    for (const unsigned int node : nodes)
-                    {
-                      for (unsigned int c = 0; c < 6; ++c)
-                        *sums[c].node(node) +=
-                            volume * points.component(MaterialPoints::stress, c)[i];
-                      *sums[6].node(node) += volume;
-                    }
-                  }
-                });
-      for (NodalVector &sum : sums)
-      {
-        sum.sum_over_ranks();
-      }
+      std::vector<unsigned int> parts(model.parts.size());
+      std::iota(parts.begin(), parts.end(), 0u);
+      const std::array<NodalVector, 6> stress = stress_at_nodes(model, parts);
       std::vector<std::vector<double>> result = zero_for_cells(model);
       for_cells(model,
-                [&](const unsigned int part, const unsigned int cell,
+                [&](const unsigned int part, const unsigned int cell, const auto &,
                     const std::vector<unsigned int> &nodes)
                 {
                   const auto places = places_of<dim>(model.state.position, nodes);
@@ -204,7 +161,7 @@ namespace tombolo
                   for (unsigned int c = 0; c < 6; ++c)
                   {
                     for (std::size_t k = 0; k < nodes.size(); ++k)
-                      at_nodes[k] = *sums[c].node(nodes[k]) / *sums[6].node(nodes[k]);
+                      at_nodes[k] = *stress[c].node(nodes[k]);
                     squared += (c < 3 ? 1. : 2.) * // entries off the diagonal stand twice
                                gradient_in_the_middle(places, at_nodes).norm_square();
                   }

@@ -4,8 +4,8 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/places_as_nodes.h>
+#include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/corners_at.h>
 #include <tombolo/remesh/numbers_of_ranks.h>
 
 #include <deal.II/base/mpi.h>
@@ -38,25 +38,38 @@ namespace tombolo
       return result;
     }
 
-    template <int dim>
-    bool has_sliding_node(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
-                          const NodalVector &slides)
+    // Slots of what is known of the faces around a node.
+    enum FaceSlot : unsigned int
     {
-      return std::any_of(nodes.begin(), nodes.end(),
-                         [&](const unsigned int node) { return *slides.node(node) > 0.; });
+      n_faces,
+      id,
+      squared_id,
+      held
+    };
+
+    // Of faces towards void cells: no boundary of a mesh has it.
+    constexpr double id_of_void = -1.;
+
+    /** Moves a node by a distance along the normal of its boundary. */
+    template <int dim>
+    void move_outward(const double distance, const Tensor<1, dim> &area, double *const position)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        position[d] += distance * area[d] / area.norm();
     }
   } // namespace
 
   template <int dim>
   SurfaceSlide<dim>::SurfaceSlide(const Model<dim> &model,
-                                  const std::vector<SmoothedCell<dim>> &lattice)
-      : communicator(model.communicator), of_nodes(model, lattice), facets_of_cells(lattice.size()),
+                                  const std::vector<SmoothedCell<dim>> &lattice,
+                                  const CellNodes &nodes)
+      : communicator(model.communicator), nodes(nodes), facets_of_cells(lattice.size()),
         membranes(lattice.size())
   {
     const auto &all = SubCells<dim>::facets();
-    for (const SmoothedCell<dim> &cell : lattice)
-      is_void.push_back(cell.is_void);
     for (std::size_t c = 0; c < lattice.size(); ++c)
+    {
+      is_void.push_back(lattice[c].is_void);
       for (unsigned int f = 0; f < all.size(); ++f)
       {
         if (all[f].to != SubCells<dim>::outside || !lattice[c].is_on_boundary[all[f].face])
@@ -74,37 +87,85 @@ namespace tombolo
                 membranes[c][j * n_corners + k] +=
                     all[f].vertices[v][j] * membrane[v][w] * all[f].vertices[w][k];
       }
-  }
-
-  template <int dim>
-  NodalVector SurfaceSlide<dim>::normals_of_nodes(const CellNodes &nodes,
-                                                  const NodalVector &position) const
-  {
-    NodalVector result = areas_of_nodes(nodes, position);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-    {
-      const double area = of_nodes.is_smooth(i) ? vector_of<dim>(result.node(i)).norm() : 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        result.node(i)[d] = area > 0. ? result.node(i)[d] / area : 0.;
     }
-    result.update_ghosts();
-    return result;
+    examine_nodes(*model.state.partition(), lattice);
   }
 
   template <int dim>
-  CurvedSurface<dim> SurfaceSlide<dim>::gather_surface(const CellNodes &nodes,
-                                                       const NodalVector &slides,
+  void SurfaceSlide<dim>::examine_nodes(const NodePartition &partition,
+                                        const std::vector<SmoothedCell<dim>> &lattice)
+  {
+    constexpr double smooth = 0.92; // half of 46 degrees between two faces
+    NodalVector ids, normals;
+    for (NodalVector *const vector : {&ids, &normals})
+      vector->reinit(partition.shared_from_this(), Quantity::scalars);
+    const auto add_face = [&](const SmoothedCell<dim> &cell, const unsigned int face)
+    {
+      const bool is_held = cell.boundary_ids[face] == numbers::internal_face_boundary_id &&
+                           !cell.is_towards_void[face];
+      const double number = cell.is_towards_void[face] ? id_of_void : cell.boundary_ids[face];
+      Tensor<1, dim> normal;
+      for (const auto &facet : SubCells<dim>::facets())
+        if (facet.to == SubCells<dim>::outside && facet.face == face)
+          normal += SubCells<dim>::area(facet, cell.corners);
+      normal /= normal.norm();
+      for (unsigned int k = 0; k < n_corners; ++k)
+      {
+        if (!SubCells<dim>::is_on_face(k, face))
+          continue;
+        const unsigned int node = partition.local_index(cell.nodes[k]);
+        double *const of_node = ids.node(node);
+        of_node[n_faces] += 1.;
+        of_node[held] += is_held ? 1. : 0.;
+        of_node[id] += is_held ? 0. : number;
+        of_node[squared_id] += is_held ? 0. : number * number;
+        for (unsigned int d = 0; d < dim; ++d)
+          normals.node(node)[d] += normal[d];
+      }
+    };
+    add_up({&ids, &normals},
+           [&]
+           {
+             for (const SmoothedCell<dim> &cell : lattice)
+               for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
+                 if (cell.is_on_boundary[face])
+                   add_face(cell, face);
+           });
+    for (unsigned int i = 0; i < partition.n_owned(); ++i)
+    {
+      const double *const of_node = ids.node(i);
+      boundary_nodes.push_back(of_node[n_faces] > 0.);
+      // Steps of the lattice towards void cells are no edges of the body.
+      const bool has_edge = of_node[id] != id_of_void * of_node[n_faces] &&
+                            vector_of<dim>(normals.node(i)).norm() <= smooth * of_node[n_faces];
+      smooth_nodes.push_back(of_node[n_faces] > 0. && of_node[held] == 0. &&
+                             of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] &&
+                             !has_edge);
+    }
+    for (const NodePartition::Reflected &own_image : partition.nodes_on_planes())
+      smooth_nodes[own_image.source] = false;
+  }
+
+  template <int dim>
+  CurvedSurface<dim> SurfaceSlide<dim>::gather_surface(const NodalVector &slides,
                                                        const NodalVector &position) const
   {
     constexpr double same_side = 0.7; // of the product of two normals: nearer is a kink
     const auto &all = SubCells<dim>::facets();
-    const NodalVector normals = normals_of_nodes(nodes, position);
+    NodalVector normals = areas_of_nodes(position); // where the body is smooth
+    normals.fill(
+        [&](const unsigned int i, double *const of_node)
+        {
+          const double area = is_smooth(i) ? vector_of<dim>(of_node).norm() : 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            of_node[d] = area > 0. ? of_node[d] / area : 0.;
+        });
     std::vector<double> own;
     const auto append = [&own](const Tensor<1, dim> &vector)
     { own.insert(own.end(), &vector[0], &vector[0] + dim); };
     for (std::size_t c = 0; c < nodes.size(); ++c)
     {
-      if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))
+      if (facets_of_cells[c].empty() || !CellMarks::any_marked(nodes[c], slides))
         continue;
       const Corners corners = corners_at<dim>(nodes[c], position);
       for (const unsigned int f : facets_of_cells[c])
@@ -114,7 +175,7 @@ namespace tombolo
           continue;
         std::vector<unsigned int> of_face;
         for (unsigned int k = 0; k < n_corners; ++k)
-          if (((k >> (all[f].face / 2)) & 1u) == all[f].face % 2)
+          if (SubCells<dim>::is_on_face(k, all[f].face))
             of_face.push_back(k);
         const Tensor<1, dim> normal = area / area.norm();
         for (unsigned int v = 0; v < dim; ++v)
@@ -141,36 +202,34 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector SurfaceSlide<dim>::areas_of_nodes(const CellNodes &nodes,
-                                                const NodalVector &position) const
+  NodalVector SurfaceSlide<dim>::areas_of_nodes(const NodalVector &position) const
   {
     const auto &all = SubCells<dim>::facets();
-    NodalVector result;
-    result.reinit(position.partition());
-    for (std::size_t c = 0; c < nodes.size(); ++c)
-    {
-      if (facets_of_cells[c].empty())
-        continue;
-      const Corners corners = corners_at<dim>(nodes[c], position);
-      for (const unsigned int f : facets_of_cells[c])
-      {
-        const Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
-        for (unsigned int k = 0; k < n_corners; ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            result.node(nodes[c][k])[d] += all[f].centroid[k] * area[d];
-      }
-    }
-    result.add_to_owners();
-    return result;
+    return sums_at_owners(position.partition(), Quantity::vector,
+                          [&](NodalVector &sums)
+                          {
+                            for (std::size_t c = 0; c < nodes.size(); ++c)
+                            {
+                              if (facets_of_cells[c].empty())
+                                continue;
+                              const Corners corners = corners_at<dim>(nodes[c], position);
+                              for (const unsigned int f : facets_of_cells[c])
+                              {
+                                const Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
+                                for (unsigned int k = 0; k < n_corners; ++k)
+                                  for (unsigned int d = 0; d < dim; ++d)
+                                    sums.node(nodes[c][k])[d] += all[f].centroid[k] * area[d];
+                              }
+                            }
+                          });
   }
 
   template <int dim>
-  double SurfaceSlide<dim>::volume(const CellNodes &nodes, const NodalVector &near,
-                                   const NodalVector &position) const
+  double SurfaceSlide<dim>::volume(const NodalVector &near, const NodalVector &position) const
   {
     double result = 0;
     for (std::size_t c = 0; c < nodes.size(); ++c)
-      if (!is_void[c] && has_sliding_node<dim>(nodes[c], near))
+      if (!is_void[c] && CellMarks::any_marked(nodes[c], near))
         for (const double of_sub_cell :
              CellSimplices<dim>::volumes(corners_at<dim>(nodes[c], position)))
           result += of_sub_cell;
@@ -178,44 +237,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceSlide<dim>::put_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
-                                   const NodalVector &slides, const NodalVector *const otherwise,
-                                   NodalVector &position) const
-  {
-    constexpr double same_side = 0.5; // of the product of two normals
-    const NodalVector areas = areas_of_nodes(nodes, position);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-    {
-      if (!(*slides.node(i) > 0.))
-        continue;
-      const Tensor<1, dim> area = vector_of<dim>(areas.node(i));
-      const auto found =
-          surface.nearest_facing(vector_of<dim>(position.node(i)), -area / area.norm(), -same_side);
-      if (!found && otherwise == nullptr)
-        continue;
-      const Tensor<1, dim> place = found
-                                       ? surface.raise(found->place, surface.tree.facet_of(*found))
-                                       : vector_of<dim>(otherwise->node(i));
-      for (unsigned int d = 0; d < dim; ++d)
-        position.node(i)[d] = place[d];
-    }
-    position.update_ghosts();
-  }
-
-  template <int dim>
-  void SurfaceSlide<dim>::restore_volume(const CellNodes &nodes, const NodalVector &slides,
-                                         const NodalVector &near, const NodalVector &from,
-                                         const KeepOutside &keep_outside, const double target,
-                                         NodalVector &position) const
+  void SurfaceSlide<dim>::restore_volume(const NodalVector &slides, const NodalVector &near,
+                                         const NodalVector &from, const KeepOutside &keep_outside,
+                                         const double target, NodalVector &position) const
   {
     constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
     NodalVector is_bound;
     is_bound.reinit(position.partition(), Quantity::scalar);
     for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
     {
-      keep_outside(from, position, is_bound);
-      position.update_ghosts();
-      const NodalVector areas = areas_of_nodes(nodes, position);
+      change_owned({&position}, [&] { keep_outside(from, position, is_bound); });
+      const NodalVector areas = areas_of_nodes(position);
       const auto moves = [&](const unsigned int i)
       { return *slides.node(i) > 0. && *is_bound.node(i) == 0.; };
       double sum = 0;
@@ -225,111 +257,90 @@ namespace tombolo
       sum = ordered_sum(sum, communicator);
       if (!(sum > 0.))
         continue;
-      const double distance = (target - volume(nodes, near, position)) / sum;
-      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-        if (moves(i))
-        {
-          const auto area = vector_of<dim>(areas.node(i));
-          for (unsigned int d = 0; d < dim; ++d)
-            position.node(i)[d] += distance * area[d] / area.norm();
-        }
-      position.update_ghosts();
+      const double distance = (target - volume(near, position)) / sum;
+      position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            if (moves(i))
+              move_outward(distance, vector_of<dim>(areas.node(i)), place);
+          });
     }
   }
 
   template <int dim>
-  void SurfaceSlide<dim>::restore_missing(const CellNodes &nodes, const NodalVector &slides,
-                                          const NodalVector &is_bound, const NodalVector &missing,
-                                          NodalVector &position) const
+  void SurfaceSlide<dim>::restore_missing(const NodalVector &slides, const NodalVector &is_bound,
+                                          const NodalVector &missing, NodalVector &position) const
   {
     constexpr double farthest = 0.25;
-    const NodalVector areas = areas_of_nodes(nodes, position);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-    {
-      const auto area = vector_of<dim>(areas.node(i));
-      if (!(*slides.node(i) > 0.) || *is_bound.node(i) > 0. || !(area.norm() > 0.))
-        continue;
-      const double limit = farthest * std::pow(area.norm(), 1. / (dim - 1));
-      const double distance = std::clamp(*missing.node(i) / area.norm(), -limit, limit);
-      for (unsigned int d = 0; d < dim; ++d)
-        position.node(i)[d] += distance * area[d] / area.norm();
-    }
-    position.update_ghosts();
+    const NodalVector areas = areas_of_nodes(position);
+    position.fill(
+        [&](const unsigned int i, double *const place)
+        {
+          const auto area = vector_of<dim>(areas.node(i));
+          if (!(*slides.node(i) > 0.) || *is_bound.node(i) > 0. || !(area.norm() > 0.))
+            return;
+          const double limit = farthest * std::pow(area.norm(), 1. / (dim - 1));
+          move_outward(std::clamp(*missing.node(i) / area.norm(), -limit, limit), area, place);
+        });
   }
 
   template <int dim>
-  void SurfaceSlide<dim>::slide(const CellNodes &nodes, const NodalVector &slides,
-                                const NodalVector &initial, const NodalVector &before,
-                                const KeepOutside &keep_outside, NodalVector &position) const
+  void SurfaceSlide<dim>::slide(const NodalVector &slides, const NodalVector &initial,
+                                const NodalVector &before, const KeepOutside &keep_outside,
+                                NodalVector &position) const
   {
-    const CurvedSurface<dim> surface = gather_surface(nodes, slides, before);
+    const CurvedSurface<dim> surface = gather_surface(slides, before);
     if (surface.facets.facets.empty())
       return;
-    relax_onto(surface, nodes, slides, initial, &before, position);
-    restore_volume(nodes, slides, slides, before, keep_outside, volume(nodes, slides, before),
-                   position);
+    relax_onto(surface, slides, initial, &before, position);
+    restore_volume(slides, slides, before, keep_outside, volume(slides, before), position);
   }
 
   template <int dim>
   void SurfaceSlide<dim>::slide_onto(const SurfaceSlide &former, const NodalVector &near,
-                                     const double target, const CellNodes &nodes,
-                                     const NodalVector &slides, const NodalVector &way_shares,
-                                     const NodalVector &initial, const NodalVector &before,
-                                     const KeepOutside &keep_outside, const FindMissing &missing,
-                                     NodalVector &position) const
+                                     const double target, const NodalVector &slides,
+                                     const NodalVector &way_shares, const NodalVector &initial,
+                                     const NodalVector &before, const KeepOutside &keep_outside,
+                                     const FindMissing &missing, NodalVector &position) const
   {
     constexpr unsigned int n_iterations = 2;
-    const CurvedSurface<dim> surface = former.gather_surface(nodes, near, before);
+    const CurvedSurface<dim> surface = former.gather_surface(near, before);
     if (surface.facets.facets.empty())
       return;
-    relax_onto(surface, nodes, slides, initial, nullptr, position);
-    const NodalVector from = nodes_near(surface, slides, before, position);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-      if (*slides.node(i) > 0.)
-        for (unsigned int d = 0; d < dim; ++d)
-          position.node(i)[d] =
-              initial.node(i)[d] + *way_shares.node(i) * (position.node(i)[d] - initial.node(i)[d]);
-    position.update_ghosts();
-    NodalVector is_bound;
+    relax_onto(surface, slides, initial, nullptr, position);
+    NodalVector from = before.copy(), is_bound;
+    from.fill(
+        [&](const unsigned int i, double *const of_node)
+        {
+          if (!(*slides.node(i) > 0.))
+            return;
+          const auto found = surface.nearest(vector_of<dim>(position.node(i)));
+          const Tensor<1, dim> &next = surface.node_near(found.place, surface.tree.facet_of(found));
+          for (unsigned int d = 0; d < dim; ++d)
+            of_node[d] = next[d];
+        });
+    position.fill(
+        [&](const unsigned int i, double *const place)
+        {
+          for (unsigned int d = 0; d<dim && * slides.node(i)> 0.; ++d)
+            place[d] = initial.node(i)[d] + *way_shares.node(i) * (place[d] - initial.node(i)[d]);
+        });
     is_bound.reinit(position.partition(), Quantity::scalar);
     for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
     {
-      keep_outside(from, position, is_bound);
-      position.update_ghosts();
-      restore_missing(nodes, slides, is_bound, missing(position, is_bound), position);
+      change_owned({&position}, [&] { keep_outside(from, position, is_bound); });
+      restore_missing(slides, is_bound, missing(position, is_bound), position);
     }
-    restore_volume(nodes, slides, near, from, keep_outside, target, position);
+    restore_volume(slides, near, from, keep_outside, target, position);
   }
 
   template <int dim>
-  NodalVector SurfaceSlide<dim>::nodes_near(const CurvedSurface<dim> &surface,
-                                            const NodalVector &slides, const NodalVector &before,
-                                            const NodalVector &position)
-  {
-    NodalVector result;
-    result.reinit_like(before);
-    result.copy_from(before);
-    for (unsigned int i = 0; i < before.partition()->n_owned(); ++i)
-    {
-      if (!(*slides.node(i) > 0.))
-        continue;
-      const auto found = surface.nearest(vector_of<dim>(position.node(i)));
-      const Tensor<1, dim> &node = surface.node_near(found.place, surface.tree.facet_of(found));
-      for (unsigned int d = 0; d < dim; ++d)
-        result.node(i)[d] = node[d];
-    }
-    result.update_ghosts();
-    return result;
-  }
-
-  template <int dim>
-  void SurfaceSlide<dim>::relax_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
-                                     const NodalVector &slides, const NodalVector &initial,
-                                     const NodalVector *const otherwise,
+  void SurfaceSlide<dim>::relax_onto(const CurvedSurface<dim> &surface, const NodalVector &slides,
+                                     const NodalVector &initial, const NodalVector *const otherwise,
                                      NodalVector &position) const
   {
     constexpr unsigned int n_sweeps = 10;
-    constexpr double relaxation = 0.7;
+    constexpr double relaxation = 0.7, same_side = 0.5; // of the product of two normals
     const auto &partition = position.partition();
     CellMatrices<dim> membrane(partition, 0);
     for (std::size_t c = 0; c < nodes.size(); ++c)
@@ -344,20 +355,37 @@ namespace tombolo
       for (std::size_t i = 0; i < std::size_t(partition->n_owned()) * node_stride; ++i)
         displacement.data()[i] = position.data()[i] - initial.data()[i];
       membrane.apply(displacement, residual);
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (*slides.node(i) == relaxes)
-          for (unsigned int d = 0; d < dim; ++d)
-            position.node(i)[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
-      position.update_ghosts();
-      put_onto(surface, nodes, slides, otherwise, position);
+      position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            for (unsigned int d = 0; d < dim && *slides.node(i) == relaxes; ++d)
+              place[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
+          });
+      const NodalVector areas = areas_of_nodes(position);
+      position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            if (!(*slides.node(i) > 0.))
+              return;
+            const Tensor<1, dim> area = vector_of<dim>(areas.node(i));
+            const auto found =
+                surface.nearest_facing(vector_of<dim>(place), -area / area.norm(), -same_side);
+            if (!found && otherwise == nullptr)
+              return;
+            const Tensor<1, dim> on_surface =
+                found ? surface.raise(found->place, surface.tree.facet_of(*found))
+                      : vector_of<dim>(otherwise->node(i));
+            for (unsigned int d = 0; d < dim; ++d)
+              place[d] = on_surface[d];
+          });
     }
   }
 
   template <int dim>
   std::optional<NodalVector>
-  SurfaceSlide<dim>::nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
-                                        const NodalVector &before, const NodalVector &after,
-                                        const double way, const FindDepths &find_depths) const
+  SurfaceSlide<dim>::nodes_of_cut_faces(const NodalVector &slides, const NodalVector &before,
+                                        const NodalVector &after, const double way,
+                                        const FindDepths &find_depths) const
   {
     constexpr double allowed = 0.2; // of the size of a face; less is the sag on a round tool
     const auto &all = SubCells<dim>::facets();
@@ -366,7 +394,7 @@ namespace tombolo
     std::vector<std::size_t> cells;
     for (std::size_t c = 0; c < nodes.size(); ++c)
     {
-      if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))
+      if (facets_of_cells[c].empty() || !CellMarks::any_marked(nodes[c], slides))
         continue;
       const Corners was = corners_at<dim>(nodes[c], before);
       const Corners is = corners_at<dim>(nodes[c], after);
@@ -382,19 +410,20 @@ namespace tombolo
     std::iota(numbers.begin(), numbers.end(), 0u);
     std::vector<double> depths;
     find_depths(places_as_nodes<dim>(places), numbers, depths);
-    NodalVector marks;
-    marks.reinit(before.partition(), Quantity::scalar);
     bool any = false;
-    for (std::size_t k = 0; k < cells.size(); ++k)
-      if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k] + way)
-        for (const unsigned int node : nodes[cells[k]])
+    NodalVector marks = marked_nodes(
+        before.partition(),
+        [&](const auto &mark)
         {
-          *marks.node(node) = 1.;
-          any = any || *slides.node(node) > 0.;
-        }
+          for (std::size_t k = 0; k < cells.size(); ++k)
+            if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k] + way)
+            {
+              std::for_each(nodes[cells[k]].begin(), nodes[cells[k]].end(), mark);
+              any = any || CellMarks::any_marked(nodes[cells[k]], slides);
+            }
+        });
     if (Utilities::MPI::max(any ? 1 : 0, communicator) == 0)
       return {};
-    marks.sum_over_ranks();
     return marks;
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
-#include <tombolo/remesh/simplex_integrals.h>
-#include <tombolo/remesh/simplex_lanes.h>
+#include <tombolo/remesh/cell_cutting.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/simplex_overlaps.h>
 #include <tombolo/remesh/simplex_pairs.h>
 

@@ -48,39 +48,40 @@ namespace tombolo
     }
   }
 
-  /** Formulation::diffusion_limit() of cells with this largest @p diffusivity [L^2/T]. */
-  template <int dim, typename Element>
-  StepLimit diffusion_limit_of_cells(const CellPoints<dim, Element> &points,
-                                     const double diffusivity, const NodalVector &position)
+  /** Formulation::diffusion_limit() of cells with this largest @p diffusivity [L^2/T]: conduction
+   * is stiff along the shortest distance between nodes. */
+  template <int dim>
+  StepLimit diffusion_limit_of_cells(const CellBatches<dim> &cells, const double diffusivity,
+                                     const NodalVector &position)
   {
-    using Points = CellPoints<dim, Element>;
+    const unsigned int n_nodes = cells.n_nodes_per_cell();
     StepLimit limit;
     limit.entity = "cell";
-    if (diffusivity == 0.)
-      return limit;
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      typename Points::NodeValues x;
-      points.gather(batch, position, x);
-      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+    for (unsigned int batch = 0; batch < cells.n_batches() && diffusivity != 0.; ++batch)
+      for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
       {
-        // Conduction is stiff along the shortest distance between nodes.
+        const auto node = [&](const unsigned int k)
+        { return position.node(cells.nodes(batch)[k * n_lanes + lane]); };
         double shortest = 1e300;
-        for (unsigned int k = 0; k < Points::n_nodes; ++k)
+        dealii::Point<3> centre;
+        for (unsigned int k = 0; k < n_nodes; ++k)
+        {
           for (unsigned int other = 0; other < k; ++other)
           {
             double squared = 0;
             for (unsigned int d = 0; d < dim; ++d)
-              squared += (x[k][d][lane] - x[other][d][lane]) * (x[k][d][lane] - x[other][d][lane]);
+              squared += (node(k)[d] - node(other)[d]) * (node(k)[d] - node(other)[d]);
             shortest = std::min(shortest, squared);
           }
+          for (unsigned int d = 0; d < dim; ++d)
+            centre[d] += node(k)[d] / n_nodes;
+        }
         if (shortest / (2. * diffusivity) < limit.time_step)
         {
           limit.time_step = shortest / (2. * diffusivity);
-          limit.place = Points::centre(x, lane);
+          limit.place = centre;
         }
       }
-    }
     return limit;
   }
 } // namespace tombolo

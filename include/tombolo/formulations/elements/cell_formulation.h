@@ -133,7 +133,8 @@ namespace tombolo
     StepLimit diffusion_limit(const NodalVector &position) const override
     {
       return diffusion_limit_of_cells(
-          cell_points, thermal_properties->largest_diffusivity() / material().density(), position);
+          cell_points.cells(), thermal_properties->largest_diffusivity() / material().density(),
+          position);
     }
 
     void add_plastic_heat(NodalVector &heat) override

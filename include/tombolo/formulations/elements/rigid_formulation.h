@@ -91,7 +91,7 @@ namespace tombolo
     StepLimit diffusion_limit(const NodalVector &position) const override
     {
       return diffusion_limit_of_cells(
-          cell_points, heat->largest_diffusivity() / part_material->density(), position);
+          cell_points.cells(), heat->largest_diffusivity() / part_material->density(), position);
     }
 
     void point_positions(const NodalVector & /*position*/,

@@ -5,7 +5,7 @@
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
-#include <tombolo/formulations/smoothed/refined_faces.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
 #include <tombolo/formulations/smoothed/smoothed_point_state.h>
@@ -54,19 +54,29 @@ namespace tombolo
     dealii::IndexSet required_nodes() const override;
     void set_partition(const NodePartition &partition) override;
     void add_mass(NodalVector &mass) const override;
-    void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
+    {
+      integration.add_internal_force(input, force);
+    }
     std::string failure() const override
     {
       return integration.failure();
     }
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 double time_step, NodalVector &force) const override;
+                                 const double time_step, NodalVector &force) const override
+    {
+      integration.apply_elastic_stiffness(position, velocity, time_step, force);
+    }
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
     void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override;
     EnergyAccounts energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
-                        const NodalVector &temperature, NodalVector &heat_rate) const override;
+                        const NodalVector &temperature, NodalVector &heat_rate) const override
+    {
+      rows.add_conduction(cells, heat->conductivity(), position, of_conductivity, temperature,
+                          heat_rate);
+    }
     StepLimit diffusion_limit(const NodalVector &position) const override;
     void add_plastic_heat(NodalVector &heat) override;
     double pending_plastic_heat() const override
@@ -75,9 +85,18 @@ namespace tombolo
     }
     void point_positions(const NodalVector &position,
                          std::vector<dealii::Point<dim>> &positions) const override;
-    const std::vector<dealii::Point<dim>> &initial_point_positions() const override;
-    const MaterialPoints &points() const override;
-    MaterialPoints &points() override;
+    const std::vector<dealii::Point<dim>> &initial_point_positions() const override
+    {
+      return initial_points;
+    }
+    const MaterialPoints &points() const override
+    {
+      return integration.points();
+    }
+    MaterialPoints &points() override
+    {
+      return integration.points();
+    }
     const Material &material() const override
     {
       return integration.material();
@@ -86,7 +105,10 @@ namespace tombolo
     {
       return cells.n_cells();
     }
-    unsigned int n_points_per_cell() const override;
+    unsigned int n_points_per_cell() const override
+    {
+      return has_points ? rows.n_points_per_cell() : 0;
+    }
     unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
     {
       return point_at(cells.place(cell), q);
@@ -102,8 +124,14 @@ namespace tombolo
     void serialize(StateArchive &archive) override;
 
     void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take) override;
-    void find_couplings(const NodeGroupAction &use) const override;
+                             const std::function<void(const CellEquations &)> &take) override
+    {
+      integration.find_cell_equations(input, take);
+    }
+    void find_couplings(const NodeGroupAction &use) const override
+    {
+      rows.find_couplings(n_cells(), use);
+    }
     std::optional<std::string> unfit_to_linearize() const override
     {
       return integration.unfit_to_linearize();

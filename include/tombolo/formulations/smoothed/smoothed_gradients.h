@@ -4,9 +4,10 @@
 #include <tombolo/approximation/convex_approximation.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/smoothed/integration_rule.h>
 #include <tombolo/formulations/smoothed/sub_cells.h>
+#include <tombolo/materials/temperature_table.h>
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/point.h>
@@ -50,9 +51,15 @@ namespace tombolo
     /** Throws InputError. */
     explicit SmoothedGradients(const Section &section);
 
-    SmoothedIntegrationRule integration_rule() const;
+    SmoothedIntegrationRule integration_rule() const
+    {
+      return rule;
+    }
 
-    unsigned int n_points_per_cell() const;
+    unsigned int n_points_per_cell() const
+    {
+      return static_cast<unsigned int>(shares_of_points.size());
+    }
 
     /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
      * outside of the hull of its neighbours; then they stay as they are. With @p position, whose
@@ -62,22 +69,46 @@ namespace tombolo
     void initialize(const PartSetup<dim> &setup, const NodalVector *position = nullptr);
 
     /** Makes required_nodes() those of all positions that initialize() can get; before it. */
-    void prepare_positions();
+    void prepare_positions()
+    {
+      can_move = true;
+    }
 
     /** Gradients at points: rows are the points, particle_node a node of their cell. */
-    const Stencils &stencils() const;
+    const Stencils &stencils() const
+    {
+      return rows;
+    }
 
     /** V_q of each point, padding included [L^dim]. */
-    const std::vector<double> &volumes() const;
+    const std::vector<double> &volumes() const
+    {
+      return point_volumes;
+    }
 
     /** The shares of the corners of its cell (lexicographic) in the place of each point. */
-    const std::vector<std::vector<double>> &corner_shares() const;
+    const std::vector<std::vector<double>> &corner_shares() const
+    {
+      return shares_of_points;
+    }
 
     /** Slot 0 of a vector at the points of a batch of cells with these local @p nodes
      * (CellBatches::nodes()), by corner_shares(): n_points_per_cell() times n_lanes numbers. */
     void interpolate(const unsigned int *nodes, const NodalVector &vector, double *at_points) const;
 
-    const dealii::IndexSet &required_nodes() const;
+    /** Formulation::add_conduction(): -Σ_q V_q k ∇θ · ∇φ with the gradients carried to the present
+     * @p position, and k at the mean of the corners of each point. */
+    void add_conduction(const CellBatches<dim> &cells, const TemperatureTable &conductivity,
+                        const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const;
+
+    /** Formulation::find_couplings(): a cell acts on all neighbours of its points. */
+    void find_couplings(unsigned int n_cells, const NodeGroupAction &use) const;
+
+    const dealii::IndexSet &required_nodes() const
+    {
+      return node_set;
+    }
     void set_partition(const NodePartition &partition);
 
   private:

@@ -6,10 +6,10 @@
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
-#include <tombolo/formulations/row_material.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/materials/strain_measure.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,45 +42,53 @@ namespace tombolo
                                  double time_step, NodalVector &force) const;
     /** To the corners of the cells by mass; @p of_cells becomes what each has given. */
     void add_plastic_heat(NodalVector &heat, std::vector<double> &of_cells);
-    double pending_plastic_heat() const;
+    double pending_plastic_heat() const
+    {
+      return plastic_heating.pending(material_points);
+    }
     /** See Formulation::find_volumes(). */
     void take_volumes(const NodalVector &position, const std::vector<bool> &are_new);
     EnergyAccounts energies() const;
-    const std::string &failure() const;
+    const std::string &failure() const
+    {
+      return failure_message;
+    }
+    void find_cell_equations(const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take);
+    std::string unfit_to_linearize() const
+    {
+      return bulk_viscosity.is_on() ? "artificial bulk viscosity, which resists rates" : "";
+    }
     ///@}
-
-    /** For the tangent of the points. */
-    RowMaterial row_material();
-    std::string unfit_to_linearize() const;
 
     /** The squares of the speeds of longitudinal waves in the cells of a batch, over that of the
      * material in the initial state: the largest of their points. */
     Lanes squared_speed(unsigned int batch) const;
 
-    const Material &material() const;
-    const MaterialPoints &points() const;
-    MaterialPoints &points();
-
+    const Material &material() const
+    {
+      return *part_material;
+    }
+    const MaterialPoints &points() const
+    {
+      return material_points;
+    }
+    MaterialPoints &points()
+    {
+      return material_points;
+    }
     const PlasticHeating &heating() const
     {
       return plastic_heating;
     }
 
   private:
-    /** Points of a cell, at most. */
-    static constexpr unsigned int most_points = dim == 3 ? 8 : 4;
-
     template <unsigned int n_points>
     struct BatchMotion;
 
     template <unsigned int n_points>
-    void add_force_of_points(const MechanicalInput &input, NodalVector &force);
-    template <unsigned int n_points>
     void advance_motion(unsigned int batch, const MechanicalInput &input,
                         BatchMotion<n_points> &motion);
-    template <unsigned int n_points>
-    void apply_stiffness_of_points(const NodalVector &position, const NodalVector &velocity,
-                                   double time_step, NodalVector &force) const;
     /** F⁻ᵀ, L and the volumes of the points of a batch, the dilatation shared. */
     template <unsigned int n_points>
     void find_motion(unsigned int batch, const NodalVector &position, const NodalVector &velocity,

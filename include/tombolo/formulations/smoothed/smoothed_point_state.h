@@ -20,7 +20,10 @@ namespace tombolo
     SmoothedPointState(MaterialPoints &points, double density, const PlasticHeating &heating,
                        const SmoothedGradients<dim> &rows, const CellBatches<dim> &cells);
 
-    unsigned int n_components() const;
+    unsigned int n_components() const
+    {
+      return static_cast<unsigned int>(components.size());
+    }
 
     /** Has where points are in their cells. */
     const SmoothedGradients<dim> &gradients() const
@@ -28,11 +31,14 @@ namespace tombolo
       return rows;
     }
 
-    /** The component that is J. */
-    unsigned int volume_ratio() const;
+    /** The component that is J, after those of the stress. */
+    static constexpr unsigned int volume_ratio = 6;
 
     /** That of the initial density and J [M]. */
-    double mass(unsigned int point) const;
+    double mass(const unsigned int point) const
+    {
+      return density * initial_volume(point);
+    }
 
     void get(unsigned int point, double mass, double *values) const;
     void set(unsigned int point, double mass, double volume, const double *values);
@@ -61,7 +67,11 @@ namespace tombolo
       Measure measure;
     };
 
-    double initial_volume(unsigned int point) const;
+    double initial_volume(const unsigned int point) const
+    {
+      return points.component(MaterialPoints::volume, 0)[point] /
+             points.component(MaterialPoints::volume_ratio, 0)[point];
+    }
 
     MaterialPoints &points;
     std::vector<Component> components;
@@ -70,10 +80,4 @@ namespace tombolo
     const SmoothedGradients<dim> &rows;
     const CellBatches<dim> &cells;
   };
-
-  /** The initial positions of the points of cells, in batches, with the @p shares of the corners of
-   * a cell in each of its points, [q][k]. While the cells know their initial positions. */
-  template <int dim>
-  std::vector<dealii::Point<dim>> initial_points_of(const CellBatches<dim> &cells,
-                                                    const std::vector<std::vector<double>> &shares);
 } // namespace tombolo

@@ -6,6 +6,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -45,6 +46,18 @@ namespace tombolo
 
     static const std::vector<Facet> &facets();
 
+    /** Whether a corner, lexicographic, has an even number of coordinates that are one. */
+    static constexpr bool is_even(const unsigned int corner)
+    {
+      return ((corner ^ (corner >> 1) ^ (corner >> 2)) & 1u) == 0;
+    }
+
+    /** Whether a corner, lexicographic, is one of a face. */
+    static constexpr bool is_on_face(const unsigned int corner, const unsigned int face)
+    {
+      return ((corner >> (face / 2)) & 1u) == face % 2;
+    }
+
     static dealii::Point<dim> point_at(const Shares &shares, const Corners &corners);
 
     /** Area times normal, from `from` to `to` [L^(dim-1)]. */
@@ -53,4 +66,29 @@ namespace tombolo
     /** The centroids of the sub-cells of a parallelepiped. */
     static const std::array<Shares, n_sub_cells> &centroids();
   };
+
+  /** How cells are integrated with the functions of ConvexApproximation. */
+  enum class SmoothedIntegrationRule
+  {
+    smoothed, ///< four sub-cells, gradients from their facets
+    one_point
+  };
+
+  /** That of the value @p name of `Integration`. */
+  SmoothedIntegrationRule smoothed_integration_rule(const std::string &name);
+
+  /** The middle of a cell, and the derivative of places by those in the unit cell there, whose
+   * determinant is the volume of the point. */
+  template <int dim>
+  struct PointOfCell
+  {
+    explicit PointOfCell(const typename SubCells<dim>::Corners &corners);
+
+    dealii::Point<dim> place;
+    dealii::Tensor<2, dim> jacobian;
+  };
+
+  /** Of each point or sub-cell the shares of the corners of its cell in its place. */
+  template <int dim>
+  std::vector<std::vector<double>> corner_shares_of_points(SmoothedIntegrationRule rule);
 } // namespace tombolo

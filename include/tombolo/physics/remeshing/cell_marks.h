@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/smoothed/refilled_cells.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
+#include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <algorithm>
@@ -10,6 +13,19 @@
 
 namespace tombolo
 {
+  /** What smoothed_cells_of() needs of a part, with these void cells if they are on. */
+  template <int dim>
+  PartSetup<dim> mesh_of_part(const Model<dim> &model, const unsigned int part,
+                              const VoidCells<dim> *const voids = nullptr)
+  {
+    PartSetup<dim> setup;
+    setup.index = part;
+    setup.nodes = model.nodes.get();
+    setup.part_cells = model.part_cells.get();
+    setup.void_cells = voids != nullptr && voids->is_on() ? voids : nullptr;
+    return setup;
+  }
+
   /** Marks of nodes by the cells that have them. @p Nodes are the local numbers of the corners of
    * cells of this rank. */
   namespace CellMarks
@@ -21,17 +37,20 @@ namespace tombolo
                          [&](const unsigned int node) { return *marks.node(node) > 0.; });
     }
 
-    /** Marks the nodes of the cells that are chosen, or of those that are not, in @p marks
-     * (scalar), whose ghosts are current then. Collective. */
+    /** Scalar, with ghosts: positive at the nodes of the cells that are chosen, or of those that
+     * are not. Collective. */
     template <typename Nodes>
-    void mark(const std::vector<Nodes> &of_cells, const std::vector<bool> &is_chosen,
-              const bool of_chosen, NodalVector &marks)
+    NodalVector nodes_of(const std::shared_ptr<const NodePartition> &partition,
+                         const std::vector<Nodes> &of_cells, const std::vector<bool> &is_chosen,
+                         const bool of_chosen = true)
     {
-      for (std::size_t c = 0; c < of_cells.size(); ++c)
-        if (is_chosen[c] == of_chosen)
-          for (const unsigned int node : of_cells[c])
-            *marks.node(node) = 1.;
-      marks.sum_over_ranks();
+      return marked_nodes(partition,
+                          [&](const auto &mark)
+                          {
+                            for (std::size_t c = 0; c < of_cells.size(); ++c)
+                              if (is_chosen[c] == of_chosen)
+                                std::for_each(of_cells[c].begin(), of_cells[c].end(), mark);
+                          });
     }
 
     /** Which cells have a marked node. */
@@ -50,14 +69,14 @@ namespace tombolo
     NodalVector nodes_between_sizes(const std::vector<SmoothedCell<dim>> &cells,
                                     const std::shared_ptr<const NodePartition> &partition)
     {
-      NodalVector result;
-      result.reinit(partition, Quantity::scalar);
-      for (const SmoothedCell<dim> &cell : cells)
-        if (cell.has_further_nodes())
-          for (const dealii::types::global_dof_index node : cell.all_nodes())
-            *result.node(partition->local_index(node)) = 1.;
-      result.sum_over_ranks();
-      return result;
+      return marked_nodes(partition,
+                          [&](const auto &mark)
+                          {
+                            for (const SmoothedCell<dim> &cell : cells)
+                              if (cell.has_further_nodes())
+                                for (const dealii::types::global_dof_index node : cell.all_nodes())
+                                  mark(partition->local_index(node));
+                          });
     }
   } // namespace CellMarks
 } // namespace tombolo

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <tombolo/base/input/expression.h>
-#include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/smoothed/integration_rule.h>
-#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
+#include <tombolo/formulations/smoothed/sub_cells.h>
 #include <tombolo/model/model.h>
 #include <tombolo/remesh/cell_overlap.h>
 
@@ -16,11 +16,11 @@ namespace tombolo
   {
   public:
     /** @p mass: that of the part before the refill, owned. */
-    NodalContent(const Model<dim> &model, unsigned int part, const NodalVector &mass);
+    NodalContent(const Model<dim> &model, unsigned int part, NodalVector mass);
 
     NodalVector mass;     ///< before, scalar, owned
     NodalVector enthalpy; ///< per mass, at the three times of ThermalState; those of after
-    NodalVector initial;  ///< those of before
+    NodalVector initial;  ///< those of before, with ghosts
 
     /** The three temperatures of ThermalState at the nodes of the part. */
     NodalVector temperatures(const Model<dim> &model) const;
@@ -30,15 +30,15 @@ namespace tombolo
      */
     void give_heat(Model<dim> &model, const NodalVector &after) const;
 
+    /** The volumes of all points at t_{n-1}, by cell and point; zero of void cells. @p lattice: the
+     * cells initially; @p after: the places of their nodes at t_n, with ghosts as @p velocity. */
+    static std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
+                                              const std::vector<SmoothedCell<dim>> &lattice,
+                                              SmoothedIntegrationRule rule,
+                                              const NodalVector &after, const NodalVector &velocity,
+                                              double step);
+
   private:
     unsigned int part;
   };
-
-  /** The volumes of all points at t_{n-1}, by cell and point; zero of void cells. @p lattice: the
-   * cells initially; @p after: the places of their nodes at t_n, with ghosts as @p velocity. */
-  template <int dim>
-  std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
-                                     const std::vector<SmoothedCell<dim>> &lattice,
-                                     SmoothedIntegrationRule rule, const NodalVector &after,
-                                     const NodalVector &velocity, double step);
 } // namespace tombolo

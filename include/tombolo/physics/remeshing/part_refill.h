@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/nodal_content.h>
@@ -46,37 +46,10 @@ namespace tombolo
       return moved;
     }
 
-    /** Whether cells are filled and emptied. */
-    bool fills_cells() const
-    {
-      return settings().fills_cells();
-    }
-
     /** See FilledPlaces; only where cells are filled. Collective. */
     std::optional<dealii::Point<dim>> reached_end(const MPI_Comm communicator) const
     {
       return places.filled()->reached_end(communicator);
-    }
-
-    unsigned int number_of_part() const
-    {
-      return part;
-    }
-
-    /** Whether nodes of the surface slide. */
-    bool slides() const
-    {
-      return places.slides();
-    }
-
-    bool is_conservative() const
-    {
-      return by_values == nullptr;
-    }
-
-    const RefillSettings &settings() const
-    {
-      return cells.refill();
     }
 
     unsigned long n_refills() const
@@ -87,6 +60,9 @@ namespace tombolo
     /** Writes or reads how the part is referred to, before its points are read. Returns whether it
      * has another reference than the initial one. Collective. */
     bool serialize(const Model<dim> &model, StateArchive &archive);
+
+    const unsigned int part;
+    const RefillSettings &settings;
 
   private:
     using Corners = typename SubCells<dim>::Corners;
@@ -121,7 +97,6 @@ namespace tombolo
     void take_masses(const Cells &remapped, const std::vector<double> &volumes, PointValues &points,
                      MPI_Comm communicator);
 
-    unsigned int part;
     SmoothedCells<dim> &cells;
     RefillPlaces<dim> places;
     SmoothedIntegrationRule rule;

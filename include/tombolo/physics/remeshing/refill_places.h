@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/filled_places.h>
 #include <tombolo/physics/remeshing/lattice_motion.h>
@@ -47,33 +47,10 @@ namespace tombolo
     }
     void set_partition(const NodePartition &partition);
 
-    /** Whether nodes of the surface slide. */
-    bool slides() const
-    {
-      return settings.surface_slides();
-    }
-
     /** What fills and empties cells; null where they stay full. */
-    FilledPlaces<dim> *filled()
+    FilledPlaces<dim> *filled() const
     {
       return with_void.get();
-    }
-    const FilledPlaces<dim> *filled() const
-    {
-      return with_void.get();
-    }
-
-    /** Adds the cells that are to be refilled because the mesh moves. Collective. */
-    void add_moved_cells(const Model<dim> &model, const Clock &clock,
-                         std::vector<unsigned int> &distorted) const
-    {
-      motion.add_moved_cells(cells, clock.time, model.communicator, distorted);
-    }
-
-    /** The time of the last refill, for a checkpoint [T]. */
-    double &time_of_last()
-    {
-      return motion.time_of_last;
     }
 
     /** The places of all nodes after a refill of these cells. @p volumes: see FilledPlaces.
@@ -94,6 +71,8 @@ namespace tombolo
       return on_surface;
     }
 
+    LatticeMotion<dim> motion;
+
   private:
     /** Finds the nodes that may move. Collective. */
     void find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted);
@@ -110,12 +89,10 @@ namespace tombolo
      * there is none. Collective. */
     std::optional<NodalVector> nodes_of_unusable_cells(const NodalVector &before,
                                                        const NodalVector &after) const;
-    bool is_usable(unsigned int cell, const NodalVector &before, const NodalVector &after) const;
 
     const SmoothedCells<dim> &part;
     const RefillSettings &settings;
     std::vector<SmoothedCell<dim>> cells;
-    LatticeMotion<dim> motion;
     CellNodes local_nodes;
     std::unique_ptr<SurfaceSlide<dim>> surface;   // null: nodes of the boundary do not slide by it
     std::unique_ptr<FilledPlaces<dim>> with_void; // null: no void cells

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/registry.h>
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 
 #include <algorithm>
@@ -43,4 +44,24 @@ namespace tombolo
   {
     static constexpr const char *name = "refinement criterion";
   };
+
+  /** Calls @p visit(part, number, cell, local nodes) for all owned cells of all parts. */
+  template <int dim, typename Visitor>
+  void for_cells(const Model<dim> &model, const Visitor &visit)
+  {
+    std::vector<dealii::types::global_dof_index> nodes;
+    std::vector<unsigned int> local;
+    for (unsigned int part = 0; part < model.parts.size(); ++part)
+    {
+      unsigned int number = 0;
+      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
+      {
+        model.nodes->cell_nodes(cell, nodes);
+        local.clear();
+        for (const auto node : nodes)
+          local.push_back(model.state.partition()->local_index(node));
+        visit(part, number++, cell, local);
+      }
+    }
+  }
 } // namespace tombolo

@@ -5,7 +5,7 @@
 
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/smoothed/refined_cell_facets.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
 #include <gtest/gtest.h>

@@ -4,11 +4,13 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/sub_cells.h>
 
+#include <deal.II/base/bounding_box.h>
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -49,14 +51,58 @@ namespace tombolo
     dealii::Point<dim> point;
   };
 
-  /** The refined faces of an active cell, which must be one of this rank. */
+  /** A cell of this rank: its corners, lexicographic, and which of its faces bound what is full of
+   * the part. A void cell has no such faces. */
   template <int dim>
-  std::vector<RefinedFace<dim>> refined_faces_of(const typename Nodes<dim>::Cell &cell);
+  struct SmoothedCell
+  {
+    std::vector<dealii::types::global_dof_index> nodes;
+    typename SubCells<dim>::Corners corners;
+    std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_on_boundary{};
+    std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_towards_void{};
+    /** Of faces on the boundary of the mesh; else numbers::internal_face_boundary_id. */
+    std::array<dealii::types::boundary_id, dealii::GeometryInfo<dim>::faces_per_cell> boundary_ids;
+    bool is_void = false;
+    std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
+    std::vector<RefinedEdge<dim>> refined_edges; ///< beside such cells
 
-  /** The refined edges of such a cell, those of its refined faces too. None in the plane, where
-   * edges are faces. */
+    /** Whether it has nodes besides its corners: those of cells of half its size on its faces or
+     * edges. */
+    bool has_further_nodes() const
+    {
+      return !refined_faces.empty() || !refined_edges.empty();
+    }
+
+    /** These nodes and the corners; some several times. */
+    std::vector<dealii::types::global_dof_index> all_nodes() const
+    {
+      std::vector<dealii::types::global_dof_index> result = nodes;
+      for (const RefinedFace<dim> &face : refined_faces)
+        for (const auto &part : face.parts)
+          result.insert(result.end(), part.nodes.begin(), part.nodes.end());
+      for (const RefinedEdge<dim> &edge : refined_edges)
+        result.push_back(edge.node);
+      return result;
+    }
+
+    dealii::BoundingBox<dim> box() const
+    {
+      return dealii::BoundingBox<dim>(
+          std::vector<dealii::Point<dim>>(corners.begin(), corners.end()));
+    }
+
+    dealii::Point<dim> centre() const
+    {
+      dealii::Point<dim> result;
+      for (const dealii::Point<dim> &corner : corners)
+        result += corner / static_cast<double>(corners.size());
+      return result;
+    }
+  };
+
+  /** The cells of the part that this rank owns, in the order of active cells. */
   template <int dim>
-  std::vector<RefinedEdge<dim>> refined_edges_of(const typename Nodes<dim>::Cell &cell);
+  std::vector<SmoothedCell<dim>> smoothed_cells_of(const PartSetup<dim> &setup);
 
   /** A plane facet of a cell with refined faces; see SubCells::Facet. */
   template <int dim>
@@ -90,6 +136,48 @@ namespace tombolo
   graded_facets(const typename SubCells<dim>::Corners &corners,
                 const std::vector<RefinedFace<dim>> &refined_faces,
                 const std::vector<RefinedEdge<dim>> &refined_edges = {});
+
+  /** The facets of a cell with hanging nodes where its nodes are now, in the order of those of its
+   * start. @p place_of: the place of a node by its global number. */
+  template <int dim, typename PlaceOf>
+  std::vector<GradedFacet<dim>> present_facets(const SmoothedCell<dim> &cell,
+                                               const PlaceOf &place_of)
+  {
+    typename SubCells<dim>::Corners corners;
+    for (unsigned int k = 0; k < corners.size(); ++k)
+      corners[k] = place_of(cell.nodes[k]);
+    std::vector<RefinedFace<dim>> faces = cell.refined_faces;
+    std::vector<RefinedEdge<dim>> edges = cell.refined_edges;
+    for (RefinedFace<dim> &face : faces)
+      for (auto &part : face.parts)
+        for (unsigned int k = 0; k < part.nodes.size(); ++k)
+          part.points[k] = place_of(part.nodes[k]);
+    for (RefinedEdge<dim> &edge : edges)
+      edge.point = place_of(edge.node);
+    std::vector<GradedFacet<dim>> result = graded_facets<dim>(corners, faces, edges);
+    const std::vector<GradedFacet<dim>> of_start =
+        graded_facets<dim>(cell.corners, cell.refined_faces, cell.refined_edges);
+    for (std::size_t f = 0; f < result.size(); ++f)
+      result[f].orientation = of_start[f].orientation;
+    return result;
+  }
+
+  /** The volumes of the sub-cells that these facets bound [L^dim]. */
+  template <int dim>
+  std::array<double, SubCells<dim>::n_sub_cells>
+  volumes_within(const std::vector<GradedFacet<dim>> &facets)
+  {
+    std::array<double, SubCells<dim>::n_sub_cells> result{};
+    const dealii::Point<dim> origin = facets.front().vertices.front().place;
+    for (const GradedFacet<dim> &facet : facets)
+    {
+      const double volume = facet.area() * (facet.centroid() - origin) / dim;
+      result[facet.from] += volume;
+      if (facet.to != SubCells<dim>::outside)
+        result[facet.to] -= volume;
+    }
+    return result;
+  }
 
   /**
    * What the masses of hanging nodes have of the cells on whose faces they lie, and what the

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/smoothed/refined_faces.h>
+#include <tombolo/formulations/smoothed/smoothed_cell.h>
 
-#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/refilled_cells.h>
+#include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/quadrature_lib.h>
 
@@ -29,6 +30,77 @@ namespace tombolo
       while (corner < GeometryInfo<dim>::vertices_per_cell && cell->vertex_index(corner) != vertex)
         ++corner;
       return corner;
+    }
+
+    /** The refined faces of an active cell, which must be one of this rank. */
+    template <int dim>
+    std::vector<RefinedFace<dim>> refined_faces_of(const typename Nodes<dim>::Cell &cell)
+    {
+      constexpr unsigned int n = RefinedFace<dim>::n_parts;
+      std::vector<RefinedFace<dim>> result;
+      for (const unsigned int f : cell->face_indices())
+      {
+        const auto face = cell->face(f);
+        if (!face->has_children())
+          continue;
+        RefinedFace<dim> refined;
+        refined.face = f;
+        std::array<std::array<unsigned int, n>, n> vertices; // as the nodes of the parts
+        for (unsigned int child = 0; child < n; ++child)
+        {
+          const auto fine = face->child(child);
+          // Opposite vertices of a face have numbers whose sum is n - 1.
+          unsigned int first = 0;
+          while (corner_of<dim>(cell, fine->vertex_index(first)) == SubCells<dim>::n_corners)
+            ++first;
+          typename RefinedFace<dim>::Part &part = refined.parts[child];
+          part.corner = corner_of<dim>(cell, fine->vertex_index(first));
+          for (unsigned int k = 0; k < n; ++k)
+          {
+            vertices[child][k] = fine->vertex_index(first ^ k);
+            part.nodes[k] = fine->vertex_dof_index(first ^ k, 0);
+            part.points[k] = fine->vertex(first ^ k);
+          }
+        }
+        if constexpr (dim == 3)
+          for (unsigned int child = 0; child < n; ++child)
+            for (unsigned int other = 0; other < n; ++other)
+              for (const unsigned int edge : {0u, 1u})
+                if (other != child && (vertices[other][1] == vertices[child][1 + edge] ||
+                                       vertices[other][2] == vertices[child][1 + edge]))
+                  refined.parts[child].neighbours[edge] = refined.parts[other].corner;
+        result.push_back(refined);
+      }
+      return result;
+    }
+
+    /** The refined edges of such a cell, those of its refined faces too. None in the plane, where
+     * edges are faces. */
+    template <int dim>
+    std::vector<RefinedEdge<dim>>
+    refined_edges_of([[maybe_unused]] const typename Nodes<dim>::Cell &cell)
+    {
+      std::vector<RefinedEdge<dim>> result;
+      if constexpr (dim == 3)
+        for (const unsigned int l : cell->line_indices())
+        {
+          const auto line = cell->line(l);
+          if (!line->has_children())
+            continue;
+          RefinedEdge<dim> edge;
+          for (unsigned int end = 0; end < 2; ++end)
+            edge.corners[end] = corner_of<dim>(cell, line->vertex_index(end));
+          // The middle is the vertex that both halves have.
+          const auto half = line->child(0);
+          const unsigned int middle = half->vertex_index(0) == line->vertex_index(0) ||
+                                              half->vertex_index(0) == line->vertex_index(1)
+                                          ? 1
+                                          : 0;
+          edge.node = half->vertex_dof_index(middle, 0);
+          edge.point = half->vertex(middle);
+          result.push_back(edge);
+        }
+      return result;
     }
 
     template <int dim>
@@ -76,11 +148,6 @@ namespace tombolo
                            [&](const auto &part) { return part.corner == corner; });
     }
 
-    bool is_even_corner(const unsigned int corner)
-    {
-      return (((corner & 1u) + ((corner >> 1) & 1u) + ((corner >> 2) & 1u)) & 1u) == 0;
-    }
-
     /** The facets on a refined face, turned outward. */
     void add_facets_of_face(const RefinedFace<2> &face, const Tensor<1, 2> &outward,
                             std::vector<GradedFacet<2>> &facets)
@@ -108,7 +175,8 @@ namespace tombolo
             facet.vertices = {{vertex_of_part<3>(part, end), vertex_of_part<3>(part, 1 + edge),
                                middle_of_part<3>(part)}};
             // The sub-cells of even corners meet in the diagonal between the odd ones.
-            facet.from = (is_even_corner(part.corner) ? part.corner : part.neighbours[edge]) / 2;
+            facet.from =
+                (SubCells<3>::is_even(part.corner) ? part.corner : part.neighbours[edge]) / 2;
             facet.to = SubCells<3>::outside;
             facet.face = face.face;
             facet.orientation = facet.area() * outward < 0. ? -1. : 1.;
@@ -142,13 +210,6 @@ namespace tombolo
       return result;
     }
 
-    void add_inner_facet(const SubCells<2>::Facet &facet, const SubCells<2>::Corners &corners,
-                         const std::vector<RefinedFace<2>> & /*refined_faces*/,
-                         std::vector<GradedFacet<2>> &facets)
-    {
-      facets.push_back(unrefined_facet<2>(facet, corners));
-    }
-
     /** Its edge in a refined face goes through the middle of a fine face there. */
     void add_inner_facet(const SubCells<3>::Facet &facet, const SubCells<3>::Corners &corners,
                          const std::vector<RefinedFace<3>> &refined_faces,
@@ -180,13 +241,6 @@ namespace tombolo
       result.place = edge.point;
       result.of_hanging_nodes.emplace_back(edge.node, 1.);
       return result;
-    }
-
-    void add_outer_facet(const SubCells<2>::Facet &facet, const SubCells<2>::Corners &corners,
-                         const std::vector<RefinedEdge<2>> & /*refined_edges*/,
-                         std::vector<GradedFacet<2>> &facets)
-    {
-      facets.push_back(unrefined_facet<2>(facet, corners));
     }
 
     /** A facet on an unrefined face is between an edge and the middle of the face. */
@@ -264,70 +318,36 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  std::vector<RefinedFace<dim>> refined_faces_of(const typename Nodes<dim>::Cell &cell)
+  std::vector<SmoothedCell<dim>> smoothed_cells_of(const PartSetup<dim> &setup)
   {
-    constexpr unsigned int n = RefinedFace<dim>::n_parts;
-    std::vector<RefinedFace<dim>> result;
-    for (const unsigned int f : cell->face_indices())
+    std::vector<SmoothedCell<dim>> result;
+    std::vector<Point<dim>> points;
+    for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
     {
-      const auto face = cell->face(f);
-      if (!face->has_children())
-        continue;
-      RefinedFace<dim> refined;
-      refined.face = f;
-      std::array<std::array<unsigned int, n>, n> vertices; // as the nodes of the parts
-      for (unsigned int child = 0; child < n; ++child)
+      SmoothedCell<dim> found;
+      setup.nodes->cell_nodes(cell, found.nodes);
+      setup.nodes->cell_points(cell, points);
+      std::copy(points.begin(), points.end(), found.corners.begin());
+      const auto is_void = [&setup](const typename Nodes<dim>::Cell &of_part)
+      { return setup.void_cells != nullptr && setup.void_cells->is_void(of_part); };
+      found.is_void = is_void(cell);
+      for (const unsigned int face : cell->face_indices())
       {
-        const auto fine = face->child(child);
-        // Opposite vertices of a face have numbers whose sum is n - 1.
-        unsigned int first = 0;
-        while (corner_of<dim>(cell, fine->vertex_index(first)) == SubCells<dim>::n_corners)
-          ++first;
-        typename RefinedFace<dim>::Part &part = refined.parts[child];
-        part.corner = corner_of<dim>(cell, fine->vertex_index(first));
-        for (unsigned int k = 0; k < n; ++k)
-        {
-          vertices[child][k] = fine->vertex_index(first ^ k);
-          part.nodes[k] = fine->vertex_dof_index(first ^ k, 0);
-          part.points[k] = fine->vertex(first ^ k);
-        }
-      }
-      if constexpr (dim == 3)
-        for (unsigned int child = 0; child < n; ++child)
-          for (unsigned int other = 0; other < n; ++other)
-            for (const unsigned int edge : {0u, 1u})
-              if (other != child && (vertices[other][1] == vertices[child][1 + edge] ||
-                                     vertices[other][2] == vertices[child][1 + edge]))
-                refined.parts[child].neighbours[edge] = refined.parts[other].corner;
-      result.push_back(refined);
-    }
-    return result;
-  }
-
-  template <int dim>
-  std::vector<RefinedEdge<dim>>
-  refined_edges_of([[maybe_unused]] const typename Nodes<dim>::Cell &cell)
-  {
-    std::vector<RefinedEdge<dim>> result;
-    if constexpr (dim == 3)
-      for (const unsigned int l : cell->line_indices())
-      {
-        const auto line = cell->line(l);
-        if (!line->has_children())
+        found.boundary_ids[face] = cell->face(face)->boundary_id();
+        if (found.is_void)
           continue;
-        RefinedEdge<dim> edge;
-        for (unsigned int end = 0; end < 2; ++end)
-          edge.corners[end] = corner_of<dim>(cell, line->vertex_index(end));
-        // The middle is the vertex that both halves have.
-        const auto half = line->child(0);
-        const unsigned int middle = half->vertex_index(0) == line->vertex_index(0) ||
-                                            half->vertex_index(0) == line->vertex_index(1)
-                                        ? 1
-                                        : 0;
-        edge.node = half->vertex_dof_index(middle, 0);
-        edge.point = half->vertex(middle);
-        result.push_back(edge);
+        // The size of cells changes inside of the part only.
+        const bool is_at_end = cell->at_boundary(face) ||
+                               (!cell->face(face)->has_children() &&
+                                setup.part_cells->part_of(cell->neighbor(face)) != setup.index);
+        found.is_towards_void[face] =
+            !is_at_end && !cell->face(face)->has_children() && is_void(cell->neighbor(face));
+        found.is_on_boundary[face] = is_at_end || found.is_towards_void[face];
       }
+      found.refined_faces = refined_faces_of<dim>(cell);
+      found.refined_edges = refined_edges_of<dim>(cell);
+      result.push_back(std::move(found));
+    }
     return result;
   }
 
@@ -362,9 +382,13 @@ namespace tombolo
                          [&](const RefinedFace<dim> &refined) { return refined.face == face; });
     };
     for (const auto &facet : SubCells<dim>::facets())
-      if (facet.to != SubCells<dim>::outside)
+      if (facet.to == SubCells<dim>::outside && is_refined(facet.face))
+        continue;
+      else if constexpr (dim == 2)
+        result.push_back(unrefined_facet<dim>(facet, corners));
+      else if (facet.to != SubCells<dim>::outside)
         add_inner_facet(facet, corners, refined_faces, result);
-      else if (!is_refined(facet.face))
+      else
         add_outer_facet(facet, corners, refined_edges, result);
     for (const RefinedFace<dim> &refined : refined_faces)
     {
@@ -447,12 +471,10 @@ namespace tombolo
       *result.node(local_nodes[i]) += entries[i].share * of_cells[entries[i].cell];
   }
 
-  template std::vector<RefinedFace<2>> refined_faces_of<2>(const Nodes<2>::Cell &);
-  template std::vector<RefinedFace<3>> refined_faces_of<3>(const Nodes<3>::Cell &);
+  template std::vector<SmoothedCell<2>> smoothed_cells_of<2>(const PartSetup<2> &);
+  template std::vector<SmoothedCell<3>> smoothed_cells_of<3>(const PartSetup<3> &);
   template struct GradedFacet<2>;
   template struct GradedFacet<3>;
-  template std::vector<RefinedEdge<2>> refined_edges_of<2>(const Nodes<2>::Cell &);
-  template std::vector<RefinedEdge<3>> refined_edges_of<3>(const Nodes<3>::Cell &);
   template std::vector<GradedFacet<2>> graded_facets<2>(const SubCells<2>::Corners &,
                                                         const std::vector<RefinedFace<2>> &,
                                                         const std::vector<RefinedEdge<2>> &);
