@@ -28,7 +28,9 @@ namespace tombolo
         {"momentum consistent particle/Pair residual", "", cell_averages},
         {"momentum consistent particle/Pair residual limit", "", cell_averages},
         {"smoothed cells/Basis", "", "Leave it out: functions are those of largest entropy."},
-        {"smoothed cells/Integration", "Gauss", "Take `smoothed`, which passes the patch test."}};
+        {"smoothed cells/Integration", "Gauss", "Take `smoothed`, which passes the patch test."},
+        {"smoothed cells/Refill volume ratio", "",
+         "Leave it out: a fifth of the volume at the last refill is the limit."}};
 
     bool is_end_of(const std::string &path, const std::string &end)
     {

@@ -10,7 +10,6 @@ namespace tombolo
   namespace
   {
     const char *const stretch_entry = "Refill stretch";
-    const char *const volume_entry = "Refill volume ratio";
     const char *const refill_layers_entry = "Refill layers";
     const char *const surface_entry = "Refill surface";
     const char *const motion_entry = "Refill motion";
@@ -27,10 +26,8 @@ namespace tombolo
         "The part is refilled where the ratio of the largest to the smallest principal stretch of "
         "a point since the last refill is above this: inner nodes go back to places like those of "
         "the initial mesh, and the present configuration becomes the reference of the functions. "
-        "1.8 is a good value. Empty: never. Units: 1.");
-    handler.declare_entry(volume_entry, "0.2", Patterns::Double(0., 1.),
-                          "The part is refilled as well where a point has less than this share of "
-                          "its volume at the last refill. Units: 1.");
+        "1.8 is a good value. It is refilled as well where a point has less than a fifth of its "
+        "volume at the last refill. Empty: never. Units: 1.");
     handler.declare_entry(refill_layers_entry, "2", Patterns::Integer(0, 1000000),
                           "With a cell beyond a limit, the inner nodes of so many layers of cells "
                           "around it are placed anew. Nodes elsewhere stay.");
@@ -76,7 +73,6 @@ namespace tombolo
     if (!(largest_stretch > 1.))
       of_part.fail(stretch_entry, "allowed is a number above 1, such as 1.8; the ratio is 1 where "
                                   "nothing is deformed");
-    smallest_ratio = of_part.get_double(volume_entry);
     layers = of_part.get_unsigned(refill_layers_entry);
     steps_between_looks = of_part.get_unsigned(looks_entry);
     is_sliding = of_part.get(surface_entry) == "sliding";

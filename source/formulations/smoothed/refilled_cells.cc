@@ -162,13 +162,14 @@ namespace tombolo
                                         const std::vector<unsigned int> &points,
                                         const NodalVector &position) const
   {
+    constexpr double smallest_ratio = 0.2; // of the volume to that at the last refill
     const double limit = refill_settings.stretch() * refill_settings.stretch();
     return std::any_of(points.begin(), points.end(),
                        [&](const unsigned int point)
                        {
                          const Tensor<2, dim> f = row_deformation<dim>(rows, point, position);
                          const auto squares = eigenvalues(symmetrize(transpose(f) * f)); // falling
-                         return determinant(f) <= refill_settings.volume_ratio() ||
+                         return determinant(f) <= smallest_ratio ||
                                 squares[0] > limit * squares[dim - 1];
                        });
   }

@@ -33,12 +33,6 @@ namespace tombolo
       return largest_stretch;
     }
 
-    /** The smallest volume of a point over that at the last refill. */
-    double volume_ratio() const
-    {
-      return smallest_ratio;
-    }
-
     /** How many layers of cells around one beyond a limit are refilled with it. */
     unsigned int n_layers() const
     {
@@ -95,7 +89,7 @@ namespace tombolo
 
   private:
     std::optional<Section> section;
-    double largest_stretch = 0, smallest_ratio = 0;
+    double largest_stretch = 0;
     unsigned int layers = 0, steps_between_looks = 1;
     bool is_sliding = false, has_void_cells = false;
     static constexpr const char *conservative = "conservative";
