@@ -132,8 +132,7 @@ namespace tombolo
 
       void move(const Place &place)
       {
-        NodalVector next;
-        next.reinit(partition);
+        NodalVector next(partition);
         put(place, next);
         const std::vector<RemapCell<dim>> moved = cells(position, next);
         remap(moved);
@@ -160,8 +159,7 @@ namespace tombolo
       /** The conservative remap of one value a cell, without nodal fields. */
       void move_cells(const Place &place)
       {
-        NodalVector next;
-        next.reinit(partition);
+        NodalVector next(partition);
         put(place, next);
         std::vector<RemapCell<dim>> moved = cells(position, next);
         for (std::size_t c = 0; c < moved.size(); ++c)
@@ -212,8 +210,7 @@ namespace tombolo
       void interpolate(const Place &place,
                        const SmoothedIntegrationRule rule = SmoothedIntegrationRule::smoothed)
       {
-        NodalVector next;
-        next.reinit(partition);
+        NodalVector next(partition);
         put(place, next);
         const std::vector<RemapCell<dim>> moved = cells(position, next);
         interpolate_nodal_fields<dim>(moved, position, next, {&field});
@@ -224,8 +221,7 @@ namespace tombolo
       /** The same where boundary nodes may leave the surface. */
       void move_surface(const Place &place)
       {
-        NodalVector next;
-        next.reinit(partition);
+        NodalVector next(partition);
         put(place, next);
         std::vector<RemapCell<dim>> moved = cells(position, next);
         for (RemapCell<dim> &cell : moved)
@@ -257,8 +253,7 @@ namespace tombolo
       /** The remap where cells are filled and emptied. */
       void fill(const Place &place, const IsVoid &was_void, const IsVoid &is_void)
       {
-        NodalVector next;
-        next.reinit(partition);
+        NodalVector next(partition);
         put(place, next);
         std::vector<RemapCell<dim>> moved = cells(position, next);
         const auto middle = middles_of_lattice();
@@ -313,8 +308,7 @@ namespace tombolo
       /** Inner nodes, scalar. */
       NodalVector inner_nodes() const
       {
-        NodalVector result;
-        result.reinit(partition, Quantity::scalar);
+        NodalVector result(partition, Quantity::scalar);
         for (unsigned int i = 0; i < partition->n_owned(); ++i)
         {
           bool is_inside = true;
@@ -340,8 +334,7 @@ namespace tombolo
 
       NodalVector nodal_mass() const
       {
-        NodalVector mass;
-        mass.reinit(partition, Quantity::scalar);
+        NodalVector mass(partition, Quantity::scalar);
         for (std::size_t c = 0; c < cell_nodes.size(); ++c)
           for (unsigned int k = 0; k < n_corners; ++k)
             *mass.node(cell_nodes[c][k]) += corner_mass[c * n_corners + k];

@@ -318,8 +318,7 @@ namespace tombolo
     SpringContact<dim>::begin_trial(state, clock);
     if (clock.step == 0)
       last_position.copy_from(state.position);
-    if (committed_position.partition() != last_position.partition())
-      committed_position.reinit(last_position.partition(), Quantity::position);
+    committed_position.fit_to(last_position.partition(), Quantity::position);
     committed_position.copy_from(last_position);
   }
 

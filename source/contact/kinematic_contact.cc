@@ -92,8 +92,7 @@ namespace tombolo
   void KinematicContact<dim>::find_places_from_mass(const NodalVector &predicted,
                                                     const Tensor<1, dim> &free_motion)
   {
-    if (places_from_mass.partition() != predicted.partition())
-      places_from_mass.reinit(predicted.partition(), predicted.quantity());
+    places_from_mass.fit_to(predicted.partition(), predicted.quantity());
     for (const unsigned int node : this->candidates)
       for (unsigned int d = 0; d < dim; ++d)
         places_from_mass.node(node)[d] = predicted.node(node)[d] - free_motion[d];

@@ -201,8 +201,7 @@ namespace tombolo
     // m = W 1 (eqs 11, 48).
     const auto &partition = total_mass.partition();
     const unsigned int n_owned = partition->n_owned();
-    if (ones.partition() != partition)
-      ones.reinit(partition);
+    ones.fit_to(partition);
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       std::fill_n(ones.node(i), node_stride, 1.);
     if (has_lumped_rows)
@@ -264,8 +263,7 @@ namespace tombolo
   {
     const auto &partition = total_mass.partition();
     for (NodalVector *const vector : {&sums_of_rows, &ratio_of_masses})
-      if (vector->partition() != partition)
-        vector->reinit(partition, Quantity::scalars);
+      vector->fit_to(partition, Quantity::scalars);
     const auto set_ratio = [&](const NodalVector &sums, const NodalVector &accelerated)
     {
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
@@ -382,8 +380,7 @@ namespace tombolo
   bool MassSplit::remove_negative_values()
   {
     const auto &partition = nodal_mass.partition();
-    NodalVector is_light;
-    is_light.reinit(partition, Quantity::scalar);
+    NodalVector is_light(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
       const double *const mass = nodal_mass.node(i);

@@ -37,10 +37,8 @@ namespace tombolo
   void PositionResponse::begin_step(const std::shared_ptr<const NodePartition> &partition)
   {
     for (NodalVector *const vector : {&force, &field, &rate})
-      if (vector->partition() != partition)
-        vector->reinit(partition);
-    if (mark.partition() != partition)
-      mark.reinit(partition, Quantity::scalar);
+      vector->fit_to(partition);
+    mark.fit_to(partition, Quantity::scalar);
   }
 
   void PositionResponse::predict(const NodalState &state, const Clock &clock,

@@ -165,8 +165,7 @@ namespace tombolo
 
   void Action::spread(Bridge &bridge, NodalVector &buffer)
   {
-    if (buffer.partition() != values.partition())
-      buffer.reinit(values.partition());
+    buffer.fit_to(values.partition());
     LoadTransfer &transfer = bridge.load_transfer();
     if (place == ActsAt::loads)
       transfer.add_force_of_loads(of_nodes.nodes, values, buffer);

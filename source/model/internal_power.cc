@@ -17,8 +17,7 @@ namespace tombolo
   {
     NodalState &state = model.state;
     Trial<dim> trial(model); // undone at its end
-    NodalVector force;
-    force.reinit(state.partition());
+    NodalVector force(state.partition());
     bool is_known = true;
     const NodalVector *const temperature =
         model.heat ? &model.heat->state.present_temperature : nullptr;

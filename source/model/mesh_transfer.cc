@@ -316,8 +316,7 @@ namespace tombolo
   {
     if (!model.has_mechanics || Utilities::MPI::sum(momenta.size(), model.communicator) == 0)
       return;
-    NodalVector sum;
-    sum.reinit(model.state.partition());
+    NodalVector sum(model.state.partition());
     for (const auto &[node, momentum] : momenta)
       for (unsigned int d = 0; d < dim; ++d)
         sum.node(model.state.partition()->local_index(node))[d] += momentum[d];

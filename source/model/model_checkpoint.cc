@@ -162,8 +162,7 @@ namespace tombolo
       archive.set_nodes(transfer->nodes());
     else
       archive.set_nodes(model.nodes->persistent_ids());
-    NodalVector built;
-    built.reinit(model.state.partition());
+    NodalVector built(model.state.partition());
     built.copy_from(model.state.initial_position);
     for (const auto &process : model.processes)
       process->serialize_structure(model, archive);
@@ -186,8 +185,7 @@ namespace tombolo
   void read_initial_state(Model<dim> &model, StateArchive &archive)
   {
     archive.set_nodes(model.nodes->persistent_ids());
-    NodalVector built;
-    built.reinit(model.state.partition());
+    NodalVector built(model.state.partition());
     built.copy_from(model.state.initial_position);
     serialize_parts<dim>(archive, model, nullptr);
     model.parts_were_read();

@@ -82,8 +82,7 @@ namespace tombolo
       constexpr unsigned int n = SubCells<dim>::n_corners;
       const auto &partition = position.partition();
       std::array<NodalVector, dim> result;
-      NodalVector volume;
-      volume.reinit(partition, Quantity::scalar);
+      NodalVector volume(partition, Quantity::scalar);
       for (NodalVector &column : result)
         column.reinit(partition);
       const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();

@@ -237,8 +237,7 @@ namespace tombolo
     {
       constexpr unsigned int n_moments = 100;
       const NodalState &state = model.state;
-      NodalVector position;
-      position.reinit(state.partition(), Quantity::position);
+      NodalVector position(state.partition(), Quantity::position);
       Approach nearest;
       for (unsigned int k = 0; k <= n_moments && nearest.gap > 0.; ++k)
       {

@@ -18,8 +18,7 @@ namespace tombolo
   {
     if (partition->has_dependent_nodes())
     {
-      NodalVector marks;
-      marks.reinit(partition, Quantity::scalar);
+      NodalVector marks(partition, Quantity::scalar);
       for (const unsigned int node : owned)
         *marks.node(node) = 1.;
       marks.condense();

@@ -51,6 +51,19 @@ namespace tombolo
     };
   } // namespace
 
+  NodalVector::NodalVector(const std::shared_ptr<const NodePartition> &partition,
+                           const Quantity quantity)
+  {
+    reinit(partition, quantity);
+  }
+
+  void NodalVector::fit_to(const std::shared_ptr<const NodePartition> &partition,
+                           const Quantity quantity)
+  {
+    if (node_partition != partition)
+      reinit(partition, quantity);
+  }
+
   void NodalVector::reinit(const std::shared_ptr<const NodePartition> &partition,
                            const Quantity quantity)
   {
@@ -262,8 +275,7 @@ namespace tombolo
   NodalVector difference(const NodalVector &a, const NodalVector &b)
   {
     const bool are_positions = a.quantity() == Quantity::position;
-    NodalVector result;
-    result.reinit(a.partition(), are_positions ? Quantity::vector : a.quantity());
+    NodalVector result(a.partition(), are_positions ? Quantity::vector : a.quantity());
     result.fill(
         [&](const unsigned int i, double *const value)
         {

@@ -65,8 +65,7 @@ namespace tombolo
       dependent.start.push_back(dependent.weights.size());
     }
 
-    NodalVector depths;
-    depths.reinit(shared_from_this(), Quantity::scalar);
+    NodalVector depths(shared_from_this(), Quantity::scalar);
     unsigned int has_changed = 1;
     while (has_changed != 0)
     {

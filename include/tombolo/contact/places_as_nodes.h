@@ -16,9 +16,8 @@ namespace tombolo
   NodalVector places_as_nodes(const std::vector<dealii::Tensor<1, dim>> &places)
   {
     const auto n = static_cast<dealii::types::global_dof_index>(places.size());
-    NodalVector result;
-    result.reinit(std::make_shared<const NodePartition>(dealii::complete_index_set(n),
-                                                        dealii::IndexSet(n), MPI_COMM_SELF));
+    NodalVector result(std::make_shared<const NodePartition>(dealii::complete_index_set(n),
+                                                             dealii::IndexSet(n), MPI_COMM_SELF));
     for (unsigned int i = 0; i < n; ++i)
       for (unsigned int d = 0; d < dim; ++d)
         result.node(i)[d] = places[i][d];

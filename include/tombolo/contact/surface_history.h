@@ -36,8 +36,7 @@ namespace tombolo
                                        std::vector<SurfaceHistory> &histories)
     {
       const auto group = archive.group("division of contact " + contact);
-      NodalVector before;
-      before.reinit(now.partition(), Quantity::position);
+      NodalVector before(now.partition(), Quantity::position);
       before.copy_from(now);
       for (std::size_t k = 0; k < nodes.size(); ++k)
         for (unsigned int d = 0; d < dim; ++d)

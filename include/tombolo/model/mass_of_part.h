@@ -10,8 +10,7 @@ namespace tombolo
   template <int dim>
   NodalVector mass_of_part(const Model<dim> &model, const Formulation<dim> &part)
   {
-    NodalVector mass;
-    mass.reinit(model.state.partition(), Quantity::scalar);
+    NodalVector mass(model.state.partition(), Quantity::scalar);
     part.add_mass(mass);
     mass.collect();
     return mass;

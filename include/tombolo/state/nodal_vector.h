@@ -44,11 +44,18 @@ namespace tombolo
   public:
     NodalVector() = default;
 
+    /** All zero. */
+    explicit NodalVector(const std::shared_ptr<const NodePartition> &partition,
+                         Quantity quantity = Quantity::vector);
+
     NodalVector(NodalVector &&) = default;
     NodalVector &operator=(NodalVector &&) = default;
 
     /** All zero. */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
+                Quantity quantity = Quantity::vector);
+    /** The same, unless it is of this partition already: then it stays as it is. */
+    void fit_to(const std::shared_ptr<const NodePartition> &partition,
                 Quantity quantity = Quantity::vector);
     /** All zero, of the partition and quantity of the other one. */
     void reinit_like(const NodalVector &other);
@@ -161,8 +168,7 @@ namespace tombolo
   NodalVector sums_at_owners(const std::shared_ptr<const NodePartition> &partition,
                              const Quantity quantity, const Add &add)
   {
-    NodalVector result;
-    result.reinit(partition, quantity);
+    NodalVector result(partition, quantity);
     add(result);
     result.add_to_owners();
     return result;
@@ -174,8 +180,7 @@ namespace tombolo
   NodalVector nodal_field(const std::shared_ptr<const NodePartition> &partition,
                           const Quantity quantity, const Set &set)
   {
-    NodalVector result;
-    result.reinit(partition, quantity);
+    NodalVector result(partition, quantity);
     result.fill(set);
     return result;
   }
@@ -185,8 +190,7 @@ namespace tombolo
   NodalVector nodal_field(const std::shared_ptr<const NodePartition> &partition,
                           const Quantity quantity, const Nodes &nodes, const Set &set)
   {
-    NodalVector result;
-    result.reinit(partition, quantity);
+    NodalVector result(partition, quantity);
     result.fill(nodes, set);
     return result;
   }
@@ -210,8 +214,7 @@ namespace tombolo
   NodalVector marked_nodes(const std::shared_ptr<const NodePartition> &partition,
                            const Visit &visit)
   {
-    NodalVector result;
-    result.reinit(partition, Quantity::scalar);
+    NodalVector result(partition, Quantity::scalar);
     visit([&](const unsigned int node) { *result.node(node) = 1.; });
     result.sum_over_ranks();
     return result;

@@ -79,8 +79,7 @@ namespace tombolo
                                 const std::vector<Point<dim>> &initial_positions,
                                 const Stencils &shape)
   {
-    if (pair_data.partition() != partition)
-      pair_data.reinit(partition, Quantity::position);
+    pair_data.fit_to(partition, Quantity::position);
     pair_data.fill(shape.particle_node,
                    [&](const std::size_t i, double *const data)
                    {

@@ -246,8 +246,7 @@ namespace tombolo
     // energy of v̂ is that of v but for its gradient in the bulk and, where this ends within the
     // body, v ∂v there: a layer of mass κ h in the wrong place.
     constexpr double kappa = 0.25 - CellIntegrals<dim>::value_sharpness / 12.;
-    NodalVector shift;
-    shift.reinit(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
+    NodalVector shift(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
     const NodePartition &partition = *shift.partition();
     std::vector<types::global_dof_index> cell_nodes;
     for (const auto &cell : nodes->dof_handler().active_cell_iterators())

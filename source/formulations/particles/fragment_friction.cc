@@ -152,8 +152,7 @@ namespace tombolo
   {
     const auto &partition = position.partition();
     for (NodalVector *const vector : {&displacement, &ends})
-      if (vector->partition() != partition)
-        vector->reinit(partition, Quantity::scalars);
+      vector->fit_to(partition, Quantity::scalars);
     const bool rubs = friction.largest() > 0.;
     if (rubs)
     {
@@ -301,8 +300,7 @@ namespace tombolo
   template <int dim>
   void FragmentFriction<dim>::conduct(const FragmentHeat &heat)
   {
-    if (exposures.partition() != ends.partition())
-      exposures.reinit(ends.partition(), Quantity::scalar);
+    exposures.fit_to(ends.partition(), Quantity::scalar);
     exposures.set_zero();
     change_owned({&exposures},
                  [&]

@@ -149,8 +149,7 @@ namespace tombolo
     prepare_change();
     bonds->refuse_unbonded(partition, rows.neighbourhoods(), rows.stencils());
     bonds->remove_broken(partition, rows.neighbourhoods(), rows.stencils());
-    NodalVector reference;
-    reference.reinit(partition, Quantity::position);
+    NodalVector reference(partition, Quantity::position);
     rows.compute_in_reference(particles, kernel, reference);
     release_debris();
   }

@@ -80,8 +80,7 @@ namespace tombolo
                            const NodalVector &position, const Stencils &shape)
   {
     const NodalVector boundary = boundary_areas(setup, particles, smooths, position, shape);
-    NodalVector residual;
-    residual.reinit(boundary.partition());
+    NodalVector residual(boundary.partition());
     const auto add = [&](const unsigned int node, const NodeLanes &value)
     { store_node(load_node(residual.node(node)) + value, residual.node(node)); };
     for (unsigned int i = 0; i < shape.n_particles(); ++i)

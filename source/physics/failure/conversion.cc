@@ -254,8 +254,7 @@ namespace tombolo
   NodalVector Conversion<dim>::volumes_of_particles(const Model<dim> &model, const Pair &pair,
                                                     const StateTransfer *const converted)
   {
-    NodalVector result;
-    result.reinit(model.state.partition(), Quantity::scalar);
+    NodalVector result(model.state.partition(), Quantity::scalar);
     const ParticleSet<dim> &particles = pair.particles->particle_set();
     for (unsigned int i = 0; i < particles.size(); ++i)
       *result.node(static_cast<unsigned int>(particles.owned_nodes().index_within_set(

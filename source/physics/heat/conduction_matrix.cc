@@ -442,8 +442,7 @@ namespace tombolo
   {
     const NodePartition &partition = *diagonal.partition();
     const NodalVector is_constrained = constrained_nodes_of(model, diagonal.partition());
-    NodalVector of_free;
-    of_free.reinit(diagonal.partition(), Quantity::scalar);
+    NodalVector of_free(diagonal.partition(), Quantity::scalar);
     of_free.copy_from(diagonal);
     for (const unsigned int node : partition.dependent_nodes().node)
       *of_free.node(node) = 0.;

@@ -125,8 +125,7 @@ namespace tombolo
   {
     ThermalModel<dim> &heat = *model.heat;
     const auto &partition = heat.state.enthalpy.partition();
-    if (rate.partition() != partition)
-      rate.reinit(partition, Quantity::scalar);
+    rate.fit_to(partition, Quantity::scalar);
     rates_of_conditions.assign(heat.conditions.n_conditions(), 0.);
     heat.find_field_of_state(); // (28)
     heat.heat_rate(model.state.position, heat.state.temperature, time, rate,

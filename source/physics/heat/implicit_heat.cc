@@ -63,8 +63,7 @@ namespace tombolo
     Preconditioner(ImplicitHeat &owner, Model<dim> &model, const double time, const double factor)
         : factor(factor), owner(owner), model(model)
     {
-      NodalVector diagonal;
-      diagonal.reinit(owner.capacity.partition(), Quantity::scalar);
+      NodalVector diagonal(owner.capacity.partition(), Quantity::scalar);
       model.heat->add_film_diagonal(time, owner.field, diagonal);
       for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
         *diagonal.node(i) = *owner.capacity.node(i) + factor * *diagonal.node(i);

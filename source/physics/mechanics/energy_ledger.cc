@@ -100,8 +100,7 @@ namespace tombolo
     EnergyBalance result;
     // At t_0 v̂ is given, in the middle of its interval.
     const double after = clock.velocity_step(), before = clock.step == 0 ? after : 0.;
-    NodalVector increment;
-    increment.reinit(model.state.partition());
+    NodalVector increment(model.state.partition());
     model.bridge->apply_adjoint(model.state.acceleration, increment);
     // What keeps prescribed components is booked with the motion that follows; at t_0 there was one
     // before.

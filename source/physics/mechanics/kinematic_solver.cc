@@ -120,10 +120,8 @@ namespace tombolo
   {
     const auto &partition = model.state.partition();
     for (NodalVector *const vector : {&predicted, &trial_loads, &response})
-      if (vector->partition() != partition)
-        vector->reinit(partition);
-    if (count.partition() != partition)
-      count.reinit(partition, Quantity::scalar);
+      vector->fit_to(partition);
+    count.fit_to(partition, Quantity::scalar);
     position_response.begin_step(partition);
     model.state.acceleration.update_ghosts();
     if (!position_response.is_global() || may_touch(model, clock))

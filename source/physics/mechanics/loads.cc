@@ -44,8 +44,7 @@ namespace tombolo
   {
     if (!model.bridge->has_particles())
       return model.state.velocity;
-    if (place_velocities.partition() != model.state.partition())
-      place_velocities.reinit(model.state.partition());
+    place_velocities.fit_to(model.state.partition());
     model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.velocity,
                                                   place_velocities);
     return place_velocities;

@@ -112,8 +112,7 @@ namespace tombolo
                          const unsigned int n_components, const double share,
                          const unsigned int seed)
   {
-    NodalVector random;
-    random.reinit(mode.partition(), quantity);
+    NodalVector random(mode.partition(), quantity);
     for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < n_components; ++d)
         random.node(i)[d] = noise(initial_position.node(i), 3 * seed + d);
@@ -136,8 +135,7 @@ namespace tombolo
 
   double Lobpcg::rayleigh_quotient(const NodalVector &mass, const Operator &apply) const
   {
-    NodalVector image;
-    image.reinit(mode.partition(), quantity);
+    NodalVector image(mode.partition(), quantity);
     apply(mode, image);
     const auto products = inner_products<2>(mass, {{{&mode, &image}, {&mode, &mode}}});
     return products[0] / products[1];

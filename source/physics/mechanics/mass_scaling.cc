@@ -150,8 +150,7 @@ namespace tombolo
   {
     if (!settings.is_selective() || !raise_factors(model))
       return false;
-    NodalVector before;
-    before.reinit(model.state.partition(), Quantity::scalar);
+    NodalVector before(model.state.partition(), Quantity::scalar);
     before.copy_from(model.bridge->mass());
     model.renew_inertia();
     account_for_added_mass(model, before);

@@ -253,8 +253,7 @@ namespace tombolo
     if (clock.step == 0)
       last_position.copy_from(model.state.position);
     const auto &partition = model.state.partition();
-    if (committed_position.partition() != partition)
-      committed_position.reinit(partition, Quantity::position);
+    committed_position.fit_to(partition, Quantity::position);
     committed_position.copy_from(last_position);
   }
 

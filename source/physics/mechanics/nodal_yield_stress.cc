@@ -31,8 +31,7 @@ namespace tombolo
   template <int dim>
   void NodalYieldStress<dim>::sum_points(const Model<dim> &model, const unsigned int part)
   {
-    if (sums.partition() != model.state.partition())
-      sums.reinit(model.state.partition(), Quantity::scalars);
+    sums.fit_to(model.state.partition(), Quantity::scalars);
     sums.set_zero();
     const Formulation<dim> &formulation = *model.parts[part].formulation;
     const MaterialPoints &points = formulation.points();

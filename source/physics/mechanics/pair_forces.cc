@@ -92,8 +92,7 @@ namespace tombolo
     if (viscosity == nullptr || tangent.velocity == nullptr)
       return;
     const NodalState &state = model.state;
-    if (applied.partition() != state.partition())
-      applied.reinit(state.partition());
+    applied.fit_to(state.partition());
     const auto apply = [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
     {
       if (pairs.pair_terms().has_viscosity())

@@ -247,8 +247,7 @@ namespace tombolo
     for (unsigned int d = 0; d < 3; ++d)
       result.centre[d] = first[d] / first[3];
 
-    NodalVector own_mass;
-    own_mass.reinit(model.state.partition(), Quantity::scalar);
+    NodalVector own_mass(model.state.partition(), Quantity::scalar);
     for (const unsigned int part : body.parts)
     {
       const NodalVector of_part = mass_of_part(model, *model.parts[part].formulation);

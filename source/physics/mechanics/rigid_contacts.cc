@@ -173,8 +173,7 @@ namespace tombolo
     NodalHeat nodal_heat = present_heat(model);
     if (members.size() > 1 && conducted_heat != nullptr)
     {
-      if (exposure.partition() != model.state.partition())
-        exposure.reinit(model.state.partition(), Quantity::scalar);
+      exposure.fit_to(model.state.partition(), Quantity::scalar);
       exposure.set_zero();
       for (const auto &contact : members)
         contact->add_exposure(exposure);

@@ -131,8 +131,7 @@ namespace tombolo
     const auto &partition = model.state.partition();
     const bool is_first = n_calls == 0;
     for (NodalVector *vector : {&velocity, &force})
-      if (vector->partition() != partition)
-        vector->reinit(partition);
+      vector->fit_to(partition);
     solver.set_partition(partition);
     solver.add_noise(model.bridge->mass(), model.state.initial_position, dim, is_first ? 1. : 0.1,
                      n_calls);

@@ -242,8 +242,7 @@ namespace tombolo
                                          const double target, NodalVector &position) const
   {
     constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
-    NodalVector is_bound;
-    is_bound.reinit(position.partition(), Quantity::scalar);
+    NodalVector is_bound(position.partition(), Quantity::scalar);
     for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
     {
       change_owned({&position}, [&] { keep_outside(from, position, is_bound); });

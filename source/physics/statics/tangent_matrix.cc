@@ -45,8 +45,7 @@ namespace tombolo
     absolute_row_sums.reinit(problem.model.state.partition(), Quantity::scalars);
     rounded_forces.reinit(problem.model.state.partition(), Quantity::scalars);
     spring_bound.reinit(problem.model.state.partition(), Quantity::scalars);
-    NodalVector none;
-    none.reinit(problem.model.state.partition(), Quantity::scalar);
+    NodalVector none(problem.model.state.partition(), Quantity::scalar);
     dependent = DependentRows(none);
     find_far_constraints({});
     make_pattern({});
