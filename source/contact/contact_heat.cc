@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_heat.h>
 
-#include <tombolo/state/state_archive.h>
-
 namespace tombolo
 {
   using namespace dealii;
@@ -82,31 +80,6 @@ namespace tombolo
     sums.heat_of_tool =
         tool && tool->has_capacity() ? tool->stored() : sums.friction - sums.heat_of_bodies;
     sums.tool_temperature = tool ? tool->temperature() : 0.;
-  }
-
-  template <int dim>
-  typename ContactHeat<dim>::State ContactHeat<dim>::state() const
-  {
-    return {friction_of_bodies, tool ? tool->state() : typename ToolHeat<dim>::State{0., 0.}};
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::restore(const State &state)
-  {
-    friction_of_bodies = state.first;
-    if (tool)
-      tool->restore(state.second);
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::serialize(StateArchive &archive)
-  {
-    if (settings.splits_by_effusivity)
-      archive.sums("friction heat of bodies", {&friction_of_bodies});
-    if (tool)
-      tool->serialize(archive);
-    if (part)
-      part->serialize(archive);
   }
 
   template class ContactHeat<2>;

@@ -4,7 +4,6 @@
 #include <tombolo/contact/contact_candidates.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/places_as_nodes.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,6 +46,7 @@ namespace tombolo
   {
     set_partition(state.partition());
     last_position.copy_from(state.position);
+    this->records.nodal("last position", dim, last_position);
   }
 
   template <int dim>
@@ -313,20 +313,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void FaceContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
+  void FaceContact<dim>::forget_motion(const NodalState &state)
   {
-    SpringContact<dim>::begin_trial(state, clock);
-    if (clock.step == 0)
-      last_position.copy_from(state.position);
-    committed_position.fit_to(last_position.partition(), Quantity::position);
-    committed_position.copy_from(last_position);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::restart_trial()
-  {
-    SpringContact<dim>::restart_trial();
-    last_position.copy_from(committed_position);
+    SpringContact<dim>::forget_motion(state);
+    last_position.copy_from(state.position);
   }
 
   template <int dim>
@@ -413,27 +403,6 @@ namespace tombolo
       stiffness.keep(kept.node(stiffness.node));
       result.push_back(std::move(stiffness));
     }
-  }
-
-  template <int dim>
-  void FaceContact<dim>::serialize_nodes(StateArchive &archive)
-  {
-    SpringContact<dim>::serialize_nodes(archive);
-    archive.nodal("last position", dim, last_position);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::continue_nodes(StateArchive &archive)
-  {
-    if (archive.has("last position"))
-      serialize_nodes(archive);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::continue_from(const NodalState &state, StateArchive &archive)
-  {
-    SurfaceContact<dim>::continue_from(state, archive);
-    last_position.copy_from(state.position);
   }
 
   template class FaceContact<2>;

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <array>
@@ -33,7 +32,12 @@ namespace tombolo
                                           const bool has_heat, const std::vector<double> &volume)
       : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume),
         normal_forces(this->candidates.size())
-  {}
+  {
+    this->records.sums("loss of tool", loss_of_tool);
+    this->records.at_nodes(this->candidates, normal_forces)
+        .vector(
+            "normal force", [](Tensor<1, dim> & force) -> auto & { return force; });
+  }
 
   template <int dim>
   const std::vector<unsigned int> &KinematicContact<dim>::candidate_nodes() const
@@ -318,20 +322,6 @@ namespace tombolo
       sums.n_nodes += force.norm_square() > 0. ? 1. : 0.;
     sums.deepest = deepest;
     return sums;
-  }
-
-  template <int dim>
-  void KinematicContact<dim>::serialize_nodes(StateArchive &archive)
-  {
-    std::vector<std::array<double, 3>> forces(normal_forces.size());
-    for (std::size_t k = 0; k < forces.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        forces[k][d] = normal_forces[k][d];
-    archive.sums("loss of tool", {&loss_of_tool});
-    archive.nodal("normal force", this->candidates, forces);
-    for (std::size_t k = 0; k < forces.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        normal_forces[k][d] = forces[k][d];
   }
 
   template class KinematicContact<2>;

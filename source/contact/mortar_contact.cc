@@ -60,6 +60,9 @@ namespace tombolo
     set_partition(state.partition());
     histories.resize(slaves.owned_nodes().size());
     start(section, nodes, state);
+    stiffness.list(records, slaves, masters, !settings.is_tied);
+    records.sums("heat, work and impulse", totals.shares());
+    NodeHistory::list(records, slaves.owned_nodes(), histories, !settings.is_tied);
   }
 
   template <int dim>
@@ -136,13 +139,6 @@ namespace tombolo
     is_static = true;
     touch_distance = tolerance;
     settings.law = settings.law.without_damping();
-  }
-
-  template <int dim>
-  void MortarContact<dim>::restore(const State &state)
-  {
-    histories = state.histories;
-    totals = state.totals;
   }
 
   template <int dim>

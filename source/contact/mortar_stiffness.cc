@@ -2,13 +2,11 @@
 #include <tombolo/contact/mortar_stiffness.h>
 
 #include <tombolo/contact/mortar_geometry.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <array>
-#include <string>
 
 namespace tombolo
 {
@@ -42,24 +40,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarStiffness<dim>::serialize(StateArchive &archive, const ContactFaces<dim> &slaves,
-                                       const ContactFaces<dim> &masters)
+  void MortarStiffness<dim>::list(Records &records, const ContactFaces<dim> &slaves,
+                                  const ContactFaces<dim> &masters, const bool continues)
   {
-    archive("mass per area", mass_per_area);
-    archive("stiffness", stiffness);
-    const auto areas = [&](const std::string &name, const std::vector<unsigned int> &nodes,
-                           std::vector<double> &area)
-    {
-      std::vector<std::array<double, 3>> values(nodes.size());
-      for (std::size_t k = 0; k < area.size(); ++k)
-        values[k][0] = area[k];
-      archive.nodal(name, nodes, values);
-      area.clear();
-      for (const auto &value : values)
-        area.push_back(value[0]);
-    };
-    areas("areas of the slave", slaves.owned_nodes(), slave_areas);
-    areas("areas of the master", masters.owned_nodes(), master_areas);
+    const auto number = [](double &value) -> double & { return value; };
+    records.value("mass per area", mass_per_area);
+    auto &of_springs = records.value("stiffness", stiffness);
+    if (continues)
+      of_springs.continues();
+    records.at_nodes(slaves.owned_nodes(), slave_areas).numbers("areas of the slave", number);
+    records.at_nodes(masters.owned_nodes(), master_areas).numbers("areas of the master", number);
   }
 
   template class MortarStiffness<2>;

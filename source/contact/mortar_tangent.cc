@@ -10,7 +10,7 @@ namespace tombolo
                             std::vector<ContactStiffness<dim>> &result)
   {
     const std::shared_ptr<const NodePartition> &partition = position.partition();
-    const std::vector<MortarHistory<dim>> &histories = contact.state().histories;
+    const std::vector<MortarHistory<dim>> &histories = contact.node_histories();
     const std::vector<unsigned int> &nodes = contact.slave_faces().owned_nodes();
     const NodalVector normals =
         nodal_field(partition, Quantity::vector, nodes,

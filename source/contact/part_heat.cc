@@ -3,7 +3,6 @@
 
 #include <tombolo/contact/mean_and_largest.h>
 #include <tombolo/contact/tool_heat.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 
@@ -119,13 +118,6 @@ namespace tombolo
   std::array<double, 2> PartHeat<dim>::temperatures_in_contact(const MPI_Comm communicator) const
   {
     return mean_and_largest(temperatures_below, communicator);
-  }
-
-  template <int dim>
-  void PartHeat<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("heat of the part");
-    archive.sums("conducted", {&conducted_heat});
   }
 
   template class PartHeat<2>;

@@ -4,7 +4,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/surface_normals.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -327,10 +327,16 @@ namespace tombolo
   }
 
   template <int dim>
+  void PartSurface<dim>::list(Records &records, const std::vector<unsigned int> &candidates)
+  {
+    records.archived([this, &candidates](StateArchive &archive)
+                     { serialize(archive, candidates); });
+  }
+
+  template <int dim>
   void PartSurface<dim>::serialize(StateArchive &archive,
                                    const std::vector<unsigned int> &candidates)
   {
-    const auto group = archive.group("surface of the part");
     std::vector<unsigned int> nodes;
     std::vector<std::array<double, 3>> values;
     for (const auto &owned : layer->owned())

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +14,12 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    constexpr const char *scalars_of_springs = "stiffness, depth, damping force",
+                         *slips_of_springs = "bond";
+  } // namespace
+
   template <int dim>
   SpringContact<dim>::SpringContact(const Section &section, const Mesh<dim> &mesh,
                                     const Nodes<dim> &nodes, const NodalState &state,
@@ -23,7 +28,15 @@ namespace tombolo
       : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume,
                             std::move(master)),
         springs(this->candidates.size())
-  {}
+  {
+    using Spring = ContactSpring<dim>;
+    this->records.at_nodes(this->candidates, springs)
+        .numbers(scalars_of_springs, &Spring::stiffness, &Spring::depth, &Spring::damping_force)
+        .vector(slips_of_springs, &Spring::elastic_slip)
+        .continues(this->settings.is_of_faces ? "last position" : "");
+    this->records.on_division([this, &state](StateArchive &archive)
+                              { close_springs(state, archive); });
+  }
 
   template <int dim>
   double SpringContact<dim>::mass_ratio(const double mass) const
@@ -107,20 +120,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpringContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
-  {
-    SurfaceContact<dim>::begin_trial(state, clock);
-    committed_springs = springs;
-  }
-
-  template <int dim>
-  void SpringContact<dim>::restart_trial()
-  {
-    SurfaceContact<dim>::restart_trial();
-    springs = committed_springs;
-  }
-
-  template <int dim>
   typename SpringContact<dim>::NodeSums SpringContact<dim>::node_sums() const
   {
     NodeSums sums;
@@ -134,62 +133,21 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpringContact<dim>::serialize_nodes(StateArchive &archive)
+  void SpringContact<dim>::close_springs(const NodalState &state, StateArchive &archive)
   {
-    std::vector<std::array<double, 3>> scalars, slips(springs.size());
-    for (std::size_t k = 0; k < springs.size(); ++k)
-    {
-      scalars.push_back({{springs[k].stiffness, springs[k].depth, springs[k].damping_force}});
-      for (unsigned int d = 0; d < dim; ++d)
-        slips[k][d] = springs[k].elastic_slip[d];
-    }
-    archive.nodal("stiffness, depth, damping force", this->candidates, scalars);
-    archive.nodal("bond", this->candidates, slips);
-    for (std::size_t k = 0; k < springs.size(); ++k)
-    {
-      springs[k].stiffness = scalars[k][0];
-      springs[k].depth = scalars[k][1];
-      springs[k].damping_force = scalars[k][2];
-      for (unsigned int d = 0; d < dim; ++d)
-        springs[k].elastic_slip[d] = slips[k][d];
-    }
-  }
-
-  template <int dim>
-  void SpringContact<dim>::continue_nodes(StateArchive &archive)
-  {
-    if (archive.has("bond"))
-      SpringContact<dim>::serialize_nodes(archive);
-  }
-
-  template <int dim>
-  void SpringContact<dim>::follow_division(const NodalState &state, StateArchive &archive,
-                                           const Clock &clock)
-  {
-    const NodalVector before = NodeHistory::follow_division(archive, this->name(), this->candidates,
-                                                            state.position, this->histories);
-    const auto group = archive.group("division of springs " + this->name());
-    enum Slot : unsigned int
-    {
-      stiffness,
-      mass,
-      n_slots
-    };
-    NodalVector of_springs, slips;
+    // Where there was no spring, there was none of the mean.
+    NodalVector of_springs, slips, before;
     of_springs.reinit(state.partition(), Quantity::scalars);
     slips.reinit(state.partition());
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      of_springs.node(i)[mass] = *state.mass.node(i);
+    archive.nodal(scalars_of_springs, 3, of_springs);
+    archive.nodal(slips_of_springs, 3, slips);
+    before.reinit(state.partition(), Quantity::position);
+    before.copy_from(state.position);
     for (std::size_t k = 0; k < springs.size(); ++k)
-    {
-      of_springs.node(this->candidates[k])[stiffness] = springs[k].stiffness;
       for (unsigned int d = 0; d < dim; ++d)
-        slips.node(this->candidates[k])[d] = springs[k].elastic_slip[d];
-    }
-    archive.nodal("stiffness, mass", n_slots, of_springs);
-    archive.nodal("slip", dim, slips);
-    if (!archive.is_reading())
-      return;
+        before.node(this->candidates[k])[d] = this->histories[k].position[d];
+    before.update_ghosts();
+    const Clock &clock = archive.division()->clock;
     Clock then = clock;
     then.time -= clock.previous_step;
     const std::vector<double> depths = depths_at(before, then);
@@ -197,9 +155,10 @@ namespace tombolo
     for (std::size_t k = 0; k < springs.size(); ++k)
     {
       const unsigned int node = this->candidates[k];
-      const double *const source = of_springs.node(node);
+      const double stiffness = *of_springs.node(node);
+      const double mass_before = *archive.division()->mass.node(node);
       // The stiffness over the area stays: it is as m^(1-1/dim).
-      const double ratio = source[mass] > 0. ? *state.mass.node(node) / source[mass] : 1.;
+      const double ratio = mass_before > 0. ? *state.mass.node(node) / mass_before : 1.;
       if (springs[k].is_closed() && ratio == 1.)
         continue;
       const bool was_closed = springs[k].is_closed();
@@ -211,11 +170,10 @@ namespace tombolo
         continue;
       }
       springs[k].stiffness =
-          source[stiffness] > 0.
-              ? source[stiffness] * std::pow(ratio, 1. - 1. / dim)
-              : std::min(mean,
-                         this->settings.law.stiffness(*state.mass.node(node), clock.previous_step));
-      if (!springs[k].is_closed()) // hanging nodes have no mass
+          stiffness > 0. ? stiffness * std::pow(ratio, 1. - 1. / dim)
+                         : std::min(mean, this->settings.law.stiffness(*state.mass.node(node),
+                                                                       clock.previous_step));
+      if (!springs[k].is_closed()) // what hangs between others has no mass
       {
         springs[k] = ContactSpring<dim>();
         continue;

@@ -5,7 +5,6 @@
 #include <tombolo/contact/contact_candidates.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_section.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <utility>
@@ -48,6 +47,19 @@ namespace tombolo
     histories.resize(candidates.size());
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+    records.on_continuation([this, &state] { forget_motion(state); });
+    records.sums("heat, work and impulse", friction_heat, damping_heat, of_surface.shares());
+    if (areas)
+      records.sums("area in contact", of_surface.area);
+    records.at_nodes(candidates, histories)
+        .vector("force", &NodeHistory::force)
+        .vector("position", &NodeHistory::position)
+        .of_field(state.position);
+    surface->translation().list(records);
+    if (part)
+      part->list(records.group("surface of the part"), candidates);
+    if (heat)
+      heat->list(records);
 
     refuse_motion_out_of_mirrors(section, *nodes.images(), *surface);
   }
@@ -129,24 +141,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
-  {
-    if (clock.step == 0)
-      forget_motion(state);
-    committed = tied_state();
-    if (heat)
-      committed_heat = heat->state();
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::restart_trial()
-  {
-    tied_state() = committed;
-    if (heat)
-      heat->restore(committed_heat);
-  }
-
-  template <int dim>
   void SurfaceContact<dim>::complete_step(const Clock &clock)
   {
     of_surface.add_impulse(clock.velocity_step());
@@ -198,35 +192,6 @@ namespace tombolo
     if (heat)
       heat->complete(result);
     return result;
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("contact " + contact_name);
-    std::vector<double *> shares{&friction_heat, &damping_heat};
-    of_surface.append_shares(shares);
-    archive.sums("heat, work and impulse", shares);
-    if (areas)
-      archive.sums("area in contact", {&of_surface.area});
-
-    serialize_nodes(archive);
-    NodeHistory::serialize(archive, candidates, histories);
-    surface->translation().serialize(archive);
-    if (part)
-      part->serialize(archive, candidates);
-    if (heat)
-      heat->serialize(archive);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::continue_from(const NodalState &state, StateArchive &archive)
-  {
-    forget_motion(state);
-    if (!archive.has("contact " + contact_name))
-      return;
-    const auto group = archive.group("contact " + contact_name);
-    continue_nodes(archive);
   }
 
   template class SurfaceContact<2>;

@@ -2,7 +2,6 @@
 #include <tombolo/contact/tool_heat.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <array>
@@ -114,14 +113,6 @@ namespace tombolo
   double ToolHeat<dim>::stored() const
   {
     return capacity * (tool_temperature - initial_temperature);
-  }
-
-  template <int dim>
-  void ToolHeat<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("heat of the tool");
-    archive("temperature", tool_temperature);
-    archive.sums("conducted", {&conducted_heat});
   }
 
   template class ToolHeat<2>;

@@ -6,7 +6,6 @@
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/state/nodal_state.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <numeric>
@@ -92,28 +91,32 @@ namespace tombolo
     std::swap(previous, now);
   }
 
-  void StepWork::serialize(const std::string &name, const unsigned int n_owned,
-                           StateArchive &archive)
+  void StepWork::list(const std::string &name, Records &records)
   {
-    std::vector<std::array<double, 3>> impulses;
-    for (const Tensor<1, 3> &impulse : previous.forces)
-      impulses.push_back({{impulse[0], impulse[1], impulse[2]}});
-    if (!archive.is_reading())
-    {
-      archive.nodal(name, previous.nodes, impulses);
-      return;
-    }
-    std::vector<unsigned int> all(n_owned);
-    std::iota(all.begin(), all.end(), 0u);
-    archive.nodal(name, all, impulses);
-    previous.clear();
-    for (const unsigned int node : all)
-      if (const Tensor<1, 3> impulse({impulses[node][0], impulses[node][1], impulses[node][2]});
-          impulse.norm_square() != 0.)
-      {
-        previous.nodes.push_back(node);
-        previous.forces.push_back(impulse);
-      }
+    records.archived(
+        [this, name](StateArchive &archive)
+        {
+          std::vector<std::array<double, 3>> impulses;
+          for (const Tensor<1, 3> &impulse : previous.forces)
+            impulses.push_back({{impulse[0], impulse[1], impulse[2]}});
+          if (!archive.is_reading())
+          {
+            archive.nodal(name, previous.nodes, impulses);
+            return;
+          }
+          std::vector<unsigned int> all(archive.n_owned_nodes());
+          std::iota(all.begin(), all.end(), 0u);
+          archive.nodal(name, all, impulses);
+          previous.clear();
+          for (const unsigned int node : all)
+            if (const Tensor<1, 3> impulse(
+                    {impulses[node][0], impulses[node][1], impulses[node][2]});
+                impulse.norm_square() != 0.)
+            {
+              previous.nodes.push_back(node);
+              previous.forces.push_back(impulse);
+            }
+        });
   }
 
   Action::Action(std::string name, const ActsAt place)
@@ -196,15 +199,6 @@ namespace tombolo
         total.node(of_nodes.nodes[k])[d] += of_nodes.forces[k][d];
   }
 
-  void Action::serialize(StateArchive &archive)
-  {
-    if (energy.empty())
-      return;
-    const auto group = archive.group(name);
-    archive.sums("work", {&sum_of_work});
-    work_of_steps.serialize("previous impulse", values.partition()->n_owned(), archive);
-  }
-
   HeatAction::HeatAction(std::string name, std::string account)
       : NodalSource(Quantity::scalar), name(std::move(name)), account(std::move(account))
   {}
@@ -225,12 +219,23 @@ namespace tombolo
 
   Action &Actions::add(const std::string &name, const ActsAt place)
   {
-    return all.emplace_back(name, place);
+    Action &action = all.emplace_back(name, place);
+    records.group(name).list(
+        [&action](Records &of_action)
+        {
+          if (action.energy.empty())
+            return;
+          of_action.sums("work", action.sum_of_work);
+          action.work_of_steps.list("previous impulse", of_action);
+        });
+    return action;
   }
 
   HeatAction &Actions::add_heat(const std::string &name, const std::string &account)
   {
-    return heats.emplace_back(name, account);
+    HeatAction &heat = heats.emplace_back(name, account);
+    records.group(name).sums("heat", heat.sum_of_heat);
+    return heat;
   }
 
   void Actions::set_partition(const std::shared_ptr<const NodePartition> &partition)
@@ -283,18 +288,6 @@ namespace tombolo
         heat.collect(pending);
   }
 
-  void Actions::begin_trial()
-  {
-    for (HeatAction &heat : heats)
-      heat.sum_at_start = heat.sum_of_heat;
-  }
-
-  void Actions::restart_trial()
-  {
-    for (HeatAction &heat : heats)
-      heat.sum_of_heat = heat.sum_at_start;
-  }
-
   void Actions::begin_change(const NodalVector &velocity)
   {
     for (Action &action : all)
@@ -328,16 +321,5 @@ namespace tombolo
   {
     for (const HeatAction &heat : heats)
       accounts.add(heat.account, EnergyKind::external, heat.sum_of_heat);
-  }
-
-  void Actions::serialize(StateArchive &archive)
-  {
-    for (Action &action : all)
-      action.serialize(archive);
-    for (HeatAction &heat : heats)
-    {
-      const auto group = archive.group(heat.name);
-      archive.sums("heat", {&heat.sum_of_heat});
-    }
   }
 } // namespace tombolo

@@ -232,7 +232,7 @@ namespace tombolo
   void Model<dim>::parts_were_read()
   {
     for (const auto &process : processes)
-      process->parts_were_read(*this);
+      process->structure.complete();
     set_partition();
     state.move_to(partition);
     for (const Part<dim> &part : parts)

@@ -57,7 +57,9 @@ namespace tombolo
         if (!is_of_particles && f != MaterialPoints::volume)
           fill_unused_lanes(formulation, n_rows, f);
       }
-      formulation.serialize(archive);
+      Records beside_points;
+      formulation.list(beside_points);
+      beside_points.serialize(archive);
     }
 
     template <int dim>
@@ -102,6 +104,13 @@ namespace tombolo
       for (const auto &[description, vector] : model.state.fields())
         if (description.persistent)
           archive.nodal(description.name, description.n_components, *vector);
+      if (StateArchive::Division *const division = archive.division();
+          division != nullptr && model.has_mechanics)
+      {
+        division->mass.reinit_like(model.state.mass);
+        division->mass.copy_from(model.state.mass);
+        archive.nodal("mass before the division", 1, division->mass);
+      }
       if (!model.heat || !archive.has("heat"))
         return;
       const auto of_heat = archive.group("heat");
@@ -165,19 +174,22 @@ namespace tombolo
     NodalVector built(model.state.partition());
     built.copy_from(model.state.initial_position);
     for (const auto &process : model.processes)
-      process->serialize_structure(model, archive);
+      process->structure.serialize(archive);
     serialize_parts(archive, model, transfer);
     if (archive.is_reading())
       model.parts_were_read();
+    archive.set_partition(model.state.partition());
 
     serialize_nodes(archive, model);
     if (archive.is_reading())
       refuse_other_mesh(built, model, archive);
-    model.impulses.serialize(archive);
+    Records impulses;
+    model.impulses.list(impulses);
+    impulses.serialize(archive);
     for (const auto &process : model.processes)
     {
-      process->serialize(model, archive);
-      process->actions.serialize(archive);
+      process->records.serialize(archive);
+      process->actions.records.serialize(archive);
     }
   }
 

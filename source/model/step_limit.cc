@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/step_limit.h>
-
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -13,13 +12,11 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void serialize(StateArchive &archive, StepLimit &limit)
+  void list(Records &records, StepLimit &limit)
   {
-    archive("limit", limit.time_step);
-    archive("limited by", limit.entity);
-    std::array<double, 3> place{{limit.place[0], limit.place[1], limit.place[2]}};
-    archive("place of limit", place);
-    limit.place = Point<3>(place[0], place[1], place[2]);
+    records.value("limit", limit.time_step);
+    records.value("limited by", limit.entity);
+    records.value("place of limit", limit.place);
   }
 
   StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)

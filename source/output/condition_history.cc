@@ -21,7 +21,7 @@ namespace tombolo
   public:
     explicit ConditionHistory(const Section &section)
         : ImpulseHistory<dim, ConditionBalance>(
-              "conditions.csv", section.get_unsigned("Steps between rows"), "conditions",
+              "conditions.csv", section.get_unsigned("Steps between rows"),
               {"conditions", {&ConditionBalance::work}}),
           reference_point(read_vector<dim>(section, "Moments about"))
     {}

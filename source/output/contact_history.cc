@@ -23,21 +23,17 @@ namespace tombolo
     explicit ContactHistory(const Section &section)
         : BalanceHistory<dim, ContactBalance>(
               "contact.csv", section.get_unsigned("Steps between rows"),
-              {"works at row", &ContactBalance::work, "contacts"},
+              {"works at row", &ContactBalance::work},
               {"contact", {&ContactBalance::friction, &ContactBalance::damping}})
-    {}
+    {
+      this->records.value("time of row", time_of_row);
+      this->records.value("largest penetration", largest_penetration);
+      this->records.value("time of work", time_of_work);
+    }
 
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       History<dim>::declare_interval(handler, "contact.csv");
-    }
-
-    void serialize(StateArchive &archive) override
-    {
-      archive("time of row", time_of_row);
-      archive("largest penetration", largest_penetration);
-      archive("time of work", time_of_work);
-      BalanceHistory<dim, ContactBalance>::serialize(archive);
     }
 
   private:

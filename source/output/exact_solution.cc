@@ -2,7 +2,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/output/exact_solution.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -196,14 +195,6 @@ namespace tombolo
     return {relative(total[0], total[1], largest_axial_stress),
             relative(total[2], total[3], largest_stress),
             relative(total[4], total[5], largest_velocity)};
-  }
-
-  template <int dim>
-  void ExactSolution<dim>::serialize(StateArchive &archive)
-  {
-    archive("largest axial stress", largest_axial_stress);
-    archive("largest stress", largest_stress);
-    archive("largest velocity", largest_velocity);
   }
 
   template class ExactSolution<2>;

@@ -8,7 +8,9 @@ namespace tombolo
   template <int dim>
   History<dim>::History(const std::string &file_name, const unsigned int steps_between)
       : table(file_name, TimeTable::Rows::in_file), steps_between(steps_between)
-  {}
+  {
+    table.list(this->records);
+  }
 
   template <int dim>
   void History<dim>::declare_interval(dealii::ParameterHandler &handler,
@@ -50,12 +52,6 @@ namespace tombolo
   void History<dim>::write(const OutputView<dim> & /*view*/, TimeTable & /*statistics*/)
   {
     table.flush();
-  }
-
-  template <int dim>
-  void History<dim>::serialize(StateArchive &archive)
-  {
-    table.serialize(archive);
   }
 
   template <int dim>

@@ -2,7 +2,6 @@
 #include <tombolo/output/probes.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -68,6 +67,7 @@ namespace tombolo
       : History<dim>(probes_file, section.get_unsigned("Steps")), section(section),
         interval(section.get_double("Interval"))
   {
+    this->records.value("next time", next_time);
     if (section.is_set("Steps") && interval > 0)
       section.fail("Steps", "only one of Interval and Steps can be set: remove one");
     for (const std::string &text : Utilities::split_string_list(section.get("Locations"), ';'))
@@ -176,13 +176,6 @@ namespace tombolo
                    "the probes are not those of the run that is resumed, whose rows are in " +
                        directory.file(probes_file) +
                        ": set them back, or resume into another output directory");
-  }
-
-  template <int dim>
-  void Probes<dim>::serialize(StateArchive &archive)
-  {
-    archive("next time", next_time);
-    History<dim>::serialize(archive);
   }
 
   template <int dim>

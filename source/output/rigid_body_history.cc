@@ -15,20 +15,16 @@ namespace tombolo
   {
   public:
     explicit RigidBodyHistory(const Section &section)
-        : BalanceHistory<dim, RigidBodyBalance>(
-              "rigid_bodies.csv", section.get_unsigned("Steps between rows"),
-              {"works at row", &RigidBodyBalance::work, "rigid parts"}, {})
-    {}
+        : BalanceHistory<dim, RigidBodyBalance>("rigid_bodies.csv",
+                                                section.get_unsigned("Steps between rows"),
+                                                {"works at row", &RigidBodyBalance::work}, {})
+    {
+      this->records.value("time of row", time_of_row);
+    }
 
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       History<dim>::declare_interval(handler, "rigid_bodies.csv");
-    }
-
-    void serialize(StateArchive &archive) override
-    {
-      archive("time of row", time_of_row);
-      BalanceHistory<dim, RigidBodyBalance>::serialize(archive);
     }
 
   private:

@@ -16,7 +16,7 @@ namespace tombolo
     explicit SectionHistory(const Section &section)
         : ImpulseHistory<dim, SectionBalance>("sections.csv",
                                               section.get_unsigned("Steps between rows"),
-                                              "sections", {"sections", {}})
+                                              {"sections", {}})
     {}
 
     static void declare_parameters(dealii::ParameterHandler &handler)

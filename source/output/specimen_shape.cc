@@ -5,8 +5,6 @@
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/output/specimen_shape.h>
 
-#include <tombolo/state/state_archive.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <nlohmann/json.hpp>
@@ -179,6 +177,22 @@ namespace tombolo
       if (test_dimensions[i] == 0)
         section.fail(test_entries[i], "the mean error is that of three dimensions: give this one, "
                                       "too, or none of them");
+    const auto all_of = [](Dimensions &dimensions)
+    {
+      std::vector<double *> result;
+      for (const Measure &measure : measures)
+        result.push_back(&(dimensions.*measure.value));
+      return result;
+    };
+    table.list(records);
+    records.value("bulge height", this->bulge_height);
+    records.numbers("present", all_of(present));
+    records.numbers("time integral", all_of(time_integral));
+    records.value("time of present", time_of_present);
+    records.value("step of present", step_of_present);
+    records.value("has present", has_present);
+    records.value("averaged time", averaged_time);
+    records.value("is averaging", is_averaging);
   }
 
   void SpecimenShape::select_surfaces(const OutputView<3> &view)
@@ -400,27 +414,6 @@ namespace tombolo
       table.add(measure.heading, "L", dimensions.*measure.value);
     if (has_test)
       table.add("mean error", "1", mean_error(dimensions));
-  }
-
-  void SpecimenShape::serialize(StateArchive &archive)
-  {
-    table.serialize(archive);
-    archive("bulge height", bulge_height);
-    for (auto &[name, dimensions] : {std::pair<std::string, Dimensions *>{"present", &present},
-                                     {"time integral", &time_integral}})
-    {
-      std::vector<double> values;
-      for (const Measure &measure : measures)
-        values.push_back(dimensions->*measure.value);
-      archive(name, values);
-      for (std::size_t i = 0; i < std::size(measures) && i < values.size(); ++i)
-        dimensions->*measures[i].value = values[i];
-    }
-    archive("time of present", time_of_present);
-    archive("step of present", step_of_present);
-    archive("has present", has_present);
-    archive("averaged time", averaged_time);
-    archive("is averaging", is_averaging);
   }
 
   void SpecimenShape::after_step(const OutputView<3> &view)

@@ -2,7 +2,7 @@
 #include <tombolo/output/time_table.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/exceptions.h>
 
@@ -157,12 +157,16 @@ namespace tombolo
     n_columns_in_file = columns.size();
   }
 
-  void TimeTable::serialize(StateArchive &archive)
+  void TimeTable::list(Records &records)
   {
-    if (rows == Rows::in_memory)
-      serialize_rows(archive);
-    else
-      serialize_length_of_file(archive);
+    records.archived(
+        [this](StateArchive &archive)
+        {
+          if (rows == Rows::in_memory)
+            serialize_rows(archive);
+          else
+            serialize_length_of_file(archive);
+        });
   }
 
   void TimeTable::serialize_length_of_file(StateArchive &archive)

@@ -4,8 +4,6 @@
 #include <tombolo/output/solution_pieces.h>
 #include <tombolo/output/tool_piece.h>
 
-#include <tombolo/state/state_archive.h>
-
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
@@ -29,7 +27,15 @@ namespace tombolo
   template <int dim>
   Visualization<dim>::Visualization(const Section &section)
       : wanted(section), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
-  {}
+  {
+    using Entry = VtuSeries::Entry;
+    this->records.value("outputs", n_outputs);
+    this->records.items(series.entries)
+        .column("times", &Entry::time)
+        .column("files", &Entry::file)
+        .column("names", &Entry::name)
+        .column("parts", &Entry::part);
+  }
 
   template <int dim>
   void Visualization<dim>::start(const OutputView<dim> & /*view*/, const OutputDirectory &directory,
@@ -52,33 +58,6 @@ namespace tombolo
   std::string Visualization<dim>::report() const
   {
     return remark;
-  }
-
-  template <int dim>
-  void Visualization<dim>::serialize(StateArchive &archive)
-  {
-    std::vector<double> times;
-    std::vector<std::string> files, names;
-    std::vector<std::uint64_t> parts;
-    for (const VtuSeries::Entry &entry : series.entries)
-    {
-      times.push_back(entry.time);
-      files.push_back(entry.file);
-      names.push_back(entry.name);
-      parts.push_back(entry.part);
-    }
-    archive("outputs", n_outputs);
-    archive("times", times);
-    archive("files", files);
-    archive("names", names);
-    archive("parts", parts);
-    if (files.size() != times.size() || names.size() != times.size() ||
-        parts.size() != times.size())
-      archive.fail("the lists \"times\", \"files\", \"names\" and \"parts\" of the pictures "
-                   "are not of the same length.");
-    series.entries.clear();
-    for (std::size_t i = 0; i < times.size(); ++i)
-      series.entries.push_back({times[i], files[i], names[i], static_cast<unsigned int>(parts[i])});
   }
 
   template <int dim>

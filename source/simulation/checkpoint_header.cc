@@ -40,14 +40,13 @@ namespace tombolo
     return result;
   }
 
-  void serialize_clock(Clock &clock, StateArchive &archive)
+  void list(Records &records, Clock &clock)
   {
-    const auto group = archive.group("clock");
-    archive("step", clock.step);
-    archive("time", clock.time);
-    archive("previous step", clock.previous_step);
-    archive("next step", clock.next_step);
-    archive("stable step", clock.stable_step);
+    records.value("step", clock.step);
+    records.value("time", clock.time);
+    records.value("previous step", clock.previous_step);
+    records.value("next step", clock.next_step);
+    records.value("stable step", clock.stable_step);
   }
 
   bool is_of_directory(const std::string &file, const std::string &directory,

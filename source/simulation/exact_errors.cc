@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/exact_errors.h>
 
-#include <tombolo/state/state_archive.h>
-
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -15,6 +13,16 @@ namespace tombolo
   {
     if (ExactSolution<dim>::is_given(section))
       exact = std::make_unique<ExactSolution<dim>>(section);
+    if (exact == nullptr)
+      return;
+    exact->list(records);
+    records.items(of_outputs)
+        .numbers("errors",
+                 [](Errors &errors) -> std::vector<double *>
+                 {
+                   return {&errors.time, &errors.axial_stress, &errors.stress, &errors.velocity,
+                           &errors.temperature};
+                 });
   }
 
   template <int dim>
@@ -111,25 +119,6 @@ namespace tombolo
       list.push_back(entry);
     }
     results["errors"] = list;
-  }
-
-  template <int dim>
-  void ExactErrors<dim>::serialize(StateArchive &archive)
-  {
-    if (exact == nullptr || !archive.has("exact solution"))
-      return;
-    const auto group = archive.group("exact solution");
-    exact->serialize(archive);
-    std::vector<double> values;
-    for (const Errors &errors : of_outputs)
-      values.insert(values.end(), {errors.time, errors.axial_stress, errors.stress, errors.velocity,
-                                   errors.temperature});
-    archive("errors", values);
-    if (values.size() % 5 != 0)
-      archive.fail("\"exact solution/errors\" does not have five values for each output.");
-    of_outputs.clear();
-    for (std::size_t i = 0; i < values.size(); i += 5)
-      of_outputs.push_back({values[i], values[i + 1], values[i + 2], values[i + 3], values[i + 4]});
   }
 
   template class ExactErrors<2>;

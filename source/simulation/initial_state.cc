@@ -78,10 +78,12 @@ namespace tombolo
     {
       const double courant = courant_limit(model).time_step;
       Clock earlier;
-      serialize_clock(earlier, archive);
+      Records of_earlier;
+      list(of_earlier.group("clock"), earlier);
+      of_earlier.serialize(archive);
       clock.stable_step = earlier.stable_step > 0. ? earlier.stable_step : courant;
       for (const auto &process : model.processes)
-        process->continue_state(model, archive);
+        process->records.continue_from(archive);
       const double interval = 1e-3 * courant; // short beside a step
       model.conditions->prescribe_initial_velocity(model.state, 0., interval);
       throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);

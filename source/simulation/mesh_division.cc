@@ -40,18 +40,11 @@ namespace tombolo
     }
 
     template <int dim>
-    void follow_division(const Model<dim> &model, StateArchive &archive, const Clock &clock)
-    {
-      for (const auto &process : model.processes)
-        process->follow_division(model, archive, clock);
-    }
-
-    template <int dim>
     void write_state(Model<dim> &model, const Clock &clock, const std::string &file)
     {
       StateArchive archive(file, StateArchive::Mode::write, model.communicator);
+      archive.divide(clock);
       serialize_model(model, archive);
-      follow_division(model, archive, clock);
       MeshTransfer<dim>::write(model, archive);
       archive.close();
     }
@@ -60,10 +53,10 @@ namespace tombolo
     void read_state(Model<dim> &model, const Clock &clock, const std::string &file)
     {
       StateArchive archive(file, StateArchive::Mode::read, model.communicator);
+      archive.divide(clock);
       const MeshTransfer<dim> transfer(model, archive);
       serialize_model(model, archive, &transfer);
       transfer.settle_volumes(model);
-      follow_division(model, archive, clock);
       transfer.restore_momentum(model);
       if (model.heat)
         find_enthalpies(*model.heat);

@@ -2,7 +2,6 @@
 #include <tombolo/simulation/run_outputs.h>
 
 #include <tombolo/model/mass_of_part.h>
-#include <tombolo/state/state_archive.h>
 
 namespace tombolo
 {
@@ -22,7 +21,10 @@ namespace tombolo
   template <int dim>
   RunOutputs<dim>::RunOutputs(const Section &section)
       : names(output_names<dim>(section)), outputs(create_outputs<dim>(section))
-  {}
+  {
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      records.group(names[i], outputs[i]->records).optional();
+  }
 
   template <int dim>
   void RunOutputs<dim>::attach(const Model<dim> &model, const ExactSolution<dim> *exact_solution)
@@ -96,18 +98,6 @@ namespace tombolo
       output->write(view_at(clock), statistics);
       print_report(*output, log);
     }
-  }
-
-  template <int dim>
-  void RunOutputs<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("outputs");
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-      if (archive.has(names[i]))
-      {
-        const auto of_output = archive.group(names[i]);
-        outputs[i]->serialize(archive);
-      }
   }
 
   template <int dim>

@@ -16,26 +16,28 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::serialize(StateArchive &archive)
   {
-    serialize_clock(run_clock, archive);
-    serialize_model(*model, archive);
+    Records records;
+    list(records.group("clock"), run_clock);
+    records.archived([this](StateArchive &all) { serialize_model(*model, all); });
     if (model->has_mechanics)
     {
-      ledger.serialize(archive, last_balance);
-      step_size.serialize(archive, *model);
+      ledger.list(records.group("energy ledger"), last_balance);
+      step_size.list(records.group("time step"), *model);
     }
     if (thermal_step)
-      thermal_step->serialize(archive, *model, last_heat_balance);
+      thermal_step->list(records.group("thermal step"), *model, last_heat_balance);
     if (statics)
-      statics->serialize(archive);
-    statistics.serialize(archive);
-    exact_errors.serialize(archive);
+      statics->list(records.group("statics"));
+    statistics.list(records);
+    records.group("exact solution", exact_errors.records).optional();
     double wall_seconds = seconds.before_resumption + seconds_since(seconds.start);
-    archive("wall seconds", wall_seconds);
-    if (archive.is_reading())
-      seconds.before_resumption = wall_seconds;
+    records.value("wall seconds", wall_seconds);
     // In another directory, where their files are not, all outputs start anew.
     if (!archive.is_reading() || resumption.continues_files)
-      outputs.serialize(archive);
+      records.group("outputs", outputs.records);
+    records.serialize(archive);
+    if (archive.is_reading())
+      seconds.before_resumption = wall_seconds;
   }
 
   template <int dim>

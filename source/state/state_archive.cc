@@ -214,6 +214,8 @@ namespace tombolo
   void StateArchive::nodal(const std::string &name, const unsigned int n_components,
                            NodalVector &vector)
   {
+    if (vector.partition() == nullptr)
+      vector.reinit(partition, n_components == 1 ? Quantity::scalar : Quantity::vector);
     const unsigned int n_owned = vector.partition()->n_owned();
     std::vector<double> values;
     values.reserve(std::size_t(n_owned) * n_components);
@@ -229,9 +231,13 @@ namespace tombolo
   }
 
   void StateArchive::nodal(const std::string &name, const std::vector<unsigned int> &local_nodes,
-                           std::vector<std::array<double, 3>> &entries)
+                           std::vector<std::array<double, 3>> &entries,
+                           const NodalVector *const elsewhere)
   {
     std::vector<double> values(nodes->n_own() * 3, 0.);
+    const bool is_field = elsewhere != nullptr && of_division != nullptr;
+    for (unsigned int i = 0; is_field && i < nodes->n_own(); ++i)
+      std::copy_n(elsewhere->node(i), 3, values.begin() + 3 * static_cast<std::ptrdiff_t>(i));
     if (is_reading())
       entries.assign(local_nodes.size(), {});
     // Nothing may have been remembered yet.
@@ -243,7 +249,7 @@ namespace tombolo
         std::copy_n(entries[k].begin(), 3, place(k));
     nodes->transfer(archive_file, path(name), 3, values);
     for (std::size_t k = 0; k < n; ++k)
-      if (local_nodes[k] < nodes->n_own() && nodes->is_of_file(local_nodes[k]))
+      if (local_nodes[k] < nodes->n_own() && (is_field || nodes->is_of_file(local_nodes[k])))
         std::copy_n(place(k), 3, entries[k].begin());
   }
 } // namespace tombolo

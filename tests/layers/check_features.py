@@ -25,7 +25,7 @@ HEADER = """\
 
 # Feature: names in the code, and what the paths of its own files have.
 FEATURES = {
-    "archive": (r"StateArchive|\bserialize\w*\(", r"archive|checkpoint"),
+    "archive": (r"StateArchive|\bserialize\w*\(", r"archive|checkpoint|state/records"),
     "bonds": (r"\b[Bb]ond(?:s?\b|_|[A-Z])|\w*_bonds?\b|(?:\b|_)broken", r"bond|failure|/contact/"),  # in contact, bonded faces
     "conversion": (r"[Cc]onver(?:sion|ting|ted|ts)\b|Conver(?:sion|ting|ted)[A-Z]|conversion_|converted_"
                    r"|StateTransfer|\badd_particles\b|\bcan_add_particles\b|\bsetup\.source\b", r"conver"),

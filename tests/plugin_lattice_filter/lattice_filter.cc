@@ -5,7 +5,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/statics/rest_entries.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -54,7 +53,12 @@ namespace tombolo
   class LatticeFilter : public Process<dim>
   {
   public:
-    explicit LatticeFilter(const LatticeFilterSettings &settings) : settings(settings) {}
+    explicit LatticeFilter(const LatticeFilterSettings &settings) : settings(settings)
+    {
+      Records &all = this->records.group("lattice filter");
+      all.value("time since filter", time_since_filter);
+      all.value("dissipated", dissipated);
+    }
 
     void model_changed(Model<dim> &model) override
     {
@@ -92,13 +96,6 @@ namespace tombolo
     void account(EnergyAccounts &accounts) const override
     {
       accounts.add_replicated("filter dissipation", EnergyKind::artificial, dissipated);
-    }
-
-    void serialize(Model<dim> &, StateArchive &archive) override
-    {
-      const auto group = archive.group("lattice filter");
-      archive("time since filter", time_since_filter);
-      archive("dissipated", dissipated);
     }
 
   private:

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
-
   /** The heat of the contact of nodes with a surface: that of friction, which body and surface
    * share, and what is conducted. In scenes with heat only. */
   template <int dim>
@@ -58,13 +56,14 @@ namespace tombolo
     /** What follows for @p sums over ranks. */
     void complete(ContactBalance &sums) const;
 
-    /** What a static step changes. */
-    using State = std::pair<double, typename ToolHeat<dim>::State>;
-    State state() const;
-    void restore(const State &state);
-
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept from step to step. */
+    void list(Records &records)
+    {
+      if (settings.splits_by_effusivity)
+        records.sums("friction heat of bodies", friction_of_bodies);
+      if (partner() != nullptr)
+        partner()->list(records);
+    }
 
   private:
     const ContactSettings &settings;

@@ -55,12 +55,9 @@ namespace tombolo
                       NodalVector &position, NodalVector &is_bound) override;
     void place_nodes(const NodalState &state, const NodalVector &before,
                      const Clock &clock) override;
-    void begin_trial(const NodalState &state, const Clock &clock) override;
-    void restart_trial() override;
+    void forget_motion(const NodalState &state) override;
     void find_stiffness(const NodalState &state, const Clock &clock,
                         std::vector<ContactStiffness<dim>> &result) override;
-
-    void continue_from(const NodalState &state, StateArchive &archive) override;
 
   private:
     using typename SurfaceContact<dim>::NodeHistory;
@@ -84,9 +81,6 @@ namespace tombolo
       pressed, ///< ∫ N_I dA over the points behind the surface, by the weights of rubbing
       squares  ///< ∫ N_I <-g>² dA
     };
-
-    void serialize_nodes(StateArchive &archive) override;
-    void continue_nodes(StateArchive &archive) override;
 
     /** Finds the points behind the surface at t_n, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock);
@@ -119,6 +113,5 @@ namespace tombolo
     NodalVector pressures;              ///< per area, at nodes; in static steps per area and depth
     NodalVector tangentials;            ///< per weight of rubbing, at nodes
     NodalVector forces, last_position;
-    NodalVector committed_position; ///< last_position at the start of a static step
   };
 } // namespace tombolo

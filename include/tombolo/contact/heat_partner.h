@@ -4,6 +4,7 @@
 #include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/materials/temperature_table.h>
 #include <tombolo/state/nodal_source.h>
+#include <tombolo/state/records.h>
 
 #include <mpi.h>
 
@@ -81,6 +82,9 @@ namespace tombolo
     {
       return conducted_heat;
     }
+
+    /** Lists what is kept between two steps. */
+    virtual void list(Records &records) = 0;
 
   protected:
     explicit HeatPartner(TemperatureTable conductance) : conductance(std::move(conductance)) {}

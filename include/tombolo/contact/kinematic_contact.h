@@ -99,7 +99,6 @@ namespace tombolo
     };
 
     NodeSums node_sums() const override;
-    void serialize_nodes(StateArchive &archive) override;
 
     /** Where candidates will be, from a surface with a mass that goes on by @p free_motion. */
     void find_places_from_mass(const NodalVector &predicted,

@@ -14,6 +14,7 @@
 #include <tombolo/contact/mortar_totals.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/records.h>
 
 #include <array>
 #include <functional>
@@ -23,8 +24,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
-
   /**
    * Contact between the surfaces of two bodies by a mortar with penalty springs. Each slave node I
    * has the normalized gap, with the weights of MortarSegments and the averaged normal n_I,
@@ -81,19 +80,13 @@ namespace tombolo
       totals.impulse += clock.velocity_step() * totals.force;
     }
 
-    /** What a step changes. */
-    struct State
+    /** Of owned slave nodes. */
+    const std::vector<MortarHistory<dim>> &node_histories() const
     {
-      std::vector<MortarHistory<dim>> histories; ///< of owned slave nodes
-      MortarTotals<dim> totals;
-    };
-    State state() const
-    {
-      return {histories, totals};
+      return histories;
     }
-    void restore(const State &state);
 
-    /** See Process::begin_trial(). */
+    /** See Process::begin_trials(). */
     void become_static(double tolerance);
 
     /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.
@@ -158,11 +151,9 @@ namespace tombolo
       return masters;
     }
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive);
-
-    /** Begins with the springs that the contact of this name had at the end of another run. */
-    void continue_from(StateArchive &archive);
+    /** What it keeps from step to step. A run that starts from the end of another begins with the
+     * springs that the contact of this name had there. */
+    Records records;
 
   private:
     using NodeHistory = MortarHistory<dim>;

@@ -11,7 +11,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
 
   /** What a slave node of a contact between bodies keeps from step to step. The normal is out of
    * the master. */
@@ -26,9 +26,10 @@ namespace tombolo
     double offset = 0;
     bool is_bonded = false;
 
-    /** Writes those of these owned nodes to a checkpoint or reads them. Collective. */
-    static void serialize(StateArchive &archive, const std::vector<unsigned int> &nodes,
-                          std::vector<MortarHistory> &histories);
+    /** Lists those of these owned nodes; @p continue_them: a run that starts from the end of
+     * another takes them from there. */
+    static void list(Records &records, const std::vector<unsigned int> &nodes,
+                     std::vector<MortarHistory> &histories, bool continue_them);
 
     /** Those of @p former owned nodes become those of owned @p nodes. Returns the energy of the
      * springs of nodes that are gone [M L^2/T^2]. */

@@ -10,7 +10,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
 
   /**
    * The stiffness per area κ = α / Δt² / (1/μ_s + 1/μ_m) of the springs between two surfaces, with
@@ -41,9 +41,10 @@ namespace tombolo
       return master_areas;
     }
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive, const ContactFaces<dim> &slaves,
-                   const ContactFaces<dim> &masters);
+    /** Lists what is kept from step to step, of nodes of these faces, which are referred to; @p
+     * continues: a run that starts from the end of another takes the stiffness from there. */
+    void list(Records &records, const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
+              bool continues);
 
     /** Lets the next find() take the masses anew. */
     void forget_masses()

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
-
   /**
    * The heat of the part whose boundary is the surface of a contact. A node i that touches
    * exchanges heat with the nodes a of the cell there, which have the mean T_m = Σ N_a T_a:
@@ -38,14 +36,16 @@ namespace tombolo
     /** Gives the part heat of friction where a candidate touches, at the end of the step. */
     void add_friction(std::size_t candidate, double heat);
 
+    void list(Records &records) override
+    {
+      records.group("heat of the part").sums("conducted", this->conducted_heat);
+    }
+
     /** The part has got the friction from add_friction() already. */
     void end_step(double friction, const NodalHeat &nodal_heat, MPI_Comm communicator) override;
 
     /** Mean and largest T_m of the last step; zero where nothing touches. Collective. */
     std::array<double, 2> temperatures_in_contact(MPI_Comm communicator) const;
-
-    /** Writes to a checkpoint or reads it, between two steps. Collective. */
-    void serialize(StateArchive &archive);
 
   private:
     /** Calls @p use with the number and the temperature of each owned node of the part, with the

@@ -18,7 +18,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
 
   /** What a PartSurface is made of. */
   template <int dim>
@@ -123,9 +123,8 @@ namespace tombolo
                                  const std::vector<double> &of_place,
                                  const std::vector<double> &of_nodes) const;
 
-    /** Writes where nodes of the part were, and the sides of @p candidates, to a checkpoint or
-     * reads it. Collective. */
-    void serialize(StateArchive &archive, const std::vector<unsigned int> &candidates);
+    /** Lists where nodes of the part were, and the sides of @p candidates, which is referred to. */
+    void list(Records &records, const std::vector<unsigned int> &candidates);
 
     std::string description() const override;
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
@@ -151,6 +150,7 @@ namespace tombolo
 
   private:
     std::vector<dealii::Tensor<1, dim>> gather_positions(const NodalVector &position) const;
+    void serialize(StateArchive &archive, const std::vector<unsigned int> &candidates);
     void refit();
     /** Of an owned node, relative to the sides that it faces. */
     enum class Side : unsigned char

@@ -26,14 +26,6 @@ namespace tombolo
     void place_nodes(const NodalState &state, const NodalVector &before,
                      const Clock &clock) override;
 
-    /** Springs of new nodes are as stiff as those around them, those of all nodes are shared out
-     * by their masses, and they are as deep as nodes were. */
-    void follow_division(const NodalState &state, StateArchive &archive,
-                         const Clock &clock) override;
-
-    void begin_trial(const NodalState &state, const Clock &clock) override;
-    void restart_trial() override;
-
   protected:
     using typename SurfaceContact<dim>::NodeSums;
     using typename SurfaceContact<dim>::NodeHistory;
@@ -61,8 +53,6 @@ namespace tombolo
     virtual std::vector<double> depths_at(const NodalVector &position, const Clock &clock) = 0;
 
     NodeSums node_sums() const override;
-    void serialize_nodes(StateArchive &archive) override;
-    void continue_nodes(StateArchive &archive) override;
 
     std::vector<ContactSpring<dim>> springs; ///< of each candidate
 
@@ -70,6 +60,8 @@ namespace tombolo
     /** Of all closed springs of all ranks; very large where there is none. Collective. */
     double mean_stiffness() const;
 
-    std::vector<ContactSpring<dim>> committed_springs; ///< at the start of a static step
+    /** Of a mesh that was divided: springs of new nodes are as stiff as those around them, those of
+     * all nodes are shared out by their masses, and they are as deep as nodes were. Collective. */
+    void close_springs(const NodalState &state, StateArchive &archive);
   };
 } // namespace tombolo

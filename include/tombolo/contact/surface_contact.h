@@ -17,19 +17,17 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/records.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
 namespace tombolo
 {
-  class StateArchive;
-
   /**
    * Contact of nodes with a surface, rigid or that of a part, the section "Contact: NAME": the
    * nodes that can touch, the heat of friction and of the tool, impulses, energies. How the forces
@@ -90,12 +88,6 @@ namespace tombolo
       NodeHistory::place(candidates, before, state.position, histories);
     }
 
-    /** See Process. */
-    virtual void follow_division(const NodalState &state, StateArchive &archive, const Clock &)
-    {
-      NodeHistory::follow_division(archive, contact_name, candidates, state.position, histories);
-    }
-
     /** Whether set_yield_stress() is needed. */
     bool needs_yield_stress() const
     {
@@ -107,14 +99,15 @@ namespace tombolo
       yield_stress = &of_nodes;
     }
 
-    /** See Process::begin_trial(). */
+    /** See Process::begin_trials(). */
     void become_static(const double tolerance)
     {
       settings.law = settings.law.without_damping();
       touch_distance = tolerance;
     }
-    virtual void begin_trial(const NodalState &state, const Clock &clock);
-    virtual void restart_trial();
+
+    /** Nodes are where they are: none has moved over the last step. Collective. */
+    virtual void forget_motion(const NodalState &state);
 
     /** Adds how the last forces change with positions. Collective. */
     virtual void find_stiffness(const NodalState & /*state*/, const Clock & /*clock*/,
@@ -187,12 +180,8 @@ namespace tombolo
       return surface->translation().has_mass();
     }
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive);
-
-    /** Begins at these positions, with the springs that the contact of this name had at the end of
-     * another run. Collective. */
-    virtual void continue_from(const NodalState &state, StateArchive &archive);
+    /** What it keeps from step to step. */
+    Records records;
 
     /** Owned nodes on which it acted at t_n. */
     std::vector<unsigned int> nodes_in_contact() const;
@@ -259,19 +248,12 @@ namespace tombolo
   protected:
     using NodeHistory = SurfaceHistory<dim>;
 
-    /** What a step changes, beside what derived classes have, in the order of tied_state(). */
-    using State = std::tuple<std::vector<NodeHistory>, double, double, SurfaceSums<dim>>;
-
     /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
     struct NodeSums
     {
       double elastic = 0, n_nodes = 0, deepest = 0;
     };
     virtual NodeSums node_sums() const = 0;
-    /** What a method keeps of each candidate beside its history. Collective. */
-    virtual void serialize_nodes(StateArchive &archive) = 0;
-    /** Reads what a method goes on with of that, where the archive has it. Collective. */
-    virtual void continue_nodes(StateArchive &) {}
 
     /** Forgets the sums over the forces of the step before. */
     void begin_forces(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat);
@@ -317,8 +299,6 @@ namespace tombolo
     {
       return 1e5 * touch_distance;
     }
-    /** Nodes are where they are: none has moved over the last step. Collective. */
-    void forget_motion(const NodalState &state);
     void add_friction_heat(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
     /** What the surface has got of the heat of friction since there was @p before of it. */
     void end_forces(double friction_heat_before);
@@ -337,14 +317,7 @@ namespace tombolo
     double friction_heat = 0, damping_heat = 0; ///< of this rank since the start
 
   private:
-    auto tied_state()
-    {
-      return std::tie(histories, friction_heat, damping_heat, of_surface);
-    }
-
     std::string contact_name;
-    std::unique_ptr<ContactAreas<dim>> areas;        ///< null where nothing needs them
-    State committed;                                 ///< at the start of a static step
-    typename ContactHeat<dim>::State committed_heat; ///< likewise
+    std::unique_ptr<ContactAreas<dim>> areas; ///< null where nothing needs them
   };
 } // namespace tombolo

@@ -63,14 +63,15 @@ namespace tombolo
     ContactBalance balance(const ContactBalance &shares, const RigidTranslation<dim> &translation,
                            MPI_Comm communicator) const;
 
-    /** Appends what a checkpoint keeps. */
-    void append_shares(std::vector<double *> &shares)
+    /** What is kept from step to step, for Records::sums(). */
+    std::vector<double *> shares()
     {
-      shares.insert(shares.end(), {&work, &translation_work});
+      std::vector<double *> result{&work, &translation_work};
       for (unsigned int d = 0; d < dim; ++d)
-        shares.insert(shares.end(), {&impulse[d], &force[d]});
+        result.insert(result.end(), {&impulse[d], &force[d]});
       for (unsigned int c = 0; c < 3; ++c)
-        shares.insert(shares.end(), {&angular_impulse[c], &torque_of_force[c]});
+        result.insert(result.end(), {&angular_impulse[c], &torque_of_force[c]});
+      return result;
     }
   };
 } // namespace tombolo

@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
-
   /**
    * The heat of a rigid tool: what it exchanges with the nodes in contact, h(p) (T_tool - T) A, and
    * its temperature, which is given or that of a lumped heat capacity.
@@ -55,26 +53,15 @@ namespace tombolo
 
     void end_step(double friction, const NodalHeat &nodal_heat, MPI_Comm communicator) override;
 
-    /** What a step changes. */
-    struct State
-    {
-      double temperature, conducted;
-    };
-    State state() const
-    {
-      return {tool_temperature, conducted_heat};
-    }
-    void restore(const State &state)
-    {
-      tool_temperature = state.temperature;
-      conducted_heat = state.conducted;
-    }
-
     /** What a tool with a heat capacity has more than at the start, the same on all ranks. */
     double stored() const;
 
-    /** Writes to a checkpoint or reads it, between two steps. Collective. */
-    void serialize(StateArchive &archive);
+    void list(Records &records) override
+    {
+      Records &of_tool = records.group("heat of the tool");
+      of_tool.value("temperature", tool_temperature);
+      of_tool.sums("conducted", this->conducted_heat);
+    }
 
   private:
     explicit ToolHeat(const Section &section, TemperatureTable conductance);

@@ -21,7 +21,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
   template <int dim>
   class ParticleFormulation;
   template <int dim>
@@ -313,9 +313,9 @@ namespace tombolo
      * the archive are the part's: a row per cell, or per particle. After reading, required_nodes()
      * and set_partition() are called as after a change of neighbours, then complete_reading().
      * Collective. */
-    virtual void serialize(StateArchive & /*archive*/) {}
+    virtual void list(Records & /*records*/) {}
 
-    /** Computes what follows from what serialize() has read. @p buffer is a vector of positions
+    /** Computes what follows from what was read. @p buffer is a vector of positions
      * with current ghosts, free to be overwritten. Collective. */
     virtual void complete_reading(NodalVector & /*buffer*/) {}
   };

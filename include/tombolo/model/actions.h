@@ -3,6 +3,7 @@
 
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/state/nodal_source.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -18,7 +19,6 @@ namespace tombolo
   class Bridge;
   class ImpulseAccount;
   class NodalState;
-  class StateArchive;
   struct Clock;
 
   /** Forces, or impulses, at some owned nodes, ascending. */
@@ -46,8 +46,8 @@ namespace tombolo
     void complete_step(const NodalForces &forces, const NodalVector &velocity, const Clock &clock,
                        double &work);
 
-    /** Writes or reads one dataset of nodes, of which this rank owns @p n_owned. Collective. */
-    void serialize(const std::string &name, unsigned int n_owned, StateArchive &archive);
+    /** As one dataset of nodes. */
+    void list(const std::string &name, Records &records);
 
   private:
     NodalForces previous; ///< Δt_{n-1} f_{n-1}
@@ -113,7 +113,6 @@ namespace tombolo
     void begin();
     void collect(Bridge &bridge, NodalVector &buffer, NodalVector &total);
     void spread(Bridge &bridge, NodalVector &buffer);
-    void serialize(StateArchive &archive);
 
     std::string name, energy;
     ActsAt place;
@@ -150,7 +149,7 @@ namespace tombolo
     friend class Actions;
 
     std::string name, account;
-    double sum_of_heat = 0, sum_at_start = 0; ///< of this rank; at the start of a trial
+    double sum_of_heat = 0; ///< of this rank
   };
 
   /** The actions of a process. All functions are collective. */
@@ -187,10 +186,6 @@ namespace tombolo
     /** Adds the heat that was given, or that of sources that stay on their rank, to @p pending. */
     void collect_heat(NodalVector &pending, bool on_rank_only = false);
 
-    /** Steps of bodies at rest begin, and go back to where they began. */
-    void begin_trial();
-    void restart_trial();
-
     /** Rows, nodes or masses are about to change. */
     void begin_change(const NodalVector &velocity);
 
@@ -199,7 +194,8 @@ namespace tombolo
 
     void account(EnergyAccounts &accounts) const;
     void account_heat(EnergyAccounts &accounts) const;
-    void serialize(StateArchive &archive);
+
+    Records records;
 
   private:
     template <typename Use>

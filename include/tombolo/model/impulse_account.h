@@ -3,7 +3,7 @@
 
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/moment.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <array>
 #include <string>
@@ -64,14 +64,9 @@ namespace tombolo
       accounts.add_impulse(linear, angular);
     }
 
-    /** Collective. */
-    void serialize(StateArchive &archive)
+    void list(Records &records)
     {
-      std::vector<double *> shares;
-      for (Vector *const vector : {&linear, &angular, &pending_linear, &pending_angular})
-        for (double &component : *vector)
-          shares.push_back(&component);
-      archive.sums("impulses", shares);
+      records.sums("impulses", linear, angular, pending_linear, pending_angular);
     }
 
   private:

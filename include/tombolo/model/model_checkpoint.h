@@ -25,7 +25,7 @@ namespace tombolo
   void fill_unused_lanes(Formulation<dim> &formulation, unsigned int n_cells, unsigned int field);
 
   /** Reads from the checkpoint of another run what nodes and material points are, and nothing of
-   * its processes (Process::continue_state()): positions, velocities, stresses, internal variables,
+   * its processes (Records::continue_from()): positions, velocities, stresses, internal variables,
    * temperatures. Where that run had no heat, temperatures stay as they are. Throws InputError
    * where it is of another mesh, or lacks a field. Collective. */
   template <int dim>

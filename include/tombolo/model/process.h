@@ -8,6 +8,7 @@
 #include <tombolo/model/actions.h>
 #include <tombolo/model/model_change.h>
 #include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/records.h>
 
 #include <iosfwd>
 #include <memory>
@@ -17,7 +18,6 @@
 namespace tombolo
 {
   class Parameters;
-  class StateArchive;
   class TimeTable;
   template <int dim>
   class Model;
@@ -112,13 +112,12 @@ namespace tombolo
      * for the viscosity. What is left out costs iterations, and the step may not be stable. */
     virtual void linearize(Model<dim> &, const Clock &, Tangent<dim> &) {}
 
-    /** In steps of bodies at rest, where nothing resists rates, and what is apart by less than @p
-     * touch_distance [L] touches: keeps the state at the start of a step, and goes back to it to be
-     * asked for forces again at other positions. A trial that is not restarted is committed by the
-     * begin of the next. The clock has in `stable_step` the time of which springs of contacts are
-     * made, and in `previous_step` the length of the step, zero at the start of the run. */
-    virtual void begin_trial(Model<dim> &, const Clock &, double /*touch_distance*/) {}
-    virtual void restart_trial() {}
+    /** A step of bodies at rest begins, where nothing resists rates, and what is apart by less than
+     * @p touch_distance [L] touches. Forces are asked for at several positions, each time with the
+     * records as this function leaves them. The clock has in `stable_step` the time of which
+     * springs of contacts are made, and in `previous_step` the length of the step, zero at the
+     * start of the run. */
+    virtual void begin_trials(Model<dim> &, const Clock &, double /*touch_distance*/) {}
 
     /** What made the last call useless on this rank, for a message; empty if nothing did. Not
      * thrown from there, since other ranks do not know. Not collective. */
@@ -145,24 +144,12 @@ namespace tombolo
        * (act(), part_force(), linearize()), and for works and impulses (complete_step()) where the
        * equilibrium is found; nothing else of a step is called. */
       ProcessRole rest = ProcessRole::acts;
-      /** Cells are divided in the run: serialize() takes the state over to a mesh with other cells,
-       * where sums over ranks stay, values of nodes that both meshes have stay, and new nodes begin
-       * with zero (StateArchive::nodal()). */
+      /** Cells are divided in the run: the records go over to a mesh with other cells. */
       ProcessRole divided_cells = ProcessRole::acts;
       /** Nodes on surfaces are placed anew: nodes_were_placed(). */
       ProcessRole placed_nodes = ProcessRole::acts;
     };
     Roles roles;
-
-    /** In a run with divided cells, after serialize() of all processes, for the archive that is
-     * written and for the one that is read: fields of all nodes, of which new nodes get the mean of
-     * those between which they lie, and what follows from them on the new mesh. */
-    virtual void follow_division(const Model<dim> &, StateArchive &, const Clock &) {}
-
-    /** Takes from the archive of another run, from the end of which this one starts (`Initial
-     * state`), what fits to this one. The model has the state of its nodes and points; balances
-     * begin at zero. */
-    virtual void continue_state(Model<dim> &, StateArchive &) {}
 
     /** The fraction of @p stable_step, the limit of the step of the bodies [T], at which they are
      * stable together with the process. The same on all ranks. */
@@ -204,16 +191,13 @@ namespace tombolo
     /** Adds what outputs may show. Not collective. */
     virtual void show(OutputView<dim> &) const {}
 
-    /** Writes to a checkpoint or reads from it which cells and particles there are, before the
-     * state of parts and nodes. */
-    virtual void serialize_structure(Model<dim> &, StateArchive &) {}
+    /** What is kept from step to step, beside what its actions keep; listed in its constructor or
+     * in initialize(). It is read when the model has the state of its nodes and points. */
+    Records records;
 
-    /** The state of the parts was read, that of the nodes was not. */
-    virtual void parts_were_read(Model<dim> &) {}
-
-    /** Writes to a checkpoint, or reads from it, what is kept from step to step, beside what its
-     * actions keep. */
-    virtual void serialize(Model<dim> &, StateArchive &) {}
+    /** Of that, which cells and particles there are: read before the state of parts and nodes;
+     * complete when that of the parts is read. */
+    Records structure;
 
     /** Its forces and its heat, made in its constructor or in initialize(). */
     Actions actions;

@@ -7,8 +7,8 @@
 
 namespace tombolo
 {
-  /** Writes a limit to a checkpoint or reads it. */
-  void serialize(StateArchive &archive, StepLimit &limit);
+  /** Lists what is kept of a limit. */
+  void list(Records &records, StepLimit &limit);
 
   /** The smallest of these over all ranks, the same on all; of equal ones that of the lowest rank.
    * Collective. */

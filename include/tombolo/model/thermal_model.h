@@ -15,7 +15,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
 
   /**
    * The heat of a model: state, conditions, and the operators of the heat equation on the one nodal

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 
@@ -11,7 +12,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
 
   /** Relative errors at one time, in the L2 norm over the material points, weighted by their
    * volumes. NaN where the exact solution is zero everywhere, or was 10^10 times larger before. */
@@ -58,8 +58,13 @@ namespace tombolo
     double temperature_error(const NodalVector &initial_position, const NodalVector &temperature,
                              const NodalVector &weights, double time) const;
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept between evaluations. */
+    void list(Records &records)
+    {
+      records.value("largest axial stress", largest_axial_stress);
+      records.value("largest stress", largest_stress);
+      records.value("largest velocity", largest_velocity);
+    }
 
   private:
     std::unique_ptr<Expression<dim>> stress_function;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/output/output.h>
-#include <tombolo/state/state_archive.h>
 
 #include <nlohmann/json.hpp>
 
@@ -31,12 +30,11 @@ namespace tombolo
                const UnitLabels &unit_labels) override;
     void after_step(const OutputView<dim> &view) override;
     void write(const OutputView<dim> &view, TimeTable &statistics) override;
-    void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
 
   protected:
-    /** Before the first row. Where the table of a run that is resumed goes on, what serialize() has
-     * read stays. */
+    /** Before the first row. Where the table of a run that is resumed goes on, what was read
+     * stays. */
     virtual void begin(const OutputView<dim> & /*view*/) {}
 
     /** Adds the columns of the present row to the table. Collective. */
@@ -79,7 +77,6 @@ namespace tombolo
     {
       std::string name;        ///< of the numbers
       double Balance::*number; ///< of each balance
-      std::string owners;      ///< what the balances are of, for messages
     };
 
     /** What the summary has of each balance at the last output beside the impulse. */
@@ -91,22 +88,36 @@ namespace tombolo
 
     BalanceHistory(const std::string &file_name, const unsigned int steps_between, const Kept &kept,
                    const Summary &summary)
-        : History<dim>(file_name, steps_between), kept(kept), summary(summary)
-    {}
+        : History<dim>(file_name, steps_between), summary(summary)
+    {
+      const auto impulses = [](Balance &balance)
+      {
+        std::vector<double *> result;
+        for (auto *const impulse : {&balance.impulse, &balance.angular_impulse})
+          for (double &component : *impulse)
+            result.push_back(&component);
+        return result;
+      };
+      this->records.items(last).numbers("impulses at row", impulses).column(kept.name, kept.number);
+      if (summary.group.empty())
+        return;
+      this->records.items(at_output).numbers("balances at output",
+                                             [numbers = summary.numbers](Balance &balance)
+                                             {
+                                               std::vector<double *> result;
+                                               for (double &component : balance.impulse)
+                                                 result.push_back(&component);
+                                               for (double Balance::*const number : numbers)
+                                                 result.push_back(&(balance.*number));
+                                               return result;
+                                             });
+    }
 
     void write(const OutputView<dim> &view, TimeTable &statistics) override
     {
       if (!summary.group.empty())
         at_output = balances(view);
       History<dim>::write(view, statistics);
-    }
-
-    void serialize(StateArchive &archive) override
-    {
-      History<dim>::serialize(archive);
-      serialize_last_row(archive);
-      if (!summary.group.empty())
-        serialize_at_output(archive);
     }
 
     void finish(Json &results) override
@@ -158,60 +169,6 @@ namespace tombolo
     std::vector<Balance> last, present; ///< at the row before, and at this one
 
   private:
-    /** Impulse, angular impulse and one number of each balance in the last row. */
-    void serialize_last_row(StateArchive &archive)
-    {
-      std::vector<double> impulses, numbers;
-      for (const Balance &balance : last)
-      {
-        for (const auto &impulse : {balance.impulse, balance.angular_impulse})
-          impulses.insert(impulses.end(), impulse.begin(), impulse.end());
-        numbers.push_back(balance.*kept.number);
-      }
-      archive("impulses at row", impulses);
-      archive(kept.name, numbers);
-      if (impulses.size() != 6 * numbers.size())
-        archive.fail("\"impulses at row\" and \"" + kept.name + "\" are not of as many " +
-                     kept.owners + ".");
-      last.resize(numbers.size());
-      auto next = impulses.begin();
-      for (std::size_t k = 0; k < numbers.size(); ++k)
-      {
-        last[k].*kept.number = numbers[k];
-        for (auto *const impulse : {&last[k].impulse, &last[k].angular_impulse})
-        {
-          std::copy_n(next, 3, impulse->begin());
-          next += 3;
-        }
-      }
-    }
-
-    /** What the summary of a run that ends before its next output has. */
-    void serialize_at_output(StateArchive &archive)
-    {
-      std::vector<double> values;
-      for (const Balance &balance : at_output)
-      {
-        values.insert(values.end(), balance.impulse.begin(), balance.impulse.end());
-        for (double Balance::*const number : summary.numbers)
-          values.push_back(balance.*number);
-      }
-      archive("balances at output", values);
-      const std::size_t n_values = 3 + summary.numbers.size();
-      if (values.size() % n_values != 0)
-        archive.fail("\"balances at output\" has other numbers than this program.");
-      at_output.resize(values.size() / n_values);
-      auto next = values.begin();
-      for (Balance &balance : at_output)
-      {
-        std::copy_n(next, 3, balance.impulse.begin());
-        next += 3;
-        for (double Balance::*const number : summary.numbers)
-          balance.*number = *next++;
-      }
-    }
-
-    Kept kept;
     Summary summary;
     std::vector<Balance> at_output;
   };
@@ -225,10 +182,9 @@ namespace tombolo
   {
   public:
     ImpulseHistory(const std::string &file_name, const unsigned int steps_between,
-                   const std::string &owners,
                    const typename BalanceHistory<dim, Balance>::Summary &summary)
         : BalanceHistory<dim, Balance>(file_name, steps_between,
-                                       {"times of row", &Balance::time_of_impulse, owners}, summary)
+                                       {"times of row", &Balance::time_of_impulse}, summary)
     {}
 
   protected:

@@ -19,6 +19,7 @@
 #include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/records.h>
 #include <tombolo/state/thermal_state.h>
 
 #include <array>
@@ -30,7 +31,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
 
   /** A part, as outputs see it. */
   template <int dim>
@@ -134,9 +134,9 @@ namespace tombolo
     /** After every step, and at the start: for what is sampled more often than written. */
     virtual void after_step(const OutputView<dim> & /*view*/) {}
 
-    /** Writes to a checkpoint, or reads from it, what continues this output in a resumed run.
-     * Reading comes before start(), which then must keep what is in the output directory. */
-    virtual void serialize(StateArchive & /*archive*/) {}
+    /** What continues this output in a resumed run; listed in its constructor. It is read before
+     * start(), which then must keep what is in the output directory. */
+    Records records;
 
     /** At the end: adds to `results` of the summary, and writes what is left. */
     virtual void finish(Json & /*results*/) {}

@@ -30,8 +30,6 @@ namespace tombolo
     /** Throws InputError where a location is far from every node. */
     void check(const OutputView<dim> &view) override;
 
-    void serialize(StateArchive &archive) override;
-
     /** Persistent ids of the nodes that were chosen, in the order of columns. */
     std::vector<std::uint64_t> nodes() const;
 

@@ -45,7 +45,6 @@ namespace tombolo
 
     void after_step(const OutputView<3> &view) override;
     void write(const OutputView<3> &view, TimeTable &statistics) override;
-    void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
     std::string report() const override;
 

@@ -11,6 +11,7 @@
 
 namespace tombolo
 {
+  class Records;
   class StateArchive;
 
   /**
@@ -45,7 +46,7 @@ namespace tombolo
      * has one unit and at most one value a row. */
     void add(const std::string &name, const std::string &unit, double value);
 
-    /** Begins the file, or continues it where serialize() has read an earlier state of this table:
+    /** Begins the file, or continues it where an earlier state of this table was read:
      * rows after the checkpoint are removed. With rows in memory nothing is written before there is
      * a row; with rows in the file the present row determines the columns and is discarded. Throws
      * RunError where the file cannot be written and InputError where has_other_columns().
@@ -61,14 +62,14 @@ namespace tombolo
      * Collective. */
     void flush();
 
-    /** Writes the state to a checkpoint or reads it from there, before open(). Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists the state, which is read before open(). */
+    void list(Records &records);
 
-    /** With rows in the file: whether serialize() has read a state, whose file open() continues. */
+    /** With rows in the file: whether a state was read, whose file open() continues. */
     bool is_continued() const;
 
     /** With rows in the file, before open(): whether the columns of the present row are not those
-     * of the state that serialize() has read. */
+     * of the state that was read. */
     bool has_other_columns(const UnitLabels &unit_labels) const;
 
     /** The values of a column in the rows that were written, NaN where a row has none. Empty for

@@ -52,8 +52,6 @@ namespace tombolo
 
     void write(const OutputView<dim> &view, TimeTable &statistics) override;
 
-    void serialize(StateArchive &archive) override;
-
     std::string report() const override;
 
   private:

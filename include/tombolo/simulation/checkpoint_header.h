@@ -4,7 +4,7 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/cell_divisions.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <string>
 
@@ -26,8 +26,8 @@ namespace tombolo
   CheckpointHeader read_header(StateArchive &archive, unsigned int dimension,
                                const Parameters &parameters);
 
-  /** Writes or reads a clock. */
-  void serialize_clock(Clock &clock, StateArchive &archive);
+  /** Lists the times of a clock. */
+  void list(Records &records, Clock &clock);
 
   /** Whether the checkpoint @p file is in the output directory @p directory. Collective. */
   bool is_of_directory(const std::string &file, const std::string &directory,

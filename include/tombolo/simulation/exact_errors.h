@@ -36,8 +36,8 @@ namespace tombolo
     /** Adds `errors`, a list over outputs. */
     void add_to(Json &results) const;
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive);
+    /** What is kept from output to output. */
+    Records records;
 
   private:
     struct Errors

@@ -35,9 +35,9 @@ namespace tombolo
     /** Adds to the present row of @p statistics, and prints the reports of outputs. */
     void write(const Clock &clock, TimeTable &statistics, Log &log);
 
-    /** Writes to a checkpoint or reads from it. An output without state in the checkpoint, since
-     * the earlier run did not have it, starts anew. */
-    void serialize(StateArchive &archive);
+    /** What outputs keep. One without state in the checkpoint, since the earlier run did not have
+     * it, starts anew. */
+    Records records;
 
     void finish(Json &results, Log &log);
 

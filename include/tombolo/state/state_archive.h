@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/clock.h>
 #include <tombolo/state/archive_file.h>
 #include <tombolo/state/archive_rows.h>
 #include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/tensor.h>
 
 #include <mpi.h>
 
@@ -13,17 +16,14 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
   /**
-   * A checkpoint: an HDF5 file of named datasets, to be written or to be read. A class with state
-   * has one function serialize(StateArchive &) that lists its variables once for both directions,
-   * so that the two lists cannot differ:
-   *
-   *     const auto group = archive.group("lattice filter");
-   *     archive("time since filter", time_since_filter);
+   * A checkpoint: an HDF5 file of named datasets, to be written or to be read. Functions are
+   * the same for both directions. What objects keep is listed in their Records, which call these.
    *
    * Values that are the same on all ranks are given to operator(); rank 0 writes them and all ranks
    * read them. Values of owned nodes, of cells and of particles are rows with a persistent
@@ -98,6 +98,15 @@ namespace tombolo
       std::copy(all.begin(), all.end(), values.begin());
     }
 
+    template <int dim>
+    void operator()(const std::string &name, dealii::Tensor<1, dim> &vector)
+    {
+      std::array<double, dim> components;
+      std::copy_n(&vector[0], dim, components.begin());
+      (*this)(name, components);
+      std::copy_n(components.begin(), dim, &vector[0]);
+    }
+
     /** This rank's shares of sums over all ranks. */
     void sums(const std::string &name, const std::vector<double *> &shares);
 
@@ -107,15 +116,26 @@ namespace tombolo
     /** The same where nodes are made of those of the file. */
     void set_nodes(const RowSources &sources);
 
-    /** The first @p n_components of owned nodes; ghosts are updated after reading. @p vector has
-     * its partition. */
+    std::size_t n_owned_nodes() const
+    {
+      return nodes->n_own();
+    }
+
+    /** What vectors without nodes get on reading. */
+    void set_partition(std::shared_ptr<const NodePartition> nodes_to_read)
+    {
+      partition = std::move(nodes_to_read);
+    }
+
+    /** The first @p n_components of owned nodes; ghosts are updated after reading. */
     void nodal(const std::string &name, unsigned int n_components, NodalVector &vector);
 
     /** Values at some owned nodes, zero at the others: entry k is at local node nodes[k], where
      * ghosts are left alone. On reading the values are sized as the nodes; those of nodes that the
-     * file does not have are zero. */
+     * file does not have are zero. With a division(), and the values @p elsewhere at the other
+     * nodes, these get the mean of those between which they lie. */
     void nodal(const std::string &name, const std::vector<unsigned int> &nodes,
-               std::vector<std::array<double, 3>> &values);
+               std::vector<std::array<double, 3>> &values, const NodalVector *elsewhere = nullptr);
 
     /** The identifiers of this rank's rows for rows() in the present group. */
     void set_rows(const std::vector<std::uint64_t> &ids);
@@ -133,6 +153,23 @@ namespace tombolo
      * names the first which is wrong. */
     static void verify(const std::string &file, MPI_Comm communicator);
 
+    /** How a mesh that is divided in the run goes over to the next one. */
+    struct Division
+    {
+      Clock clock;
+      NodalVector mass; ///< of nodes before (scalar), of a new one the mean of those around
+    };
+    /** Where the archive is written on one mesh and read on another; else null. */
+    Division *division()
+    {
+      return of_division.get();
+    }
+    void divide(const Clock &clock)
+    {
+      of_division = std::make_unique<Division>();
+      of_division->clock = clock;
+    }
+
     /** Throws an InputError that begins with the name of the file. */
     [[noreturn]] void fail(const std::string &message) const;
 
@@ -145,5 +182,7 @@ namespace tombolo
     ArchiveFile archive_file;
     std::string prefix; // of the present group, with its slash
     std::unique_ptr<ArchiveRows> nodes, row_set;
+    std::shared_ptr<const NodePartition> partition;
+    std::unique_ptr<Division> of_division;
   };
 } // namespace tombolo

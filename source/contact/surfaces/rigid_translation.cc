@@ -4,7 +4,7 @@
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 #include <tombolo/contact/read_vector.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <array>
 #include <cmath>
@@ -216,28 +216,19 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidTranslation<dim>::serialize(StateArchive &archive)
+  void RigidTranslation<dim>::list(Records &records)
   {
     if (!free)
       return;
-    const auto group = archive.group("motion");
-    const auto vector = [&](const char *name, Tensor<1, dim> &value)
-    {
-      std::array<double, dim> components;
-      for (unsigned int d = 0; d < dim; ++d)
-        components[d] = value[d];
-      archive(name, components);
-      for (unsigned int d = 0; d < dim; ++d)
-        value[d] = components[d];
-    };
-    archive("time", free->time);
-    archive("previous time", free->previous_time);
-    vector("displacement", free->displacement);
-    vector("previous displacement", free->previous_displacement);
-    vector("velocity", free->velocity);
-    vector("previous impulse", free->previous_impulse);
-    archive("work of the force", free->work_of_force);
-    archive("kinetic energy", free->kinetic_energy); // between steps that of the last one
+    Records &of_mass = records.group("motion");
+    of_mass.value("time", free->time);
+    of_mass.value("previous time", free->previous_time);
+    of_mass.value("displacement", free->displacement);
+    of_mass.value("previous displacement", free->previous_displacement);
+    of_mass.value("velocity", free->velocity);
+    of_mass.value("previous impulse", free->previous_impulse);
+    of_mass.value("work of the force", free->work_of_force);
+    of_mass.value("kinetic energy", free->kinetic_energy); // between steps that of the last one
   }
 
   template class RigidTranslation<2>;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/failure/bond_check.h>
 
-#include <tombolo/state/state_archive.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -129,12 +127,6 @@ namespace tombolo
       if (verdict[n] != 0)
         breaking.push_back(entries[n]);
     return breaking;
-  }
-
-  template <int dim>
-  void BondCheck<dim>::serialize(StateArchive &archive)
-  {
-    archive("steps since bond check", steps_since_check);
   }
 
   template class BondCheck<2>;

@@ -2,7 +2,7 @@
 #include <tombolo/formulations/failure/bonds.h>
 
 #include <tombolo/approximation/row_deformation.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -365,27 +365,33 @@ namespace tombolo
   }
 
   template <int dim>
-  void Bonds<dim>::serialize(StateArchive &archive)
+  void Bonds<dim>::list(Records &records)
   {
-    check.serialize(archive);
-    broken.serialize(archive, "partners that broke off");
-    refused.serialize(archive, "partners that were refused");
-    archive("has grown", has_grown);
-    if (has_grown)
-    {
-      std::vector<double> n_bonds(n_initial_bonds.begin(), n_initial_bonds.end());
-      archive.rows("bonds at the start", 1, n_bonds);
-      archive.rows("gradient at the start", 1, initial_gradient);
-      std::transform(n_bonds.begin(), n_bonds.end(), n_initial_bonds.begin(),
-                     [](const double n) { return static_cast<unsigned int>(n); });
-    }
-    if (!archive.is_reading())
-      return;
-    partners.forget();
-    bool is_broken = false;
-    for (std::size_t i = 0; i < broken.size(); ++i)
-      is_broken = is_broken || !broken[i].empty();
-    is_broken_anywhere = Utilities::MPI::max(is_broken ? 1 : 0, communicator) == 1;
+    check.list(records);
+    records.archived(
+        [this](StateArchive &archive)
+        {
+          broken.serialize(archive, "partners that broke off");
+          refused.serialize(archive, "partners that were refused");
+        });
+    records.value("has grown", has_grown);
+    records.list(
+        [this](Records &now)
+        {
+          if (!has_grown)
+            return;
+          now.rows("bonds at the start", 1, n_initial_bonds);
+          now.rows("gradient at the start", 1, initial_gradient);
+        });
+    records.on_reading(
+        [this]
+        {
+          partners.forget();
+          bool is_broken = false;
+          for (std::size_t i = 0; i < broken.size(); ++i)
+            is_broken = is_broken || !broken[i].empty();
+          is_broken_anywhere = Utilities::MPI::max(is_broken ? 1 : 0, communicator) == 1;
+        });
   }
 
   template class Bonds<2>;

@@ -261,12 +261,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void KernelConfiguration<dim>::serialize_steps(StateArchive &archive)
-  {
-    archive("steps since rebuild", steps_since_renewal);
-  }
-
-  template <int dim>
   void KernelConfiguration<dim>::serialize_reference(StateArchive &archive)
   {
     std::vector<double> entries;

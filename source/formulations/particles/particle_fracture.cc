@@ -211,13 +211,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleFracture<dim>::serialize(StateArchive &archive)
-  {
-    if (bonds)
-      bonds->serialize(archive);
-  }
-
-  template <int dim>
   bool
   ParticleFracture<dim>::complete_reading(const std::shared_ptr<const NodePartition> &partition)
   {

@@ -3,7 +3,7 @@
 
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -304,26 +304,28 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleMethod<dim>::serialize(StateArchive &archive)
+  void ParticleMethod<dim>::list(Records &records)
   {
-    kernel.serialize_steps(archive);
-    rows->serialize_start(archive);
-    fracture.serialize(archive);
+    kernel.list(records);
+    rows->list(records);
+    fracture.list(records);
     if (self_contact)
-      self_contact->serialize(archive);
-    rows->serialize_extrapolation(archive);
-    bool is_renewed = kernel.is_renewed(setup.communicator);
-    archive("is rebuilt", is_renewed);
-    if (is_renewed)
-    {
-      // Rows are not stored: the same search and the same renewal at the same positions give them
-      // bit by bit, in the same order.
-      std::vector<double> position, support;
-      rows->serialize_search(archive, position, support);
-      kernel.serialize_reference(archive);
-      if (archive.is_reading())
-        rows->search(set, position, support);
-    }
+      self_contact->list(records.group("self-contact"));
+    records.archived(
+        [this](StateArchive &archive)
+        {
+          bool is_renewed = kernel.is_renewed(setup.communicator);
+          archive("is rebuilt", is_renewed);
+          if (!is_renewed)
+            return;
+          // Rows are not stored: the same search and the same renewal at the same positions give
+          // them bit by bit, in the same order.
+          std::vector<double> position, support;
+          rows->serialize_search(archive, position, support);
+          kernel.serialize_reference(archive);
+          if (archive.is_reading())
+            rows->search(set, position, support);
+        });
   }
 
   template <int dim>

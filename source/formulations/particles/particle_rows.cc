@@ -2,7 +2,7 @@
 #include <tombolo/formulations/particles/particle_rows.h>
 
 #include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -193,25 +193,25 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleRows<dim>::serialize_start(StateArchive &archive)
+  void ParticleRows<dim>::list(Records &records)
   {
-    archive("has started", has_started);
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::serialize_extrapolation(StateArchive &archive)
-  {
-    // Which rows lose their negative values depends on the masses that there were at that time.
-    std::vector<double> flags(shape.mass.size(), 0.);
-    for (const unsigned int row : shape.non_negative_rows)
-      flags[row] = 1.;
-    archive.rows("is kept from extrapolating", 1, flags);
-    if (!archive.is_reading())
-      return;
-    rows_to_change.clear();
-    for (unsigned int row = 0; row < flags.size(); ++row)
-      if (flags[row] != 0.)
-        rows_to_change.push_back(row);
+    records.value("has started", has_started);
+    records.archived(
+        [this](StateArchive &archive)
+        {
+          // Which rows lose their negative values depends on the masses that there were at that
+          // time.
+          std::vector<double> flags(shape.mass.size(), 0.);
+          for (const unsigned int row : shape.non_negative_rows)
+            flags[row] = 1.;
+          archive.rows("is kept from extrapolating", 1, flags);
+          if (!archive.is_reading())
+            return;
+          rows_to_change.clear();
+          for (unsigned int row = 0; row < flags.size(); ++row)
+            if (flags[row] != 0.)
+              rows_to_change.push_back(row);
+        });
   }
 
   template <int dim>

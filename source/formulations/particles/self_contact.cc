@@ -3,7 +3,7 @@
 
 #include <tombolo/formulations/elements/split_number.h>
 #include <tombolo/formulations/particles/fragments.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -422,16 +422,18 @@ namespace tombolo
   }
 
   template <int dim>
-  void SelfContact<dim>::serialize(StateArchive &archive)
+  void SelfContact<dim>::list(Records &records)
   {
-    const auto group = archive.group("self-contact");
-    archive.sums("energies", {&stored, &dissipated});
+    records.sums("energies", stored, dissipated);
     if (friction)
-      friction->serialize(archive, particles.ids);
-    if (!archive.is_reading())
-      return;
-    is_searched = pairs_are_current = false;
-    has_grown.assign(has_grown.size(), false);
+      records.archived([this](StateArchive &archive)
+                       { friction->serialize(archive, particles.ids); });
+    records.on_reading(
+        [this]
+        {
+          is_searched = pairs_are_current = false;
+          has_grown.assign(has_grown.size(), false);
+        });
   }
 
   template class SelfContact<2>;

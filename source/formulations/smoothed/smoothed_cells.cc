@@ -6,7 +6,7 @@
 #include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/step_cost.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <algorithm>
 
@@ -310,16 +310,20 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedCells<dim>::serialize(StateArchive &archive)
+  void SmoothedCells<dim>::list(Records &records)
   {
-    if (criterion.is_on())
-      lost_cells.serialize(n_cells(), heat != nullptr, archive);
-    if (!refill().is_on())
-      return;
-    std::vector<double> masses = masses_of_cells();
-    archive.rows("mass of corners", n_corners, masses);
-    if (archive.is_reading())
-      cells.set_masses(masses);
+    records.archived(
+        [this](StateArchive &archive)
+        {
+          if (criterion.is_on())
+            lost_cells.serialize(n_cells(), heat != nullptr, archive);
+          if (!refill().is_on())
+            return;
+          std::vector<double> masses = masses_of_cells();
+          archive.rows("mass of corners", n_corners, masses);
+          if (archive.is_reading())
+            cells.set_masses(masses);
+        });
   }
 
   template class SmoothedCells<2>;

@@ -109,7 +109,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  Conversion<dim>::Conversion(const Model<dim> &model) : communicator(model.communicator)
+  Conversion<dim>::Conversion(Model<dim> &model) : communicator(model.communicator)
   {
     for (unsigned int p = 0; p < model.parts.size(); ++p)
       if (const auto source = model.parts[p].source)
@@ -117,6 +117,9 @@ namespace tombolo
             {*source, p,
              dynamic_cast<ConvertingCells<dim> *>(model.parts[*source].formulation.get()),
              model.parts[p].particles});
+    this->structure.archived([this, &model](StateArchive &archive)
+                             { serialize_structure(model, archive); });
+    this->records.group("conversion").sums("lost", lost);
   }
 
   template <int dim>
@@ -331,13 +334,6 @@ namespace tombolo
   {
     summary["converted_cells"] = n_converted_cells();
     summary["conversion_loss"] = Utilities::MPI::sum(lost, communicator);
-  }
-
-  template <int dim>
-  void Conversion<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("conversion");
-    archive.sums("lost", {&lost});
   }
 
   template <int dim>

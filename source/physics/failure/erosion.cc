@@ -6,7 +6,6 @@
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -42,9 +41,13 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  Erosion<dim>::Erosion(const Model<dim> &model)
+  Erosion<dim>::Erosion(Model<dim> &model)
       : communicator(model.communicator), parts(eroding_parts(model))
-  {}
+  {
+    this->structure.on_completion([this, &model] { remove_faces(model); });
+    this->records.group("erosion").sums("eroded", lost.n_cells, lost.mass, lost.energy,
+                                        interleaved(lost.momentum, lost.angular_momentum));
+  }
 
   template <int dim>
   ModelChange Erosion<dim>::change_model(Model<dim> &model, const Clock &clock)
@@ -200,25 +203,6 @@ namespace tombolo
     for (const ErodingCells<dim> *const part : parts)
       count += part->n_removed_cells();
     return Utilities::MPI::sum(count, communicator);
-  }
-
-  template <int dim>
-  void Erosion<dim>::parts_were_read(Model<dim> &model)
-  {
-    remove_faces(model);
-  }
-
-  template <int dim>
-  void Erosion<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("erosion");
-    std::vector<double *> shares{&lost.n_cells, &lost.mass, &lost.energy};
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      shares.push_back(&lost.momentum[d]);
-      shares.push_back(&lost.angular_momentum[d]);
-    }
-    archive.sums("eroded", shares);
   }
 
   template <int dim>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/heat/explicit_heat.h>
 
-#include <tombolo/state/state_archive.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -169,20 +167,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void ExplicitHeat<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  void ExplicitHeat<dim>::list(Records &records, const Model<dim> &model)
   {
-    const auto group = archive.group("explicit heat");
-    tombolo::serialize(archive, present);
-    archive("paper's limit at estimate", paper_limit_at_estimate);
-    archive("steps since look", steps_since_look);
-    archive("calls", n_calls);
-    growing_rates.serialize(archive);
     has_rate = false;
-    if (n_calls == 0)
-      return;
-    if (archive.is_reading())
-      solver.set_partition(model.state.partition());
-    archive.nodal("mode", 1, solver.mode);
+    Records &all = records.group("explicit heat");
+    tombolo::list(all, present);
+    all.value("paper's limit at estimate", paper_limit_at_estimate);
+    all.value("steps since look", steps_since_look);
+    all.value("calls", n_calls);
+    growing_rates.list(all);
+    all.list(
+        [this, &model](Records &now)
+        {
+          if (n_calls == 0)
+            return;
+          solver.set_partition(model.state.partition());
+          now.nodal("mode", 1, solver.mode);
+        });
   }
 
   template class ExplicitHeat<2>;

@@ -2,7 +2,6 @@
 #include <tombolo/physics/heat/growing_rates.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -101,12 +100,6 @@ namespace tombolo
     // Rates that are the same at all nodes have an image of round-off.
     constexpr double smallest_share = 1e-6;
     return sums[1] * time_step > smallest_share * sums[0] ? sums[2] / sums[1] : 0.;
-  }
-
-  template <int dim>
-  void GrowingRates<dim>::serialize(StateArchive &archive)
-  {
-    archive("usual rate", usual);
   }
 
   template class GrowingRates<2>;

@@ -3,7 +3,6 @@
 
 #include <tombolo/output/summary.h>
 #include <tombolo/physics/heat/conduction_matrix.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/solver_cg.h>
@@ -386,19 +385,27 @@ namespace tombolo
   }
 
   template <int dim>
-  void ImplicitHeat<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  void ImplicitHeat<dim>::list(Records &records, const Model<dim> &model)
   {
-    const auto group = archive.group("implicit heat");
-    archive("linear iterations", linear_iterations);
-    archive("Newton iterations", newton_iterations);
-    // What is made anew at the same step gives the same bits only if the run that writes does so
-    // too.
-    preconditioner.reset();
-    // Which may have changed since the last thermal step.
-    set_partition(model.state.partition());
-    archive("last step", last_step);
-    if (last_step > 0.)
-      archive.nodal("last temperature", 1, last_temperature);
+    Records &all = records.group("implicit heat");
+    all.list(
+        [this, &model](Records &now)
+        {
+          // What is made anew at the same step gives the same bits only if the run that writes
+          // does so too.
+          preconditioner.reset();
+          // Which may have changed since the last thermal step.
+          set_partition(model.state.partition());
+          now.value("linear iterations", linear_iterations);
+          now.value("Newton iterations", newton_iterations);
+          now.value("last step", last_step);
+        });
+    all.list(
+        [this](Records &now)
+        {
+          if (last_step > 0.)
+            now.nodal("last temperature", 1, last_temperature);
+        });
   }
 
   template <int dim>

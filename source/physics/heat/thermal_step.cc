@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <chrono>
@@ -265,31 +264,29 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalStep<dim>::serialize(StateArchive &archive, Model<dim> &model, HeatBalance &last)
+  void ThermalStep<dim>::list(Records &records, Model<dim> &model, HeatBalance &last)
   {
-    const auto group = archive.group("thermal step");
-    archive("time", time_of_state);
-    archive("next time", next_time);
-    archive("present time", present_time);
-    archive("is in progress", is_in_progress);
-    archive("steps", count);
-    archive("smallest", smallest);
-    archive("largest", largest);
-    archive("largest scale", largest_scale);
-    archive("has start", has_start);
-    archive("initial enthalpy", initial_enthalpy);
-    archive("last error", last.error);
+    records.value("time", time_of_state);
+    records.value("next time", next_time);
+    records.value("present time", present_time);
+    records.value("is in progress", is_in_progress);
+    records.value("steps", count);
+    records.value("smallest", smallest);
+    records.value("largest", largest);
+    records.value("largest scale", largest_scale);
+    records.value("has start", has_start);
+    records.value("initial enthalpy", initial_enthalpy);
+    records.value("last error", last.error);
     entered.resize(model.heat->conditions.n_conditions());
     entering.resize(entered.size());
     std::vector<double *> shares;
-    for (double &value : entered)
-      shares.push_back(&value);
-    for (double &value : entering)
-      shares.push_back(&value);
-    archive.sums("heat of conditions", shares);
-    archive.sums("eroded heat", {&model.heat->eroded_heat, &model.heat->eroding_heat});
-    archive("limit is outdated", model.heat->limit_is_outdated);
-    scheme->serialize(archive, model);
+    for (std::vector<double> *const of_conditions : {&entered, &entering})
+      for (double &value : *of_conditions)
+        shares.push_back(&value);
+    records.sums("heat of conditions", shares);
+    records.sums("eroded heat", model.heat->eroded_heat, model.heat->eroding_heat);
+    records.value("limit is outdated", model.heat->limit_is_outdated);
+    scheme->list(records, model);
   }
 
   template <int dim>

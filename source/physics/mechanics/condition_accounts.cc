@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <string>
@@ -136,18 +135,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void ConditionAccounts<dim>::serialize(StateArchive &archive)
+  void ConditionAccounts<dim>::list(Records &records)
   {
-    const auto group = archive.group("by condition");
+    Records &all = records.group("by condition");
     std::vector<double *> works;
     for (std::size_t c = 0; c < accounts.size(); ++c)
     {
       works.push_back(&accounts[c].work);
-      const auto of_condition = archive.group(std::to_string(c));
-      accounts[c].impulses.serialize(archive);
+      accounts[c].impulses.list(all.group(std::to_string(c)));
     }
-    archive.sums("work", works);
-    archive("time of impulse", time_of_impulse);
+    all.sums("work", works);
+    all.value("time of impulse", time_of_impulse);
   }
 
   template class ConditionAccounts<2>;

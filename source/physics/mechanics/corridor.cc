@@ -4,7 +4,6 @@
 #include <tombolo/base/place_text.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -74,12 +73,6 @@ namespace tombolo
       return text.str();
     }
     return {};
-  }
-
-  template <int dim>
-  void Corridor<dim>::serialize(StateArchive &archive)
-  {
-    archive("corridor was left", was_left);
   }
 
   template class Corridor<2>;

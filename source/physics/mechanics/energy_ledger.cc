@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -167,20 +166,19 @@ namespace tombolo
         result.angular_impulse, keeps_angular_momentum, largest_angular_momentum);
   }
 
-  void EnergyLedger::serialize(StateArchive &archive, EnergyBalance &last)
+  void EnergyLedger::list(Records &records, EnergyBalance &last)
   {
-    const auto group = archive.group("energy ledger");
-    archive("has start", has_start);
-    archive("initial total", initial_total);
-    archive("largest input", largest_input);
-    archive("largest momentum", largest_momentum);
-    archive("largest angular momentum", largest_angular_momentum);
-    archive("initial momentum", initial_momentum);
-    archive("initial angular momentum", initial_angular_momentum);
-    archive("last error", last.error);
-    archive("last momentum drift", last.momentum_drift);
-    archive("last angular momentum drift", last.angular_momentum_drift);
-    archive("last short wave share", last.short_wave_share);
+    records.value("has start", has_start);
+    records.value("initial total", initial_total);
+    records.value("largest input", largest_input);
+    records.value("largest momentum", largest_momentum);
+    records.value("largest angular momentum", largest_angular_momentum);
+    records.value("initial momentum", initial_momentum);
+    records.value("initial angular momentum", initial_angular_momentum);
+    records.value("last error", last.error);
+    records.value("last momentum drift", last.momentum_drift);
+    records.value("last angular momentum drift", last.angular_momentum_drift);
+    records.value("last short wave share", last.short_wave_share);
   }
 
   template EnergyBalance EnergyLedger::balance(Model<2> &, const Clock &, double);

@@ -22,6 +22,10 @@ namespace tombolo
         single.push_back({c, {}, {}});
     if (single.size() == 1)
       single.clear();
+    Records &all = this->records.group("loads");
+    of_conditions.list(all);
+    for (SingleLoad &load : single)
+      load.work.list("previous impulse of " + std::to_string(load.condition), all);
   }
 
   template <int dim>
@@ -112,16 +116,6 @@ namespace tombolo
                 ordered_sum(loads.work(), loads.given().partition()->communicator());
           return balances;
         });
-  }
-
-  template <int dim>
-  void Loads<dim>::serialize(Model<dim> &model, StateArchive &archive)
-  {
-    const auto group = archive.group("loads");
-    of_conditions.serialize(archive);
-    for (SingleLoad &load : single)
-      load.work.serialize("previous impulse of " + std::to_string(load.condition),
-                          model.state.partition()->n_owned(), archive);
   }
 
   namespace

@@ -8,7 +8,6 @@
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -84,8 +83,17 @@ namespace tombolo
   {
     this->roles.rest = ProcessRole::is_idle;
     this->roles.divided_cells = ProcessRole::is_refused;
+    this->records.group("mass scaling").sums("work", work);
     if (!settings.is_selective())
       return;
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+      this->structure.group("inertia of part " + model.parts[p].name)
+          .archived(
+              [&model, p](StateArchive &archive)
+              {
+                archive.set_rows(model.persistent_ids_of_points(p));
+                archive.rows("inertia factors", 1, model.parts[p].inertia);
+              });
     start(model);
     raise_factors(model);
     model.inertia_is_mass = false;
@@ -310,27 +318,6 @@ namespace tombolo
         result["largest_kinetic_over_internal_energy"] = ratio;
       }
     summary["scaling"] = result;
-  }
-
-  template <int dim>
-  void MassScaling<dim>::serialize_structure(Model<dim> &model, StateArchive &archive)
-  {
-    if (!settings.is_selective())
-      return;
-    for (unsigned int p = 0; p < model.parts.size(); ++p)
-    {
-      Part<dim> &part = model.parts[p];
-      const auto group = archive.group("inertia of part " + part.name);
-      archive.set_rows(model.persistent_ids_of_points(p));
-      archive.rows("inertia factors", 1, part.inertia);
-    }
-  }
-
-  template <int dim>
-  void MassScaling<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("mass scaling");
-    archive.sums("work", {&work});
   }
 
   namespace

@@ -11,7 +11,6 @@
 #include <tombolo/model/tangent.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/named_parts.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -86,11 +85,18 @@ namespace tombolo
       members.push_back(std::make_unique<MortarContact<dim>>(section, heat != nullptr, *model.nodes,
                                                              model.state, selectors.back()[0],
                                                              selectors.back()[1]));
+      this->records.group("body contact " + section.name(), members.back()->records);
     }
     this->roles.divided_cells = ProcessRole::is_refused;
     if (std::any_of(members.begin(), members.end(),
                     [](const auto &contact) { return contact->is_tied(); }))
       this->roles.placed_nodes = ProcessRole::is_refused;
+    this->records.on_continuation([this, &model]
+                                  { last_position.copy_from(model.state.position); });
+    Records &of_all = this->records.group("contact between bodies");
+    of_all.nodal("last position", dim, last_position);
+    of_all.archived([this](StateArchive &archive)
+                    { archive.nodal("force", dim, force.at_all_nodes()); });
   }
 
   template <int dim>
@@ -204,7 +210,7 @@ namespace tombolo
       if (!contact->is_tied())
         continue;
       std::vector<double> areas;
-      for (const MortarHistory<dim> &history : contact->state().histories)
+      for (const MortarHistory<dim> &history : contact->node_histories())
         areas.push_back(history.area);
       text << "  contact \"" << contact->name() << "\": "
            << describe_tie<dim>(model.state.initial_position, contact->slave_faces().owned_nodes(),
@@ -222,47 +228,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::serialize(Model<dim> &, StateArchive &archive)
+  void MortarContacts<dim>::begin_trials(Model<dim> &model, const Clock &clock,
+                                         const double touch_distance)
   {
-    for (const auto &contact : members)
-      contact->serialize(archive);
-    const auto group = archive.group("contact between bodies");
-    archive.nodal("last position", dim, last_position);
-    archive.nodal("force", dim, force.at_all_nodes());
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::continue_state(Model<dim> &model, StateArchive &archive)
-  {
-    for (const auto &contact : members)
-      contact->continue_from(archive);
-    last_position.copy_from(model.state.position);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock,
-                                        const double touch_distance)
-  {
-    committed.clear();
     for (const auto &contact : members)
     {
       contact->become_static(touch_distance);
       contact->find_stiffness(model.state, clock); // one for all evaluations of the step
-      committed.push_back(contact->state());
     }
     if (clock.step == 0)
       last_position.copy_from(model.state.position);
-    const auto &partition = model.state.partition();
-    committed_position.fit_to(partition, Quantity::position);
-    committed_position.copy_from(last_position);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::restart_trial()
-  {
-    for (std::size_t k = 0; k < members.size(); ++k)
-      members[k]->restore(committed[k]);
-    last_position.copy_from(committed_position);
   }
 
   template <int dim>

@@ -3,7 +3,6 @@
 
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -42,6 +41,20 @@ namespace tombolo
           Utilities::MPI::min(part.particles->smallest_spacing(), model.communicator);
       law.frequency = std::sqrt(law.stiffness) * part.material->longitudinal_wave_speed() / spacing;
     }
+    this->records.group("contact between parts")
+        .list(
+            [this, &model](Records &now)
+            {
+              if (!is_current)
+                collect_particles(model);
+              nodes.clear();
+              for (const Particle &particle : particles)
+                nodes.push_back(particle.node);
+              now.sums("energies", stored, dissipated);
+              now.at_nodes(nodes, particles)
+                  .vector("force", &Particle::force)
+                  .vector("position", &Particle::position);
+            });
   }
 
   template <int dim>
@@ -344,34 +357,6 @@ namespace tombolo
   {
     accounts.add("self-contact energy", EnergyKind::stored, stored);
     accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
-  }
-
-  template <int dim>
-  void PartContact<dim>::serialize(Model<dim> &model, StateArchive &archive)
-  {
-    if (!is_current)
-      collect_particles(model);
-    const auto group = archive.group("contact between parts");
-    archive.sums("energies", {&stored, &dissipated});
-    std::vector<unsigned int> nodes;
-    std::vector<std::array<double, 3>> forces(particles.size()), positions(particles.size());
-    for (std::size_t i = 0; i < particles.size(); ++i)
-    {
-      nodes.push_back(particles[i].node);
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        forces[i][d] = particles[i].force[d];
-        positions[i][d] = particles[i].position[d];
-      }
-    }
-    archive.nodal("force", nodes, forces);
-    archive.nodal("position", nodes, positions);
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        particles[i].force[d] = forces[i][d];
-        particles[i].position[d] = positions[i][d];
-      }
   }
 
   namespace

@@ -68,7 +68,19 @@ namespace tombolo
   template <int dim>
   PrescribedMotion<dim>::PrescribedMotion(const Model<dim> &model)
       : model(model), conditions(*model.conditions), supports(model, true)
-  {}
+  {
+    const auto vector = [](Vector & of_node) -> auto &
+    {
+      return of_node;
+    };
+    const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+    Records &all = this->records.group("prescribed motion");
+    all.sums("work", work);
+    all.at_nodes(nodes, previous_inertia).vector("previous inertia", vector);
+    all.at_nodes(nodes, previous_force).vector("previous force", vector);
+    all.archived([this](StateArchive &archive) { serialize_offsets(archive); });
+    supports.list(all);
+  }
 
   template <int dim>
   std::string PrescribedMotion<dim>::failure() const
@@ -194,8 +206,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void PrescribedMotion<dim>::serialize_offsets(Model<dim> &model, StateArchive &archive) const
+  void PrescribedMotion<dim>::serialize_offsets(StateArchive &archive) const
   {
+    if (model.bridge->operators() != Bridge::Operators::affine)
+      return;
     std::vector<Vector> offsets(conditions.constrained_nodes().size(), Vector{});
     for_particles(model,
                   [&](const std::size_t k, const unsigned int, const ConstrainedParticle &particle)
@@ -209,18 +223,6 @@ namespace tombolo
       k = std::lower_bound(k, conditions.constrained_nodes().end(), particle.node);
       particle.offset = offsets[std::size_t(k - conditions.constrained_nodes().begin())];
     }
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::serialize(Model<dim> &model, StateArchive &archive)
-  {
-    const auto group = archive.group("prescribed motion");
-    archive.sums("work", {&work});
-    archive.nodal("previous inertia", conditions.constrained_nodes(), previous_inertia);
-    archive.nodal("previous force", conditions.constrained_nodes(), previous_force);
-    if (model.bridge->operators() == Bridge::Operators::affine)
-      serialize_offsets(model, archive);
-    supports.serialize(archive);
   }
 
   namespace

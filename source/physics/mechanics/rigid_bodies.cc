@@ -79,6 +79,34 @@ namespace tombolo
     }
     masses_have_changed(model);
     model.state.unsmoothed_velocity.distribute();
+    list(model);
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::list(Model<dim> &model)
+  {
+    const auto renew = [this, &model]
+    {
+      if (masses_have_changed(model))
+        renew_inertia(model);
+    };
+    this->records.on_reading(renew);
+    this->records.on_continuation(renew);
+    for (RigidBody<dim> &body : bodies)
+      body.list(this->records.group("rigid part " + body.name()));
+    this->records.on_continuation(
+        [this, &model]
+        {
+          for (std::size_t b = 0; b < bodies.size(); ++b)
+          {
+            bodies[b].continue_motion(start_interval);
+            set_velocity(b, model.state);
+          }
+          model.state.unsmoothed_velocity.distribute();
+        });
+    Records &of_all = this->records.group("rigid parts");
+    of_all.value("lost energy", lost);
+    of_all.sums("lost momentum", interleaved(lost_momentum, lost_angular_momentum));
   }
 
   template <int dim>
@@ -344,37 +372,6 @@ namespace tombolo
         result.push_back(body.balance());
       return result;
     };
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::serialize(Model<dim> &model, StateArchive &archive)
-  {
-    if (archive.is_reading() && masses_have_changed(model))
-      renew_inertia(model);
-    for (RigidBody<dim> &body : bodies)
-      body.serialize(archive);
-    const auto group = archive.group("rigid parts");
-    archive("lost energy", lost);
-    std::vector<double *> shares;
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      shares.push_back(&lost_momentum[d]);
-      shares.push_back(&lost_angular_momentum[d]);
-    }
-    archive.sums("lost momentum", shares);
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::continue_state(Model<dim> &model, StateArchive &archive)
-  {
-    if (masses_have_changed(model))
-      renew_inertia(model);
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-    {
-      bodies[b].continue_from(archive, start_interval);
-      set_velocity(b, model.state);
-    }
-    model.state.unsmoothed_velocity.distribute();
   }
 
   template <int dim>

@@ -6,7 +6,7 @@
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/formulations/elements/rigid_cells.h>
 #include <tombolo/model/impulse_account.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include <cmath>
 #include <limits>
@@ -360,45 +360,33 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBody<dim>::serialize(StateArchive &archive)
+  void RigidBody<dim>::list(Records &records)
   {
-    const auto group = archive.group("rigid part " + body_name);
-    const auto vector = [&](const std::string &what, Vector &value)
-    {
-      std::array<double, 3> components = array_of(value);
-      archive(what, components);
-      for (unsigned int d = 0; d < 3; ++d)
-        value[d] = components[d];
-    };
-    archive("turn", present.turn);
-    archive("angle", present.angle);
-    vector("centre", present.centre);
-    vector("momentum", present.momentum);
-    vector("angular momentum", present.angular_momentum);
-    vector("increment", present.increment);
-    vector("spin", present.spin);
-    vector("reference velocity", present.reference_velocity);
-    vector("beyond nodes", present.beyond_nodes);
-    vector("previous reaction", previous_reaction.force);
-    vector("previous moment", previous_reaction.moment);
-    vector("previous given force", previous_given.force);
-    vector("previous given moment", previous_given.moment);
-    vector("reference point at the start", reference_at_start);
-    archive("angle at the start", angle_at_start);
-    vector("impulse", impulse.force);
-    vector("angular impulse", impulse.moment);
-    archive("work of the drive", drive_work);
-    archive("work of given forces", force_work);
-    if (!archive.is_reading() || archive.has("energy beyond nodes"))
-      archive("energy beyond nodes", beyond_nodes_energy);
+    records.value("turn", present.turn).continues();
+    records.value("angle", present.angle).continues();
+    records.value("centre", present.centre).continues();
+    records.value("momentum", present.momentum).continues();
+    records.value("angular momentum", present.angular_momentum).continues();
+    records.value("increment", present.increment).continues();
+    records.value("spin", present.spin).continues();
+    records.value("reference velocity", present.reference_velocity).continues();
+    records.value("beyond nodes", present.beyond_nodes).continues();
+    records.value("previous reaction", previous_reaction.force);
+    records.value("previous moment", previous_reaction.moment);
+    records.value("previous given force", previous_given.force);
+    records.value("previous given moment", previous_given.moment);
+    records.value("reference point at the start", reference_at_start);
+    records.value("angle at the start", angle_at_start);
+    records.value("impulse", impulse.force);
+    records.value("angular impulse", impulse.moment);
+    records.value("work of the drive", drive_work);
+    records.value("work of given forces", force_work);
+    records.value("energy beyond nodes", beyond_nodes_energy).optional().continues();
   }
 
   template <int dim>
-  void RigidBody<dim>::continue_from(StateArchive &archive, const double interval)
+  void RigidBody<dim>::continue_motion(const double interval)
   {
-    serialize(archive);
-    previous_reaction = previous_given = impulse = {};
-    drive_work = force_work = 0.;
     reference_at_start = present.centre + arm(present);
     angle_at_start = present.angle;
     set_motion(present.momentum / initial.mass, present.spin, interval, true);

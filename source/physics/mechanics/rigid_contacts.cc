@@ -81,9 +81,12 @@ namespace tombolo
       members.push_back(std::make_unique<PenaltyContact<dim>>(section, model.mesh, *model.nodes,
                                                               model.state, can_be_exposed, has_heat,
                                                               volume, master_part(section, model)));
-    if (!section.get("Corridor").empty())
-      corridors.emplace(members.size() - 1, Corridor<dim>(section))
-          .first->second.check(*members.back(), model.state);
+    this->records.group("contact " + section.name(), members.back()->records);
+    if (section.get("Corridor").empty())
+      return;
+    Corridor<dim> &corridor = corridors.try_emplace(members.size() - 1, section).first->second;
+    corridor.check(*members.back(), model.state);
+    corridor.list(this->records.group("corridor of " + section.name()));
   }
 
   template <int dim>
@@ -304,33 +307,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    for (const auto &contact : members)
-      contact->serialize(archive);
-    for (auto &[member, corridor] : corridors)
-    {
-      const auto group = archive.group("corridor of " + members[member]->name());
-      corridor.serialize(archive);
-    }
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::continue_state(Model<dim> &model, StateArchive &archive)
-  {
-    for (const auto &contact : members)
-      contact->continue_from(model.state, archive);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::follow_division(const Model<dim> &model, StateArchive &archive,
-                                           const Clock &clock)
-  {
-    for (const auto &contact : members)
-      contact->follow_division(model.state, archive, clock);
-  }
-
-  template <int dim>
   std::vector<std::string>
   RigidContacts<dim>::warnings(const Model<dim> &model, const Clock &clock,
                                const typename Process<dim>::Occasion occasion)
@@ -350,21 +326,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock,
-                                       const double touch_distance)
+  void RigidContacts<dim>::begin_trials(Model<dim> &model, const Clock &clock,
+                                        const double touch_distance)
   {
     for (const auto &contact : members)
     {
       contact->become_static(touch_distance);
-      contact->begin_trial(model.state, clock);
+      if (clock.step == 0)
+        contact->forget_motion(model.state);
     }
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::restart_trial()
-  {
-    for (const auto &contact : members)
-      contact->restart_trial();
   }
 
   template <int dim>

@@ -18,7 +18,12 @@ namespace tombolo
   template <int dim>
   SectionForces<dim>::SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model)
       : model(model), members(std::move(sections)), impulses(members.size())
-  {}
+  {
+    Records &all = this->records.group("sections");
+    for (std::size_t k = 0; k < members.size(); ++k)
+      impulses[k].list(all.group(std::to_string(k)));
+    all.value("time of impulse", time_of_impulse);
+  }
 
   template <int dim>
   const std::vector<BodySection<dim>> &SectionForces<dim>::sections() const
@@ -116,18 +121,6 @@ namespace tombolo
   void SectionForces<dim>::show(OutputView<dim> &view) const
   {
     view.section_balances = [this]() { return balances(); };
-  }
-
-  template <int dim>
-  void SectionForces<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("sections");
-    for (std::size_t k = 0; k < members.size(); ++k)
-    {
-      const auto of_section = archive.group(std::to_string(k));
-      impulses[k].serialize(archive);
-    }
-    archive("time of impulse", time_of_impulse);
   }
 
   namespace

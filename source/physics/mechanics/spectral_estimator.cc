@@ -6,7 +6,6 @@
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -37,17 +36,19 @@ namespace tombolo
   {}
 
   template <int dim>
-  void SpectralEstimator<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  void SpectralEstimator<dim>::list(Records &records, const Model<dim> &model)
   {
-    const auto group = archive.group("spectral estimator");
-    archive("calls", n_calls);
-    archive("has viscosity", has_viscosity);
-    archive("last time step", last_time_step);
-    if (n_calls == 0)
-      return;
-    if (archive.is_reading())
-      solver.set_partition(model.state.partition());
-    archive.nodal("mode", 3, solver.mode);
+    records.value("calls", n_calls);
+    records.value("has viscosity", has_viscosity);
+    records.value("last time step", last_time_step);
+    records.list(
+        [this, &model](Records &now)
+        {
+          if (n_calls == 0)
+            return;
+          solver.set_partition(model.state.partition());
+          now.nodal("mode", 3, solver.mode);
+        });
   }
 
   template <int dim>

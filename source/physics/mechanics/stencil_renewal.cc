@@ -6,7 +6,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/failure/bond_failure_process.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -21,6 +20,7 @@ namespace tombolo
       : breaks(breaks), renews(renews)
   {
     this->roles.rest = ProcessRole::is_idle; // rows stay those of the start
+    this->records.group("renewal of stencils").sums("taken", taken_by_breaks, taken_by_renewals);
   }
 
   template <int dim>
@@ -113,13 +113,6 @@ namespace tombolo
               Utilities::MPI::sum(n_deficient, model.communicator));
     table.add("particles kept from extrapolating", "1",
               Utilities::MPI::sum(n_non_negative, model.communicator));
-  }
-
-  template <int dim>
-  void StencilRenewal<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("renewal of stencils");
-    archive.sums("taken", {&taken_by_breaks, &taken_by_renewals});
   }
 
   namespace

@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/step_size.h>
 
 #include <tombolo/physics/mechanics/courant_limit.h>
-#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -175,23 +174,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void StepSize<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  void StepSize<dim>::list(Records &records, const Model<dim> &model)
   {
-    const auto group = archive.group("time step");
-    tombolo::serialize(archive, present);
-    archive("has limit", has_limit);
-    archive("paper's limit at estimate", courant_at_estimate);
-    archive("step of look", step_of_check);
-    archive("steps to look", steps_to_check);
-    archive("paper's limit at look", courant_at_check);
-    archive("step of estimate", step_of_estimate);
-    archive("steps to estimate", steps_to_estimate);
-    archive("is renewed", is_renewed);
-    archive("smallest", smallest_step);
-    archive("largest", largest_step);
-    archive("estimates", count);
-    shortening.serialize(archive, model);
-    estimator->serialize(archive, model);
+    tombolo::list(records, present);
+    records.value("has limit", has_limit);
+    records.value("paper's limit at estimate", courant_at_estimate);
+    records.value("step of look", step_of_check);
+    records.value("steps to look", steps_to_check);
+    records.value("paper's limit at look", courant_at_check);
+    records.value("step of estimate", step_of_estimate);
+    records.value("steps to estimate", steps_to_estimate);
+    records.value("is renewed", is_renewed);
+    records.value("smallest", smallest_step);
+    records.value("largest", largest_step);
+    records.value("estimates", count);
+    records.archived([this, &model](StateArchive &archive)
+                     { shortening.serialize(archive, model); });
+    estimator->list(records.group("spectral estimator"), model);
   }
 
   template <int dim>

@@ -6,7 +6,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
-#include <tombolo/state/state_archive.h>
 
 #include <cstdint>
 
@@ -107,14 +106,6 @@ namespace tombolo
   void Xsph<dim>::report(const Model<dim> &model, TimeTable &table) const
   {
     table.add("XSPH work", "M L^2/T^2", ordered_sum(work, model.communicator));
-  }
-
-  template <int dim>
-  void Xsph<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("XSPH");
-    archive.sums("work", {&work, &in_contacts});
-    archive.nodal("moved", dim, moved);
   }
 
   namespace

@@ -8,7 +8,6 @@
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -109,6 +108,11 @@ namespace tombolo
       : AdaptiveRefinement(parameters)
   {
     of_file = model.mesh.of_file ? *model.mesh.of_file : divided_cells(model.mesh);
+    Records &all = this->records.group("adaptive refinement");
+    all.value("meshes", n_meshes);
+    all.value("is announced", is_announced);
+    all.value("most cells", most_cells);
+    all.sums("lost", lost, interleaved(lost_momentum, lost_angular_momentum));
     if (model.heat)
       model.heat->can_lose_heat = true;
   }
@@ -390,22 +394,6 @@ namespace tombolo
     out << "Adaptive refinement by " << section.get("Criterion") << " above " << refine_above
         << ", up to " << most_levels << (most_levels == 1 ? " level" : " levels") << " every "
         << interval << " steps\n";
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("adaptive refinement");
-    archive("meshes", n_meshes);
-    archive("is announced", is_announced);
-    archive("most cells", most_cells);
-    std::vector<double *> shares{&lost};
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      shares.push_back(&lost_momentum[d]);
-      shares.push_back(&lost_angular_momentum[d]);
-    }
-    archive.sums("lost", shares);
   }
 
   namespace

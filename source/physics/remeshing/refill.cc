@@ -6,7 +6,6 @@
 #include <tombolo/base/place_text.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -48,6 +47,18 @@ namespace tombolo
     if (std::any_of(parts.begin(), parts.end(),
                     [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
       model.remove_faces(void_cells);
+    this->structure.archived(
+        [this, &model](StateArchive &archive)
+        {
+          bool has_read = false;
+          for (Refilled &part : parts)
+            has_read = part.refill->serialize(model, archive) || has_read;
+          if (has_read && archive.is_reading())
+            model.set_partition();
+        });
+    Records &all = this->records.group("refills");
+    all.sums("lost energy", lost);
+    all.sums("lost momentum", lost_momentum, lost_angular_momentum);
     if (!model.heat)
       return;
     heat = &this->actions.add_heat("heat of refills", "remap loss heat");
@@ -338,26 +349,6 @@ namespace tombolo
       result.push_back(text.str());
     }
     return result;
-  }
-
-  template <int dim>
-  void Refill<dim>::serialize_structure(Model<dim> &model, StateArchive &archive)
-  {
-    bool has_read = false;
-    for (Refilled &part : parts)
-      has_read = part.refill->serialize(model, archive) || has_read;
-    if (has_read && archive.is_reading())
-      model.set_partition();
-  }
-
-  template <int dim>
-  void Refill<dim>::serialize(Model<dim> &, StateArchive &archive)
-  {
-    const auto group = archive.group("refills");
-    archive.sums("lost energy", {&lost});
-    archive.sums("lost momentum",
-                 {&lost_momentum[0], &lost_momentum[1], &lost_momentum[2],
-                  &lost_angular_momentum[0], &lost_angular_momentum[1], &lost_angular_momentum[2]});
   }
 
   template <int dim>

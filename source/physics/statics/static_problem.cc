@@ -32,6 +32,8 @@ namespace tombolo
     prescribed_displacement.reinit(model.state.partition());
     free_force.reinit(model.state.partition());
     set_constrained();
+    if (model.heat)
+      of_nodes.nodal("pending heat", 1, model.heat->state.pending);
     model.state.unsmoothed_velocity.set_zero();
     model.state.velocity.set_zero();
     model.state.acceleration.set_zero();
@@ -89,22 +91,20 @@ namespace tombolo
     has_driven_nodes = Utilities::MPI::max(largest, model.communicator) > 0.;
     state.acceleration.set_zero();
     trial = std::make_unique<Trial<dim>>(model);
-    begin_trial(process_clock());
+    begin_trials(process_clock());
   }
 
   template <int dim>
-  void StaticProblem<dim>::begin_trial(const Clock &clock)
+  void StaticProblem<dim>::begin_trials(const Clock &clock)
   {
     for_acting(
         [&](Process<dim> &process)
         {
-          process.begin_trial(model, clock, touch_distance);
-          process.actions.begin_trial();
+          process.begin_trials(model, clock, touch_distance);
+          process.records.keep();
+          process.actions.records.keep();
         });
-    if (!model.heat)
-      return;
-    pending_heat.reinit_like(model.heat->state.pending);
-    pending_heat.copy_from(model.heat->state.pending);
+    of_nodes.keep();
   }
 
   template <int dim>
@@ -113,11 +113,10 @@ namespace tombolo
     for_acting(
         [](Process<dim> &process)
         {
-          process.restart_trial();
-          process.actions.restart_trial();
+          process.records.restore();
+          process.actions.records.restore();
         });
-    if (model.heat)
-      model.heat->state.pending.copy_from(pending_heat);
+    of_nodes.restore();
   }
 
   template <int dim>
@@ -143,7 +142,7 @@ namespace tombolo
   {
     Clock clock;
     clock.stable_step = spring_time;
-    begin_trial(clock);
+    begin_trials(clock);
     NodalVector force, bound;
     force.reinit(model.state.partition());
     bound.reinit(model.state.partition(), Quantity::scalars);

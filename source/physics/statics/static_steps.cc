@@ -9,7 +9,6 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/physics/statics/rigid_modes.h>
-#include <tombolo/state/state_archive.h>
 
 #include <nlohmann/json.hpp>
 
@@ -406,18 +405,6 @@ namespace tombolo
   double StaticSteps<dim>::n_steps(const double end_time) const
   {
     return std::ceil(end_time / largest_step);
-  }
-
-  template <int dim>
-  void StaticSteps<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("statics");
-    archive("step", step);
-    archive("easy steps", n_easy_steps);
-    archive("force scale", problem.force_scale);
-    archive("unresolved work", unresolved);
-    if (model.heat)
-      archive.nodal("last temperature", 1, last_temperature);
   }
 
   namespace

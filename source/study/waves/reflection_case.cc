@@ -274,7 +274,7 @@ namespace tombolo
     }
 
     /** The runs of one burst with the interface, and in the lattice of the left side alone. */
-    struct Records
+    struct ChainRecords
     {
       Record with, without;
     };
@@ -284,9 +284,9 @@ namespace tombolo
       return bloch_operator.homogeneous(ChainSide::left);
     }
 
-    Records run_chains(const ReducedOperators &reduced, const BlochMotion::Filter &filter,
-                       const Burst &burst, const Layout &layout, const double spacing,
-                       const double frequency, const double time_step)
+    ChainRecords run_chains(const ReducedOperators &reduced, const BlochMotion::Filter &filter,
+                            const Burst &burst, const Layout &layout, const double spacing,
+                            const double frequency, const double time_step)
     {
       BlochMotion motion(reduced.update, reduced.damping, reduced.short_wave_part, filter,
                          time_step, layout.first, layout.last);
@@ -301,7 +301,7 @@ namespace tombolo
     }
 
     /** The spectrum of the reflected wave, at the columns up to the interface. */
-    ChainField reflected_spectrum(const Records &records)
+    ChainField reflected_spectrum(const ChainRecords &records)
     {
       ChainField reflected = zero_like(records.with.spectrum);
       for (int column = reflected.first(); column <= 0; ++column)
@@ -313,7 +313,7 @@ namespace tombolo
     }
 
     /** The largest |v̂| of the reflected wave at the end of the runs. */
-    double last_reflected_velocity(const Records &records, const Window &window)
+    double last_reflected_velocity(const ChainRecords &records, const Window &window)
     {
       double largest = 0;
       for (int column = window.begin; column < window.end; ++column)
@@ -337,7 +337,7 @@ namespace tombolo
 
     /** Takes the reflected and the transmitted wave apart into the waves of the lattices. */
     void measure_partial_waves(const ReflectionCase &of_case, const PartialWaves &waves,
-                               const Layout &layout, const Records &records,
+                               const Layout &layout, const ChainRecords &records,
                                const ChainField &reflected, ReflectionResult &result)
     {
       const double spacing = of_case.left_spacing();
@@ -522,7 +522,7 @@ namespace tombolo
     const BlochMotion::Filter filter{
         settings.power, settings.interval,
         std::min(1., settings.strength * filter_rate * settings.interval * time_step)};
-    const Records records =
+    const ChainRecords records =
         run_chains(reduced, filter, burst, layout, spacing, carrier.frequency, time_step);
     result.n_steps = layout.n_steps;
     result.n_columns = layout.last - layout.first + 1;

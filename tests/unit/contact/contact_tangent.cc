@@ -102,12 +102,18 @@ namespace tombolo
           clock.stable_step = round_down(courant_limit(model).time_step) / std::sqrt(stiffer);
           force.reinit(model.state.partition());
           for (const auto &process : model.processes)
-            process->begin_trial(model, clock, touch_distance);
+          {
+            process->begin_trials(model, clock, touch_distance);
+            process->records.keep();
+          }
           evaluate({}, 0., 0.);
           clock.step = 1;
           clock.time = clock.previous_step = clock.next_step = 1.;
           for (const auto &process : model.processes)
-            process->begin_trial(model, clock, touch_distance);
+          {
+            process->begin_trials(model, clock, touch_distance);
+            process->records.keep();
+          }
         }
 
         /** Its difference to a difference quotient of the forces, over it. */
@@ -171,7 +177,7 @@ namespace tombolo
         void evaluate(const Place &place, const double further, const double share)
         {
           for (const auto &process : model.processes)
-            process->restart_trial();
+            process->records.restore();
           NodalVector &position = model.state.position;
           for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
           {

@@ -617,7 +617,7 @@ TEST(ContactConduction, temperature_of_the_tool_is_in_a_checkpoint)
                          some == &plate ? StateArchive::Mode::write : StateArchive::Mode::read,
                          MPI_COMM_WORLD);
     archive.set_nodes(some->nodes->persistent_ids());
-    some->contact->serialize(archive);
+    some->contact->records.serialize(archive);
     if (some == &plate)
       archive.close();
   }

@@ -156,10 +156,10 @@ namespace
     EXPECT_NEAR(pending.dot(field), sum(product), 1e-12);
     const double before = booked();
     EXPECT_NEAR(before, sum(given), 1e-12);
-    actions.begin_trial();
+    actions.records.keep();
     give(7);
     EXPECT_GT(std::abs(booked() - before), 1e-3);
-    actions.restart_trial();
+    actions.records.restore();
     EXPECT_EQ(booked(), before);
   }
 

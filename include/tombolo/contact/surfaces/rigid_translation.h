@@ -12,7 +12,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
 
   /**
    * How far a rigid body has moved: by functions of time, or as a mass that forces move, with the
@@ -68,8 +68,8 @@ namespace tombolo
     /** That the given force has done on the mass since the start. */
     double work_of_force() const;
 
-    /** Writes the state of a mass to a checkpoint or reads it, between two steps. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept of a mass between two steps. */
+    void list(Records &records);
 
   private:
     struct Mass

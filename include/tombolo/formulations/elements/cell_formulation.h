@@ -14,6 +14,7 @@
 #include <tombolo/formulations/elements/erosion_criterion.h>
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/state/records.h>
 
 #include <memory>
 #include <string>
@@ -184,7 +185,7 @@ namespace tombolo
       return Points::point_at(cell_points.cells().place(cell), q);
     }
 
-    void serialize(StateArchive &archive) override;
+    void list(Records &records) override;
 
     bool erodes() const override
     {
@@ -360,11 +361,15 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellFormulation<dim, Element>::serialize(StateArchive &archive)
+  void CellFormulation<dim, Element>::list(Records &records)
   {
     if (!can_lose_cells())
       return;
-    if (lost_cells.serialize(n_cells(), thermal_properties != nullptr, archive))
-      cell_points.remove(lost_cells.flags());
+    records.archived(
+        [this](StateArchive &archive)
+        {
+          if (lost_cells.serialize(n_cells(), thermal_properties != nullptr, archive))
+            cell_points.remove(lost_cells.flags());
+        });
   }
 } // namespace tombolo

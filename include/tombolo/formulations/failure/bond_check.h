@@ -5,6 +5,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/failure/bond_failure.h>
 #include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
@@ -16,7 +17,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
 
   /** When bonds are checked, and which of them the chosen BondFailure breaks. */
   template <int dim>
@@ -50,7 +50,10 @@ namespace tombolo
     const std::vector<unsigned int> &find_breaking(unsigned int i, const NodalVector &position,
                                                    const Stencils &shape);
 
-    void serialize(StateArchive &archive);
+    void list(Records &records)
+    {
+      records.value("steps since bond check", steps_since_check);
+    }
 
   private:
     std::string name;

@@ -16,7 +16,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
 
   /**
    * The bonds of the particles of one part that have broken, for good. A bond is between a particle
@@ -150,8 +150,8 @@ namespace tombolo
     /** Over this rank's particles. */
     BondCounts counts(const Stencils &shape) const;
 
-    /** Rows of @p archive are the particles. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept from step to step; rows are the particles. */
+    void list(Records &records);
 
   private:
     explicit Bonds(const Section &section);

@@ -5,6 +5,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
@@ -14,7 +15,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
 
   /**
    * The configuration in which the kernels of the particles of one part are: the initial one (total
@@ -98,8 +98,11 @@ namespace tombolo
     void for_present_supports(const ParticleSet<dim> &particles, const Stencils &shape,
                               const NodalVector &position, const Use &use) const;
 
-    /** Writes or reads the number of steps since the renewal. */
-    void serialize_steps(StateArchive &archive);
+    /** Lists the number of steps since the renewal. */
+    void list(Records &records)
+    {
+      records.value("steps since rebuild", steps_since_renewal);
+    }
     /** Writes or reads positions, supports and deformation of a renewed reference, as rows of
      * @p archive. */
     void serialize_reference(StateArchive &archive);

@@ -79,7 +79,11 @@ namespace tombolo
     BondCounts counts() const;
     double dissipated_energy() const; ///< elastic energy of debris, over this rank
 
-    void serialize(StateArchive &archive);
+    void list(Records &records)
+    {
+      if (bonds)
+        bonds->list(records);
+    }
     /** Takes broken bonds out of rows that were searched anew, on @p partition. Returns whether
      * there are any on any rank. Collective. */
     bool complete_reading(const std::shared_ptr<const NodePartition> &partition);

@@ -29,7 +29,7 @@ namespace tombolo
     void set_partition(const NodePartition &partition) override;
     EnergyAccounts energies() const override;
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;
-    void serialize(StateArchive &archive) override;
+    void list(Records &records) override;
     void complete_reading(NodalVector &buffer) override;
 
     const Stencils &stencils() const override

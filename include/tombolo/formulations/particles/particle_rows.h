@@ -15,6 +15,7 @@
 
 namespace tombolo
 {
+  class Records;
   class StateArchive;
 
   /**
@@ -148,11 +149,9 @@ namespace tombolo
     /** A partition with what the rows alone need. Collective. */
     std::shared_ptr<const NodePartition> partition(const ParticleSet<dim> &particles) const;
 
-    /** Writes or reads whether finish_start() was called. */
-    void serialize_start(StateArchive &archive);
-    /** Writes or reads which rows lost their negative values; after complete_reading() they have
-     * lost them. */
-    void serialize_extrapolation(StateArchive &archive);
+    /** Lists whether finish_start() was called, and which rows lost their negative values; after
+     * complete_reading() they have lost them. */
+    void list(Records &records);
     /** Writes or reads the positions and supports of the last search, as rows of @p archive. On
      * reading they go to @p position and @p support, for a search. */
     void serialize_search(StateArchive &archive, std::vector<double> &position,
@@ -198,7 +197,6 @@ namespace tombolo
     MPI_Comm communicator = MPI_COMM_NULL;
     bool has_started = false;
     NodalVector support_of_node;              // half widths, with those of ghosts [L]
-    std::vector<unsigned int> rows_to_change; // between serialize_extrapolation() and
-                                              // complete_reading()
+    std::vector<unsigned int> rows_to_change; // between reading and complete_reading()
   };
 } // namespace tombolo

@@ -15,7 +15,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
 
   /** The particles of a part on this rank, as self-contact knows them; in the order of rows. */
   struct ContactParticles
@@ -99,8 +99,8 @@ namespace tombolo
     /** As last looked for, over this rank; each fragment is counted where its label is. */
     FragmentCounts counts() const;
 
-    /** Beside points. Collective. */
-    void serialize(StateArchive &archive);
+    /** Beside points. */
+    void list(Records &records);
 
   private:
     explicit SelfContact(const Section &section);

@@ -121,7 +121,7 @@ namespace tombolo
     {
       return void_cells().is_on();
     }
-    void serialize(StateArchive &archive) override;
+    void list(Records &records) override;
 
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override

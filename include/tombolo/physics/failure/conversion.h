@@ -20,14 +20,12 @@ namespace tombolo
   class Conversion : public Process<dim>
   {
   public:
-    explicit Conversion(const Model<dim> &model);
+    explicit Conversion(Model<dim> &model);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    void serialize_structure(Model<dim> &model, StateArchive &archive) override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** Finds the cells that fulfil the criterion of their part, where the step is one in which the
      * check is made, with the layers around them. Returns whether there are any on any rank.
@@ -69,6 +67,9 @@ namespace tombolo
      * become particles now, if any do [L^dim]. */
     static NodalVector volumes_of_particles(const Model<dim> &model, const Pair &pair,
                                             const StateTransfer *converted);
+
+    /** Writes to a checkpoint, or reads from it, which cells have become particles. Collective. */
+    void serialize_structure(Model<dim> &model, StateArchive &archive);
 
     MPI_Comm communicator;
     std::vector<Pair> pairs;

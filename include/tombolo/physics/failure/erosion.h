@@ -30,7 +30,7 @@ namespace tombolo
   class Erosion : public Process<dim>
   {
   public:
-    explicit Erosion(const Model<dim> &model);
+    explicit Erosion(Model<dim> &model);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void model_changed(Model<dim> &model) override;
@@ -38,8 +38,6 @@ namespace tombolo
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    void parts_were_read(Model<dim> &model) override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** Removes the cells that fulfil their criterion. Returns whether there were any on any rank.
      * Collective. */

@@ -21,7 +21,7 @@ namespace tombolo
                  std::vector<double> &of_condition) override;
     void mesh_has_changed() override;
     const StepLimit &limit() const override;
-    void serialize(StateArchive &archive, const Model<dim> &model) override;
+    void list(Records &records, const Model<dim> &model) override;
 
   private:
     void find_limit(Model<dim> &model, double time);

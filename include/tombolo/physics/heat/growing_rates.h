@@ -3,11 +3,10 @@
 
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/records.h>
 
 namespace tombolo
 {
-  class StateArchive;
-
   /**
    * Notices forward Euler steps that are too long by what they do. A step amplifies modes with an
    * eigenvalue λ of C⁻¹A above 2/Δt, and then the rates of temperature d = C⁻¹ dH/dt are made of
@@ -27,8 +26,11 @@ namespace tombolo
     double find_eigenvalue(Model<dim> &model, double time, const NodalVector &rate,
                            double time_step);
 
-    /** Writes to a checkpoint, or reads from it, what is kept between steps. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept between steps. */
+    void list(Records &records)
+    {
+      records.value("usual rate", usual);
+    }
 
   private:
     /** Whether the largest rate is that of a uniform temperature. Collective. */

@@ -35,8 +35,8 @@ namespace tombolo
     /** What limits the step, where something does. */
     virtual const StepLimit &limit() const = 0;
 
-    /** Writes to a checkpoint, or reads from it, what is kept between steps. Collective. */
-    virtual void serialize(StateArchive & /*archive*/, const Model<dim> & /*scene*/) {}
+    /** Lists what is kept between steps. */
+    virtual void list(Records & /*records*/, const Model<dim> & /*scene*/) {}
 
     /** Adds what it cost so far to the summary of the run. */
     virtual void add_to_summary(Summary & /*summary*/) const {}

@@ -38,7 +38,7 @@ namespace tombolo
     void advance(Model<dim> &model, double time, double time_step,
                  std::vector<double> &of_condition) override;
     const StepLimit &limit() const override;
-    void serialize(StateArchive &archive, const Model<dim> &model) override;
+    void list(Records &records, const Model<dim> &model) override;
     void mesh_has_changed() override;
     void add_to_summary(Summary &summary) const override;
 

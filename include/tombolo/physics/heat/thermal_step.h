@@ -67,9 +67,8 @@ namespace tombolo
     /** Wall time of all thermal steps on this rank. */
     double seconds() const;
 
-    /** Writes to a checkpoint or reads from it, with the error of the @p last balance. Collective.
-     */
-    void serialize(StateArchive &archive, Model<dim> &model, HeatBalance &last);
+    /** Lists what is kept between steps, with the error of the @p last balance. */
+    void list(Records &records, Model<dim> &model, HeatBalance &last);
 
     /** What the integrator has to say about its cost. */
     void add_to_summary(Summary &summary) const;

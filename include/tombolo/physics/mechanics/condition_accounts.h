@@ -10,7 +10,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
   struct ConstraintReaction;
   template <int dim>
   class Model;
@@ -42,8 +41,8 @@ namespace tombolo
     /** In the order of the conditions. Collective. */
     std::vector<ConditionBalance> balances() const;
 
-    /** Writes to a checkpoint or reads from it, in the present group. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept from step to step. */
+    void list(Records &records);
 
   private:
     struct Account

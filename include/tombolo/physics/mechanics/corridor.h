@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
-
   /**
    * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of
    * nodes, such as those of the particles or of the refined cells along the way of a tool. Cells
@@ -34,7 +32,10 @@ namespace tombolo
     std::optional<std::string> find_exit(const SurfaceContact<dim> &contact,
                                          const NodalState &state, const Clock &clock);
 
-    void serialize(StateArchive &archive);
+    void list(Records &records)
+    {
+      records.value("corridor was left", was_left);
+    }
 
   private:
     Section section;

@@ -8,7 +8,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
   template <int dim>
   class Model;
 
@@ -50,9 +49,9 @@ namespace tombolo
     template <int dim>
     EnergyBalance balance(Model<dim> &model, const Clock &clock, double unresolved = 0.);
 
-    /** Writes to a checkpoint or reads from it, between the steps, with the relative numbers of the
-     * @p last balance, which the summary of a run has that ends before the next. Collective. */
-    void serialize(StateArchive &archive, EnergyBalance &last);
+    /** Lists what is kept between the steps, with the relative numbers of the @p last balance,
+     * which the summary of a run has that ends before the next. */
+    void list(Records &records, EnergyBalance &last);
 
   private:
     /** Sets drifts and scales from momenta and impulses. */

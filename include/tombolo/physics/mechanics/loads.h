@@ -28,7 +28,6 @@ namespace tombolo
     std::string failure() const override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void show(OutputView<dim> &view) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** The forces of all loads. */
     const Action &action() const

@@ -65,8 +65,6 @@ namespace tombolo
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
-    void serialize_structure(Model<dim> &model, StateArchive &archive) override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** Adds mass to cells and particles whose step has fallen below the target. Returns whether
      * there are any, on any rank. Collective. */

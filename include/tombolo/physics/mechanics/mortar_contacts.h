@@ -32,12 +32,9 @@ namespace tombolo
     void account(EnergyAccounts &accounts) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
     void show(OutputView<dim> &view) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
-    void continue_state(Model<dim> &model, StateArchive &archive) override;
 
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
-    void begin_trial(Model<dim> &model, const Clock &clock, double touch_distance) override;
-    void restart_trial() override;
+    void begin_trials(Model<dim> &model, const Clock &clock, double touch_distance) override;
 
     const std::vector<std::unique_ptr<MortarContact<dim>>> &contacts() const
     {
@@ -55,8 +52,6 @@ namespace tombolo
     std::vector<unsigned int> nodes; ///< owned, on faces of any contact
     NodalVector last_position;       ///< at t_{n-1}; empty before the first step
     Action &force;
-    HeatAction *heat = nullptr;     ///< null without heat
-    NodalVector committed_position; ///< at the start of a static step; empty in explicit ones
-    std::vector<typename MortarContact<dim>::State> committed;
+    HeatAction *heat = nullptr; ///< null without heat
   };
 } // namespace tombolo

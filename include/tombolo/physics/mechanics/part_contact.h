@@ -46,7 +46,6 @@ namespace tombolo
     void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     double stable_fraction(double stable_step) const override;
     void account(EnergyAccounts &accounts) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     /** A particle of this rank: an owned node, once however many parts have it. */
@@ -96,7 +95,8 @@ namespace tombolo
     std::vector<PartLaw> laws;
     double reach = 0; ///< the largest diameter of all spheres [L]
     std::vector<Particle> particles;
-    bool is_current = false; ///< whether particles and spheres are those of the model
+    std::vector<unsigned int> nodes; ///< of these, for the records
+    bool is_current = false;         ///< whether particles and spheres are those of the model
     double stored = 0, dissipated = 0;
     Action &forces;
   };

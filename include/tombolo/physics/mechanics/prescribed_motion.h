@@ -32,14 +32,13 @@ namespace tombolo
     void after_motion(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void show(OutputView<dim> &view) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     using Vector = std::array<double, 3>;
 
     /** What prescribed components of particles add to the moment of the reactions. Collective. */
     void add_moments(Model<dim> &model, double velocity_step);
-    void serialize_offsets(Model<dim> &model, StateArchive &archive) const;
+    void serialize_offsets(StateArchive &archive) const;
 
     /** m a - F of the prescribed components of an owned node [M L/T^2]. */
     Vector reaction(unsigned int node) const;

@@ -39,12 +39,12 @@ namespace tombolo
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
     void show(OutputView<dim> &view) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
-    void continue_state(Model<dim> &model, StateArchive &archive) override;
 
     const std::vector<RigidBody<dim>> &all() const;
 
   private:
+    void list(Model<dim> &model);
+
     /** Σ m v of the nodes of a body, and Σ r × m v about its centre of mass. Collective. */
     Wrench momentum_of_nodes(std::size_t index, const Model<dim> &model) const;
 

@@ -10,7 +10,7 @@
 
 namespace tombolo
 {
-  class StateArchive;
+  class Records;
   class ImpulseAccount;
 
   /** The inertia of a rigid body, in its place at the start. Second moments are about the centre.
@@ -135,13 +135,13 @@ namespace tombolo
       return settings;
     }
 
-    /** Writes the state to a checkpoint or reads it, between two steps. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept from step to step. */
+    void list(Records &records);
 
-    /** Begins where the body of this name was at the end of another run, with the velocities that
-     * it had there; where they are prescribed, with the rates over the short @p interval after the
-     * start. Displacement and angle that are prescribed count from there. Collective. */
-    void continue_from(StateArchive &archive, double interval);
+    /** Begins where the body of this name was at the end of another run, which was read, with the
+     * velocities that it had there; where they are prescribed, with the rates over the short @p
+     * interval after the start. Displacement and angle that are prescribed count from there. */
+    void continue_motion(double interval);
 
   private:
     /** What changes from step to step. Velocities are those of t_{n-1/2}. */

@@ -47,14 +47,9 @@ namespace tombolo
     std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
                                       typename Process<dim>::Occasion occasion) override;
     void show(OutputView<dim> &view) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
-    void continue_state(Model<dim> &model, StateArchive &archive) override;
-    void follow_division(const Model<dim> &model, StateArchive &archive,
-                         const Clock &clock) override;
 
     void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
-    void begin_trial(Model<dim> &model, const Clock &clock, double touch_distance) override;
-    void restart_trial() override;
+    void begin_trials(Model<dim> &model, const Clock &clock, double touch_distance) override;
 
     /** On an owned node [M L/T^2]. */
     dealii::Tensor<1, 3> nodal_force(unsigned int node) const;

@@ -27,7 +27,6 @@ namespace tombolo
     std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
                                       typename Process<dim>::Occasion occasion) override;
     void show(OutputView<dim> &view) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** Sums over all ranks, in the order of the sections. Collective. */
     std::vector<SectionBalance> balances() const;

@@ -30,8 +30,8 @@ namespace tombolo
      * all ranks, with the entity that limits it. Keeps information for later calls. Collective. */
     StepLimit estimate(Model<dim> &model);
 
-    /** Writes to a checkpoint, or reads from it, what is kept of earlier calls. Collective. */
-    void serialize(StateArchive &archive, const Model<dim> &model);
+    /** Lists what is kept of earlier calls. */
+    void list(Records &records, const Model<dim> &model);
 
     /** Applications of the operator in the last call. */
     unsigned int n_applications() const;

@@ -27,7 +27,6 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     /** internal_power() where nodes were a time `back` ago. Collective. */

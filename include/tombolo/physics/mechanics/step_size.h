@@ -24,8 +24,8 @@ namespace tombolo
      * where the configuration has changed by more than the threshold. Collective. */
     double next(Model<dim> &model, const Clock &clock, double target, bool has_new_neighbours);
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive, const Model<dim> &model);
+    /** Lists what is kept from step to step. */
+    void list(Records &records, const Model<dim> &model);
 
     /** The mesh is another one: the next limit is estimated as the first was. */
     void mesh_has_changed(const Parameters &parameters);

@@ -20,6 +20,9 @@ namespace tombolo
   public:
     Xsph()
     {
+      Records &all = this->records.group("XSPH");
+      all.sums("work", work, in_contacts);
+      all.nodal("moved", dim, moved);
       this->roles.rest = ProcessRole::is_idle;
       this->roles.divided_cells = ProcessRole::is_refused;
     }
@@ -30,7 +33,6 @@ namespace tombolo
     void after_motion(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     NodalVector mass;        // of particles of parts with XSPH, scalar, owned values [M]

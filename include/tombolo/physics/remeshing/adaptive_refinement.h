@@ -53,7 +53,6 @@ namespace tombolo
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &out) const override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     /** What the criterion wants. */

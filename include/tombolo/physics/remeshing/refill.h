@@ -35,8 +35,6 @@ namespace tombolo
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
                                       typename Process<dim>::Occasion occasion) override;
-    void serialize_structure(Model<dim> &model, StateArchive &archive) override;
-    void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** Over all parts. */
     unsigned long n_refills() const;

@@ -35,7 +35,7 @@ namespace tombolo
    * nodes that nothing prescribes, where u is the displacement of the step, and u itself at the
    * others: the force evaluation of explicit steps with the velocity u/Δt from the material points
    * as they were at the start (Trial), so that it can be asked at any u, any number of times; and
-   * so can processes (Process::begin_trial()). Springs of contacts are those of explicit steps at
+   * so can processes (Process::begin_trials()). Springs of contacts are those of explicit steps at
    * the step of eq. (41), α m c²/h² at a node, which no longer depends on any time, times a factor.
    *
    * Vectors have the partition of the model, without images; ghosts of u must be current.
@@ -134,7 +134,7 @@ namespace tombolo
     std::string evaluate_parts();
     /** What processes see of the step. */
     Clock process_clock() const;
-    void begin_trial(const Clock &clock);
+    void begin_trials(const Clock &clock);
     void restart_processes();
     void linearize(const Clock &clock, std::vector<ContactStiffness<dim>> &springs,
                    NodalVector &bound);
@@ -152,9 +152,9 @@ namespace tombolo
     StaticInterval present;
     NodalVector start_position;
     NodalVector mask, prescribed_displacement, free_force;
-    NodalVector pending_heat; ///< at the start of the step; with heat only
-    double spring_time;       ///< of which springs of contacts are made [T]
-    double touch_distance;    ///< what is nearer touches [L]
+    Records of_nodes;      ///< what processes give to nodes
+    double spring_time;    ///< of which springs of contacts are made [T]
+    double touch_distance; ///< what is nearer touches [L]
     bool has_driven_nodes = false;
     std::string failure_text;
     std::uint64_t count = 0;

@@ -75,8 +75,16 @@ namespace tombolo
     /** For the audit: how many steps at least. */
     double n_steps(double end_time) const;
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive);
+    /** Lists what is kept from step to step. */
+    void list(Records &records)
+    {
+      records.value("step", step);
+      records.value("easy steps", n_easy_steps);
+      records.value("force scale", problem.force_scale);
+      records.value("unresolved work", unresolved);
+      if (model.heat)
+        records.nodal("last temperature", 1, last_temperature);
+    }
 
   private:
     static void refuse_unfit_part(const Section &section, const Part<dim> &part, bool has_images);

@@ -4,7 +4,7 @@
 #include "mesh_testing.h"
 
 #include <tombolo/contact/contact_surface.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/state/records.h>
 
 #include "output_test_directory.h"
 
@@ -157,7 +157,9 @@ namespace tombolo
           StateArchive archive(
               file, some == &flight ? StateArchive::Mode::write : StateArchive::Mode::read,
               MPI_COMM_WORLD);
-          some->translation.serialize(archive);
+          Records records;
+          some->translation.list(records);
+          records.serialize(archive);
           if (some == &flight)
             archive.close();
         }
