@@ -106,7 +106,7 @@ namespace tombolo
         parameters.read_text(text, "test.prm");
         Model<dim>::declare_parameters(parameters);
         parameters.handler().enter_subsection("Time step");
-        StepSize<dim>::declare_parameters(parameters.handler());
+        declare<StepSize<dim>>(parameters.handler());
         parameters.handler().leave_subsection();
         parameters.assign();
         model = std::make_unique<Model<dim>>(parameters, communicator);

@@ -33,7 +33,7 @@ namespace tombolo
         parameters.read_text("subsection Heat\n" + heat + "end\n", "heat.prm");
       Registry<Interface>::instance().declare_all(parameters.handler());
       parameters.handler().enter_subsection("Heat");
-      ThermalProperties::declare_parameters(parameters.handler());
+      declare<ThermalProperties>(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.assign();
       auto result = Registry<Interface>::instance().create(name, parameters.section(name));

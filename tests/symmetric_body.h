@@ -129,7 +129,7 @@ namespace tombolo
         parameters.read_text(parameters_of(block, method, dim), "test.prm");
         Model<dim>::declare_parameters(parameters);
         parameters.handler().enter_subsection("Time step");
-        StepSize<dim>::declare_parameters(parameters.handler());
+        declare<StepSize<dim>>(parameters.handler());
         parameters.handler().leave_subsection();
         parameters.assign();
         model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);

@@ -6,10 +6,6 @@
 
 namespace tombolo
 {
-  CubicSpline::CubicSpline(const Section &) {}
-
-  void CubicSpline::declare_parameters(dealii::ParameterHandler &) {}
-
   void CubicSpline::evaluate(const std::size_t n, const double *const r, double *const w,
                              double *const dw) const
   {

@@ -6,10 +6,6 @@
 
 namespace tombolo
 {
-  HyperbolicSpline::HyperbolicSpline(const Section &) {}
-
-  void HyperbolicSpline::declare_parameters(dealii::ParameterHandler &) {}
-
   void HyperbolicSpline::evaluate(const std::size_t n, const double *const r, double *const w,
                                   double *const dw) const
   {

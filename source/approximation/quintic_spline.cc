@@ -6,10 +6,6 @@
 
 namespace tombolo
 {
-  QuinticSpline::QuinticSpline(const Section &) {}
-
-  void QuinticSpline::declare_parameters(dealii::ParameterHandler &) {}
-
   void QuinticSpline::evaluate(const std::size_t n, const double *const r, double *const w,
                                double *const dw) const
   {

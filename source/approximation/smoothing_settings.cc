@@ -3,8 +3,7 @@
 
 #include <tombolo/approximation/kernel.h>
 #include <tombolo/approximation/smoothing_strength.h>
-#include <tombolo/base/input/parameters.h>
-#include <tombolo/base/input/registry.h>
+#include <tombolo/base/input/entries.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -13,24 +12,19 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void SmoothingSettings::declare_parameters(ParameterHandler &handler)
+  void SmoothingSettings::declare_parameters(const Entries &e)
   {
-    handler.declare_entry("Smoothing", "affine", Patterns::Anything(),
-                          "How velocities are smoothed: `paper` (momentum-consistent smoothing of "
-                          "Pan et al. 2019), `fe "
-                          "matched` and `phase` (sharpened to the phase speed of finite elements, "
-                          "and to fourth order), "
-                          "`affine` (linear fields are reproduced, so that angular momentum is "
-                          "conserved), `none`, or a "
-                          "number gamma for S (I + gamma (I - Phi S)).");
-    handler.declare_entry(
-        "Smallest smoothed mass", "0.01", Patterns::Double(0., 0.15),
-        "Where neighbours mix, a node can have hardly any smoothed mass m left; its velocity, a "
-        "sum "
-        "of positive and negative shares over m, is then far from those around it. Where m is at "
-        "most this share of the node's own mass, rows with a negative share of it lose their "
-        "negative shares. On lattices, disordered ones too, m is above 0.18. 0.1 for flows that "
-        "stir. Units: 1.");
+    e.text("Smoothing", "affine", "",
+           "How velocities are smoothed: `paper` (momentum-consistent smoothing of Pan et al. "
+           "2019), `fe matched` and `phase` (sharpened to the phase speed of finite elements, and "
+           "to fourth order), `affine` (linear fields are reproduced, so that angular momentum is "
+           "conserved), `none`, or a number gamma for S (I + gamma (I - Phi S)).");
+    e.number("Smallest smoothed mass", "0.01", between(0., 0.15), "1",
+             "Where neighbours mix, a node can have hardly any smoothed mass m left; its velocity, "
+             "a sum of positive and negative shares over m, is then far from those around it. "
+             "Where m is at most this share of the node's own mass, rows with a negative share of "
+             "it lose their negative shares. On lattices, disordered ones too, m is above 0.18. "
+             "0.1 for flows that stir.");
   }
 
   SmoothingSettings SmoothingSettings::read(const Section &section, const Kernel &kernel,

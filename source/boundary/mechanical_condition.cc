@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/mechanical_condition.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 
 #include <deal.II/base/exceptions.h>
 
@@ -48,37 +48,33 @@ namespace tombolo
   }
 
   template <int dim>
-  void MechanicalCondition<dim>::declare_parameters(ParameterHandler &handler)
+  void MechanicalCondition<dim>::declare_parameters(const Entries &e)
   {
-    Declarations section(handler);
-    section.choice(
-        "Type", mandatory,
-        "traction|pressure|body force|gravity|velocity|displacement|clamp|symmetry|temperature|"
-        "heat flux|convection|radiation|adiabatic|heat source",
-        "What is prescribed. Of the motion: `traction` (force per current area, on faces of the "
-        "boundary, in a given direction), `pressure` (force per current area against the outward "
-        "normal of the face as it is now), `body force` (force per mass), `gravity` (the same, of "
-        "everything unless `Where` is given), `velocity`, `displacement`, `clamp` (no "
-        "motion), or `symmetry` (the nodes that it selects are all those on one plane normal to an "
-        "axis, beyond which the body is its own mirror image). Of heat: `temperature`; on faces of "
-        "the boundary `heat flux` (into the body, per current area and time), `convection`, "
-        "`radiation`, `adiabatic` (no heat passes, as without a condition); `heat source` (per "
-        "initial volume and time).");
-    section.text("Where", "", "",
-                 "A predicate of the initial position, for example `x < 1e-9`. For what "
-                 "acts on faces of the "
-                 "boundary it selects these by their centre, otherwise nodes.");
-    section.text("Boundary", "", "",
-                 "Names of boundaries, separated by commas, instead of or together with "
-                 "`Where`.");
-    section.text(
-        "Function", "", "",
-        "Components separated by `;`, functions of the initial position x, y, z "
-        "and of the time t. For a velocity or a displacement the word `free` leaves a "
-        "component free. `table(FILE, t)` takes values from a file of points. One value for a "
-        "pressure, a temperature, a heat flux or a heat source. "
-        "Units: M/(L T^2) for a traction or a pressure, L/T^2 for a body force or gravity, L/T for "
-        "a velocity, L for a displacement, M/T^3 for a heat flux, M/(L T^3) for a heat source.");
+    e.choice("Type", mandatory,
+             "traction|pressure|body "
+             "force|gravity|velocity|displacement|clamp|symmetry|temperature|heat "
+             "flux|convection|radiation|adiabatic|heat source",
+             "What is prescribed. Of the motion: `traction` (force per current area, on faces of "
+             "the boundary, in a given direction), `pressure` (force per current area against the "
+             "outward normal of the face as it is now), `body force` (force per mass), `gravity` "
+             "(the same, of everything unless `Where` is given), `velocity`, `displacement`, "
+             "`clamp` (no motion), or `symmetry` (the nodes that it selects are all those on one "
+             "plane normal to an axis, beyond which the body is its own mirror image). Of heat: "
+             "`temperature`; on faces of the boundary `heat flux` (into the body, per current area "
+             "and time), `convection`, `radiation`, `adiabatic` (no heat passes, as without a "
+             "condition); `heat source` (per initial volume and time).");
+    e.text("Where", "", "",
+           "A predicate of the initial position, for example `x < 1e-9`. For what acts on faces of "
+           "the boundary it selects these by their centre, otherwise nodes.");
+    e.text("Boundary", "", "",
+           "Names of boundaries, separated by commas, instead of or together with `Where`.");
+    e.text("Function", "",
+           "M/(L T^2) for a traction or a pressure, L/T^2 for a body force or gravity, L/T for a "
+           "velocity, L for a displacement, M/T^3 for a heat flux, M/(L T^3) for a heat source",
+           "Components separated by `;`, functions of the initial position x, y, z and of the time "
+           "t. For a velocity or a displacement the word `free` leaves a component free. "
+           "`table(FILE, t)` takes values from a file of points. One value for a pressure, a "
+           "temperature, a heat flux or a heat source.");
   }
 
   template <int dim>

@@ -27,9 +27,9 @@ namespace tombolo
   };
 
   template <int dim>
-  void MechanicalConditions<dim>::declare_parameters(ParameterHandler &handler)
+  void MechanicalConditions<dim>::declare_parameters(const Entries &e)
   {
-    MechanicalCondition<dim>::declare_parameters(handler);
+    MechanicalCondition<dim>::declare_parameters(e);
   }
 
   template <int dim>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/boundary/thermal_conditions.h>
 
 #include <tombolo/boundary/thermal_condition.h>
@@ -124,27 +124,22 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalConditions<dim>::declare_parameters(ParameterHandler &handler)
+  void ThermalConditions<dim>::declare_parameters(const Entries &e)
   {
-    Declarations section(handler);
-    section.text(
-        "Film coefficient", mandatory, "M/(T^3 K)",
-        "h >= 0 of a convection, which gives the heat h (ambient temperature - temperature) to the "
-        "body per current area and time; a function of the initial position x, y, z and of the "
-        "time t.");
-    section.text(
-        "Emissivity", mandatory, "",
-        "Of a radiation, from 0 to 1; a function of the initial position x, y, z and of the time "
-        "t. The heat emissivity * Stefan-Boltzmann constant * (ambient temperature^4 - "
-        "temperature^4), both from `Heat/Absolute zero`, enters per current area and time.");
-    section.text("Ambient temperature", mandatory, "K",
-                 "Of a convection or a radiation: the temperature far from the "
-                 "surface, a function of the initial position x, y, z and of the "
-                 "time t.");
-    section.number(
-        "Stefan-Boltzmann constant", mandatory, "M/(T^3 K^4)",
-        "Of a radiation, larger than zero, in the units of the scene: 5.670374419e-8 W/(m^2 K^4) "
-        "in metres, kilograms, seconds and kelvin.");
+    e.text("Film coefficient", mandatory, "M/(T^3 K)",
+           "h >= 0 of a convection, which gives the heat h (ambient temperature - temperature) to "
+           "the body per current area and time; a function of the initial position x, y, z and of "
+           "the time t.");
+    e.text("Emissivity", mandatory, "",
+           "Of a radiation, from 0 to 1; a function of the initial position x, y, z and of the "
+           "time t. The heat emissivity * Stefan-Boltzmann constant * (ambient temperature^4 - "
+           "temperature^4), both from `Heat/Absolute zero`, enters per current area and time.");
+    e.text("Ambient temperature", mandatory, "K",
+           "Of a convection or a radiation: the temperature far from the surface, a function of "
+           "the initial position x, y, z and of the time t.");
+    e.number("Stefan-Boltzmann constant", mandatory, any_number(), "M/(T^3 K^4)",
+             "Of a radiation, larger than zero, in the units of the scene: 5.670374419e-8 W/(m^2 "
+             "K^4) in metres, kilograms, seconds and kelvin.");
   }
 
   template <int dim>

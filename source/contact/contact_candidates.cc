@@ -51,15 +51,12 @@ namespace tombolo
     }
   } // namespace
 
-  void declare_contact_candidates(ParameterHandler &handler)
+  void declare_contact_candidates(const Entries &e)
   {
-    handler.declare_entry(
-        "Boundary", "", Patterns::Anything(),
-        "Names of the boundaries whose nodes can touch, separated by commas; "
-        "empty for the nodes of the whole surface, all particles, and all nodes of "
-        "elements that erode.");
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "A predicate of the initial position that nodes must fulfil to touch.");
+    e.text("Boundary", "", "",
+           "Names of the boundaries whose nodes can touch, separated by commas; empty for the "
+           "nodes of the whole surface, all particles, and all nodes of elements that erode.");
+    e.text("Where", "", "", "A predicate of the initial position that nodes must fulfil to touch.");
   }
 
   template <int dim>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/part_surface.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/surface_normals.h>
 #include <tombolo/state/records.h>
@@ -26,18 +26,11 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void PartSurface<dim>::declare_parameters(ParameterHandler &handler)
+  PartSurface<dim>::PartSurface(const Entries &e) : section(e.section())
   {
-    Declarations(handler).text(
-        "Part", mandatory, "",
-        "The part whose boundary is the surface: one of elements, or a rigid "
-        "one. Its own nodes do not touch it.");
-  }
-
-  template <int dim>
-  PartSurface<dim>::PartSurface(const Section &section) : section(section)
-  {
-    section.get("Part");
+    e.text("Part", mandatory, "",
+           "The part whose boundary is the surface: one of elements, or a rigid one. Its own nodes "
+           "do not touch it.");
   }
 
   template <int dim>

@@ -17,16 +17,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void declare_surface_contact(ParameterHandler &handler)
+  void declare_surface_contact(const Entries &e)
   {
-    Parameters::declare_mandatory(
-        handler, "Surface",
-        Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
-        "The surface that nodes touch: a rigid one, or the boundary of a part.");
-    Registry<ContactSurface<dim>>::instance().declare_all(handler);
-    declare_contact_candidates(handler);
-    ContactSettings::declare_parameters(handler);
-    ToolHeat<dim>::declare_parameters(handler);
+    e.choice("Surface", mandatory, Registry<ContactSurface<dim>>::instance().selection(),
+             "The surface that nodes touch: a rigid one, or the boundary of a part.");
+    e.plugins<ContactSurface<dim>>();
+    declare_contact_candidates(e);
+    declare<ContactSettings>(e);
+    ToolHeat<dim>::declare_parameters(e);
   }
 
   template <int dim>
@@ -52,8 +50,8 @@ namespace tombolo
 
   template std::unique_ptr<ContactSurface<2>> create_surface(const Section &);
   template std::unique_ptr<ContactSurface<3>> create_surface(const Section &);
-  template void declare_surface_contact<2>(ParameterHandler &);
-  template void declare_surface_contact<3>(ParameterHandler &);
+  template void declare_surface_contact<2>(const Entries &);
+  template void declare_surface_contact<3>(const Entries &);
   template void validate_surface_contact<2>(const Section &, bool);
   template void validate_surface_contact<3>(const Section &, bool);
 } // namespace tombolo

@@ -12,26 +12,13 @@ namespace tombolo
 
   const std::string BulkViscosity::dissipation_name = "bulk viscosity dissipation";
 
-  void BulkViscosity::declare_parameters(ParameterHandler &handler)
+  BulkViscosity::BulkViscosity(const Entries &e)
   {
-    handler.declare_entry(
-        "Linear bulk viscosity", "0", Patterns::Double(),
-        "Coefficient $c_1$ of the artificial pressure rho l (c_1 c |tr D| + c_2 l "
-        "(tr D)^2) in compression; 0 is none, 0.06 is usual. Units: 1.");
-    handler.declare_entry("Quadratic bulk viscosity", "0", Patterns::Double(),
-                          "Coefficient $c_2$ of the same; 0 is none, 1.5 is usual. Units: 1.");
-  }
-
-  BulkViscosity::BulkViscosity(const Section &section)
-      : linear(section.get_double("Linear bulk viscosity")),
-        quadratic(section.get_double("Quadratic bulk viscosity"))
-  {
-    for (const char *entry : {"Linear bulk viscosity", "Quadratic bulk viscosity"})
-    {
-      const double value = section.get_double(entry);
-      if (!(value >= 0. && value <= 10.))
-        section.fail(entry, "allowed is a number from 0 to 10.");
-    }
+    linear = e.number("Linear bulk viscosity", "0", from_to(0., 10.), "1",
+                      "Coefficient $c_1$ of the artificial pressure rho l (c_1 c |tr D| + c_2 l "
+                      "(tr D)^2) in compression; 0 is none, 0.06 is usual.");
+    quadratic = e.number("Quadratic bulk viscosity", "0", from_to(0., 10.), "1",
+                         "Coefficient $c_2$ of the same; 0 is none, 1.5 is usual.");
   }
 
   std::vector<FieldDescription> BulkViscosity::variables() const

@@ -16,24 +16,16 @@ namespace tombolo
 
   const std::string DamageGrowth::field_name = "damage";
 
-  void DamageGrowth::declare_parameters(ParameterHandler &handler)
+  std::unique_ptr<const DamageGrowth> DamageGrowth::create(const Entries &e)
   {
-    handler.declare_entry(
+    auto law = e.plugin<DuctileDamage>(
         damage_entry, "none",
-        Patterns::Selection("none|" + Registry<DuctileDamage>::instance().selection()),
         "Points have a damage $\\sum \\Delta\\varepsilon_p/\\varepsilon_f$ with the strain at "
         "failure $\\varepsilon_f$ of this law, for `Bond failure = damage`, `Erosion damage` and "
-        "`Conversion damage`; it does not change the stress.");
-    Registry<DuctileDamage>::instance().declare_all(handler);
-  }
-
-  std::unique_ptr<const DamageGrowth> DamageGrowth::create(const Section &material)
-  {
-    const std::string name = material.get(damage_entry);
-    if (name == "none")
-      return nullptr;
-    return std::make_unique<const DamageGrowth>(
-        Registry<DuctileDamage>::instance().create(name, material.subsection(name)));
+        "`Conversion damage`; it does not change the stress.",
+        "none");
+    e.plugins<DuctileDamage>();
+    return law ? std::make_unique<const DamageGrowth>(std::move(law)) : nullptr;
   }
 
   DamageGrowth::DamageGrowth(std::unique_ptr<const DuctileDamage> law) : law(std::move(law)) {}

@@ -20,29 +20,22 @@ namespace tombolo
     };
   } // namespace
 
-  void EnergyPressure::declare_parameters(ParameterHandler &handler)
+  std::unique_ptr<const EnergyPressure> EnergyPressure::create(const Entries &e)
   {
-    handler.declare_entry(
+    auto equation = e.plugin<EquationOfState>(
         equation_entry, "none",
-        Patterns::Selection("none|" + Registry<EquationOfState>::instance().selection()),
         "For strong shocks: the pressure follows from the density and the internal energy. With "
-        "`none` it follows from the bulk modulus.");
-    Registry<EquationOfState>::instance().declare_all(handler);
-  }
-
-  std::unique_ptr<const EnergyPressure> EnergyPressure::create(const Section &material)
-  {
-    const std::string name = material.get(equation_entry);
-    if (name == "none")
+        "`none` it follows from the bulk modulus.",
+        "none");
+    e.plugins<EquationOfState>();
+    if (equation == nullptr)
       return nullptr;
     for (const char *const entry : {"Specific heat capacity", "Conductivity"})
-      if (material.parent().subsection("Heat").is_set(entry))
-        material.fail(equation_entry,
-                      "the material has a section \"Heat\", but with an equation of state the heat "
-                      "of a point is in its internal energy and stays there; allowed is `none`, or "
-                      "no section \"Heat\".");
-    return std::make_unique<const EnergyPressure>(
-        Registry<EquationOfState>::instance().create(name, material.subsection(name)));
+      e.refuse(
+          e.section().parent().subsection("Heat").is_set(entry), equation_entry,
+          "the material has a section \"Heat\", but with an equation of state the heat of a point "
+          "is in its internal energy and stays there; allowed is `none`, or no section \"Heat\".");
+    return std::make_unique<const EnergyPressure>(std::move(equation));
   }
 
   EnergyPressure::EnergyPressure(std::unique_ptr<const EquationOfState> equation)

@@ -7,14 +7,9 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void HeatConductor::declare_parameters(ParameterHandler &handler)
-  {
-    Parameters::declare_mandatory(handler, "Density", Patterns::Double(),
-                                  "Density in the initial configuration. Units: M/L^3.");
-  }
-
-  HeatConductor::HeatConductor(const Section &section)
-      : initial_density(section.get_positive("Density"))
+  HeatConductor::HeatConductor(const Entries &e)
+      : initial_density(e.number("Density", mandatory, positive(), "M/L^3",
+                                 "Density in the initial configuration."))
   {}
 
   double HeatConductor::density() const

@@ -15,27 +15,23 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void J2Plasticity::declare_parameters(ParameterHandler &handler)
+  J2Plasticity::J2Plasticity(const Entries &e) : LinearElastic(e)
   {
-    LinearElastic::declare_parameters(handler);
-    Parameters::declare_mandatory(handler, "Flow stress",
-                                  Patterns::Selection(Registry<FlowStress>::instance().selection()),
-                                  "The stress at which the material flows.");
-    AdiabaticHeating::declare_parameters(handler);
-    Registry<FlowStress>::instance().declare_all(handler);
-    EnergyPressure::declare_parameters(handler);
-    DamageGrowth::declare_parameters(handler);
-  }
-
-  J2Plasticity::J2Plasticity(const Section &section)
-      : LinearElastic(section), damage(DamageGrowth::create(section))
-  {
-    const std::string name = section.get("Flow stress");
-    flow_stress = Registry<FlowStress>::instance().create(name, section.subsection(name));
-    const bool needs_temperature =
-        flow_stress->depends_on_temperature() || (damage && damage->depends_on_temperature());
-    const auto of_section =
-        AdiabaticHeating::read(section, heat.get(), density(), *flow_stress, needs_temperature);
+    flow_stress =
+        e.plugin<FlowStress>("Flow stress", mandatory, "The stress at which the material flows.");
+    if (!e.declares())
+      damage = DamageGrowth::create(e);
+    const bool needs_temperature = (flow_stress && flow_stress->depends_on_temperature()) ||
+                                   (damage && damage->depends_on_temperature());
+    const AdiabaticHeating of_section(e, heat.get(), density(), flow_stress.get(),
+                                      needs_temperature);
+    e.plugins<FlowStress>();
+    if (e.declares())
+    {
+      EnergyPressure::create(e);
+      DamageGrowth::create(e);
+      return;
+    }
     taylor_quinney = of_section.taylor_quinney;
     heating = of_section.per_work;
     initial_temperature = of_section.initial_temperature;
@@ -43,7 +39,7 @@ namespace tombolo
     sees_temperature = keeps_temperature || (heat != nullptr && needs_temperature);
     keeps_yield_stress = heat == nullptr && flow_stress->depends_on_temperature();
     first_further_field = static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
-    pressure = EnergyPressure::create(section);
+    pressure = EnergyPressure::create(e);
   }
 
   std::vector<FieldDescription> J2Plasticity::internal_variables() const

@@ -20,51 +20,28 @@ namespace tombolo
 
   using namespace dealii;
 
-  void JohnsonCook::declare_parameters(ParameterHandler &handler)
+  JohnsonCook::JohnsonCook(const Entries &e) : section(e.section())
   {
-    Parameters::declare_mandatory(handler, "Yield stress", Patterns::Double(),
-                                  "$A$, larger than zero. Units: M/(L T^2).");
-    Parameters::declare_mandatory(handler, "Hardening coefficient", Patterns::Double(),
-                                  "$B$, zero or positive. Units: M/(L T^2).");
-    Parameters::declare_mandatory(handler, "Hardening exponent", Patterns::Double(),
-                                  "$n$, above 0 and up to 2. Units: 1.");
-    Parameters::declare_mandatory(handler, "Rate coefficient", Patterns::Double(),
-                                  "$C$, from 0 to 1. Units: 1.");
-    Parameters::declare_mandatory(
-        handler, "Reference rate", Patterns::Double(),
-        "$\\dot\\varepsilon_0$: at this rate and below the flow stress is that of a slow test; "
-        "beware of its units. Units: 1/T.");
-    Parameters::declare_mandatory(handler, "Thermal exponent", Patterns::Double(),
-                                  "$m$, above 0 and up to 10. Units: 1.");
-    Parameters::declare_mandatory(handler, "Melting temperature", Patterns::Double(),
-                                  "$T_m$: from here on there is no flow stress.");
-    Parameters::declare_mandatory(handler, "Reference temperature", Patterns::Double(),
-                                  "$T_r$: up to here there is no thermal softening.");
-  }
-
-  JohnsonCook::JohnsonCook(const Section &section)
-      : section(section), yield_stress(section.get_positive("Yield stress")),
-        hardening_coefficient(section.get_double("Hardening coefficient")),
-        hardening_exponent(section.get_double("Hardening exponent")),
-        rate_coefficient(section.get_double("Rate coefficient")),
-        reference_rate(section.get_positive("Reference rate")),
-        thermal_exponent(section.get_double("Thermal exponent")),
-        melting_temperature(section.get_double("Melting temperature")),
-        reference_temperature(section.get_double("Reference temperature"))
-  {
-    if (!(hardening_coefficient >= 0. && std::isfinite(hardening_coefficient)))
-      section.fail("Hardening coefficient", "allowed is zero or a positive number.");
-    if (!(hardening_exponent > 0. && hardening_exponent <= 2.))
-      section.fail("Hardening exponent", "allowed is a number above 0 and up to 2.");
-    if (!(rate_coefficient >= 0. && rate_coefficient <= 1.))
-      section.fail("Rate coefficient", "allowed is a number from 0 to 1.");
-    if (!(thermal_exponent > 0. && thermal_exponent <= 10.))
-      section.fail("Thermal exponent", "allowed is a number above 0 and up to 10.");
-    if (!std::isfinite(reference_temperature))
-      section.fail("Reference temperature", "allowed is a finite number.");
-    if (!(melting_temperature > reference_temperature && std::isfinite(melting_temperature)))
-      section.fail("Melting temperature", "allowed is a number above the reference temperature, " +
-                                              section.get("Reference temperature") + ".");
+    yield_stress =
+        e.number("Yield stress", mandatory, positive(), "M/(L T^2)", "$A$, larger than zero.");
+    hardening_coefficient = e.number("Hardening coefficient", mandatory, zero_or_positive(),
+                                     "M/(L T^2)", "$B$, zero or positive.");
+    hardening_exponent = e.number("Hardening exponent", mandatory, positive_up_to(2.), "1",
+                                  "$n$, above 0 and up to 2.");
+    rate_coefficient =
+        e.number("Rate coefficient", mandatory, from_to(0., 1.), "1", "$C$, from 0 to 1.");
+    reference_rate = e.number("Reference rate", mandatory, positive(), "1/T",
+                              "$\\dot\\varepsilon_0$: at this rate and below the flow stress is "
+                              "that of a slow test; beware of its units.");
+    thermal_exponent = e.number("Thermal exponent", mandatory, positive_up_to(10.), "1",
+                                "$m$, above 0 and up to 10.");
+    melting_temperature = e.number("Melting temperature", mandatory, any_number(), "",
+                                   "$T_m$: from here on there is no flow stress.");
+    reference_temperature = e.number("Reference temperature", mandatory, any_number(), "",
+                                     "$T_r$: up to here there is no thermal softening.");
+    e.refuse(!(melting_temperature > reference_temperature), "Melting temperature",
+             "allowed is a number above the reference temperature, " +
+                 e.given("Reference temperature") + ".");
   }
 
   bool JohnsonCook::depends_on_temperature() const

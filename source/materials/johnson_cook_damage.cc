@@ -19,8 +19,7 @@ namespace tombolo
     class JohnsonCookDamage : public DuctileDamage
     {
     public:
-      static void declare_parameters(ParameterHandler &handler);
-      explicit JohnsonCookDamage(const Section &section);
+      explicit JohnsonCookDamage(const Entries &e);
 
       bool depends_on_temperature() const override
       {
@@ -40,53 +39,43 @@ namespace tombolo
       double inverse_range = 0.;         // 1/(T_m - T_r)
     };
 
-    void JohnsonCookDamage::declare_parameters(ParameterHandler &handler)
+    JohnsonCookDamage::JohnsonCookDamage(const Entries &e)
     {
-      Parameters::declare_mandatory(handler, "D1", Patterns::Double(),
-                                    "$D_1$ of the strain at failure $(D_1 + D_2 e^{D_3 \\sigma^*}) "
-                                    "(1 + D_4 \\ln \\dot\\varepsilon^*) (1 + D_5 T^*)$, with the "
-                                    "stress triaxiality $\\sigma^*$. Units: 1.");
-      Parameters::declare_mandatory(handler, "D2", Patterns::Double(),
-                                    "$D_2$ of the same; $D_1 + D_2$ is the strain at failure in "
-                                    "slow shear, larger than zero. Units: 1.");
-      Parameters::declare_mandatory(handler, "D3", Patterns::Double(),
-                                    "$D_3$ of the same, below zero where tension makes a metal "
-                                    "less ductile: some books write the minus sign into the law. "
-                                    "Units: 1.");
-      handler.declare_entry("D4", "0", Patterns::Double(), "$D_4$ of the same. Units: 1.");
-      handler.declare_entry("D5", "0", Patterns::Double(), "$D_5$ of the same. Units: 1.");
-      Parameters::declare_mandatory(handler, "Reference rate", Patterns::Double(),
-                                    "The rate at and below which the rate has no effect; where D4 "
-                                    "is not zero. Units: 1/T.");
-      Parameters::declare_mandatory(handler, "Melting temperature", Patterns::Double(),
-                                    "$T_m$; where D5 is not zero.");
-      Parameters::declare_mandatory(handler, "Reference temperature", Patterns::Double(),
-                                    "$T_r$: up to here the temperature has no effect; where D5 is "
-                                    "not zero.");
-      handler.declare_entry("Smallest failure strain", "1e-6", Patterns::Double(),
-                            "The strain at failure is at least this, larger than zero. Units: 1.");
-    }
-
-    JohnsonCookDamage::JohnsonCookDamage(const Section &section)
-        : d{section.get_double("D1"), section.get_double("D2"), section.get_double("D3"),
-            section.get_double("D4"), section.get_double("D5")},
-          smallest(section.get_positive("Smallest failure strain"))
-    {
-      if (!(d[0] + d[1] > 0.))
-        section.fail("D2", "D1 + D2, the strain at failure in slow shear, is not positive; allowed "
-                           "is a number above -D1.");
-      if (d[3] != 0. || section.is_set("Reference rate"))
-        reference_rate = section.get_positive("Reference rate");
-      if (d[4] == 0. && !section.is_set("Melting temperature") &&
-          !section.is_set("Reference temperature"))
-        return;
-      reference_temperature = section.get_double("Reference temperature");
-      const double melting_temperature = section.get_double("Melting temperature");
-      if (!(melting_temperature > reference_temperature))
-        section.fail("Melting temperature",
-                     "allowed is a number above the reference temperature, " +
-                         section.get("Reference temperature") + ".");
-      inverse_range = 1. / (melting_temperature - reference_temperature);
+      d[0] =
+          e.number("D1", mandatory, any_number(), "1",
+                   "$D_1$ of the strain at failure $(D_1 + D_2 e^{D_3 \\sigma^*}) (1 + D_4 \\ln "
+                   "\\dot\\varepsilon^*) (1 + D_5 T^*)$, with the stress triaxiality $\\sigma^*$.");
+      d[1] = e.number("D2", mandatory, any_number(), "1",
+                      "$D_2$ of the same; $D_1 + D_2$ is the strain at failure in slow shear, "
+                      "larger than zero.");
+      d[2] = e.number("D3", mandatory, any_number(), "1",
+                      "$D_3$ of the same, below zero where tension makes a metal less ductile: "
+                      "some books write the minus sign into the law.");
+      d[3] = e.number("D4", "0", any_number(), "1", "$D_4$ of the same.");
+      d[4] = e.number("D5", "0", any_number(), "1", "$D_5$ of the same.");
+      e.refuse(!(d[0] + d[1] > 0.), "D2",
+               "D1 + D2, the strain at failure in slow shear, is not positive; allowed is a number "
+               "above -D1.");
+      if (e.when(d[3] != 0. || e.is_set("Reference rate")))
+        reference_rate =
+            e.number("Reference rate", mandatory, positive(), "1/T",
+                     "The rate at and below which the rate has no effect; where D4 is not zero.");
+      if (e.when(d[4] != 0. || e.is_set("Melting temperature") ||
+                 e.is_set("Reference temperature")))
+      {
+        const double melting_temperature = e.number("Melting temperature", mandatory, any_number(),
+                                                    "", "$T_m$; where D5 is not zero.");
+        reference_temperature =
+            e.number("Reference temperature", mandatory, any_number(), "",
+                     "$T_r$: up to here the temperature has no effect; where D5 is not zero.");
+        e.refuse(!(melting_temperature > reference_temperature), "Melting temperature",
+                 "allowed is a number above the reference temperature, " +
+                     e.given("Reference temperature") + ".");
+        if (!e.declares())
+          inverse_range = 1. / (melting_temperature - reference_temperature);
+      }
+      smallest = e.number("Smallest failure strain", "1e-6", positive(), "1",
+                          "The strain at failure is at least this, larger than zero.");
     }
 
     void JohnsonCookDamage::evaluate(FailureStrainBatch &batch) const

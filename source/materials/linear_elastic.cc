@@ -10,23 +10,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void LinearElastic::declare_parameters(ParameterHandler &handler)
-  {
-    Parameters::declare_mandatory(handler, "Density", Patterns::Double(),
-                                  "Density in the initial configuration. Units: M/L^3.");
-    Parameters::declare_mandatory(
-        handler, "Young's modulus", Patterns::Anything(),
-        "Young's modulus $E$: a number, or pairs `temperature: value` separated by commas. Units: "
-        "M/(L T^2).");
-    Parameters::declare_mandatory(handler, "Poisson's ratio", Patterns::Anything(),
-                                  "Poisson's ratio $\\nu$, between -1 and 0.5, both excluded: a "
-                                  "number, or pairs `temperature: value` separated by commas.");
-    handler.declare_entry("Thermal expansion", "0", Patterns::Anything(),
-                          "The linear strain per increment of the temperature, $\\alpha$: a "
-                          "number, or pairs `temperature: value` separated by commas. Units: "
-                          "1/temperature.");
-  }
-
   namespace
   {
     double bulk_of(const double young, const double poisson)
@@ -44,11 +27,25 @@ namespace tombolo
     using ChunkValues = double[points_per_chunk];
   } // namespace
 
-  LinearElastic::LinearElastic(const Section &section)
-      : heat(ThermalProperties::read(section.parent())),
-        initial_density(section.get_positive("Density")), young(section, "Young's modulus"),
-        poisson(section, "Poisson's ratio"), expansion(section, "Thermal expansion")
+  LinearElastic::LinearElastic(const Entries &e)
   {
+    initial_density = e.number("Density", mandatory, positive(), "M/L^3",
+                               "Density in the initial configuration.");
+    young = e.object<TemperatureTable>(
+        "Young's modulus", mandatory, "M/(L T^2)",
+        "Young's modulus $E$: a number, or pairs `temperature: value` separated by commas.");
+    poisson =
+        e.object<TemperatureTable>("Poisson's ratio", mandatory, "",
+                                   "Poisson's ratio $\\nu$, between -1 and 0.5, both excluded: a "
+                                   "number, or pairs `temperature: value` separated by commas.");
+    expansion =
+        e.object<TemperatureTable>("Thermal expansion", "0", "1/temperature",
+                                   "The linear strain per increment of the temperature, $\\alpha$: "
+                                   "a number, or pairs `temperature: value` separated by commas.");
+    if (e.declares())
+      return;
+    const Section &section = e.section();
+    heat = ThermalProperties::read(section.parent());
     if (!(young.smallest() > 0.))
       section.fail("Young's modulus", young.is_constant() ? "allowed is a number larger than zero."
                                                           : "allowed are values larger than zero.");

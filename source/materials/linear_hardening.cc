@@ -9,22 +9,13 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void LinearHardening::declare_parameters(ParameterHandler &handler)
+  LinearHardening::LinearHardening(const Entries &e)
   {
-    Parameters::declare_mandatory(handler, "Yield stress", Patterns::Double(),
-                                  "Flow stress $Y$ without plastic strain. Units: M/(L T^2).");
-    handler.declare_entry(
-        "Hardening modulus", "0", Patterns::Double(),
-        "Slope $H$ of the flow stress over the effective plastic strain, zero for "
-        "perfect plasticity. Units: M/(L T^2).");
-  }
-
-  LinearHardening::LinearHardening(const Section &section)
-      : yield_stress(section.get_positive("Yield stress")),
-        hardening_modulus(section.get_double("Hardening modulus"))
-  {
-    if (!(hardening_modulus >= 0. && std::isfinite(hardening_modulus)))
-      section.fail("Hardening modulus", "allowed is zero or a positive number.");
+    yield_stress = e.number("Yield stress", mandatory, positive(), "M/(L T^2)",
+                            "Flow stress $Y$ without plastic strain.");
+    hardening_modulus = e.number("Hardening modulus", "0", zero_or_positive(), "M/(L T^2)",
+                                 "Slope $H$ of the flow stress over the effective plastic strain, "
+                                 "zero for perfect plasticity.");
   }
 
   bool LinearHardening::depends_on_temperature() const

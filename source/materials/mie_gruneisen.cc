@@ -23,8 +23,7 @@ namespace tombolo
     class MieGruneisen : public EquationOfState
     {
     public:
-      static void declare_parameters(ParameterHandler &handler);
-      explicit MieGruneisen(const Section &section);
+      explicit MieGruneisen(const Entries &e);
 
       double bulk_modulus() const override
       {
@@ -40,39 +39,26 @@ namespace tombolo
       double first_order_volume_exponent; // a
     };
 
-    void MieGruneisen::declare_parameters(ParameterHandler &handler)
+    MieGruneisen::MieGruneisen(const Entries &e)
     {
-      Parameters::declare_mandatory(handler, "Sound speed", Patterns::Double(),
+      const double speed = e.number("Sound speed", mandatory, positive(), "L/T",
                                     "$c_0$, the speed of sound without shear stiffness, where the "
-                                    "line of the shock speed begins. Units: L/T.");
-      Parameters::declare_mandatory(handler, "Hugoniot slope", Patterns::Double(),
-                                    "$s_1$ of the shock speed $U_s = c_0 + s_1 u_p$ at the "
-                                    "particle speed $u_p$, zero or positive. Units: 1.");
-      handler.declare_entry("Second Hugoniot coefficient", "0", Patterns::Double(),
-                            "$s_2$, of $(u_p/U_s) u_p$ in the shock speed. Units: 1.");
-      handler.declare_entry("Third Hugoniot coefficient", "0", Patterns::Double(),
-                            "$s_3$, of $(u_p/U_s)^2 u_p$ in the shock speed. Units: 1.");
-      Parameters::declare_mandatory(handler, "Gruneisen coefficient", Patterns::Double(),
-                                    "$\\gamma_0$, the pressure that internal energy per initial "
-                                    "volume makes, from 0 to 10. Units: 1.");
-      handler.declare_entry("Gruneisen correction", "0", Patterns::Double(),
-                            "$a$: the coefficient is $\\gamma_0 + a (\\rho/\\rho_0 - 1)$. Units: "
-                            "1.");
-    }
-
-    MieGruneisen::MieGruneisen(const Section &section)
-        : slope{section.get_double("Hugoniot slope"),
-                section.get_double("Second Hugoniot coefficient"),
-                section.get_double("Third Hugoniot coefficient")},
-          gruneisen(section.get_double("Gruneisen coefficient")),
-          first_order_volume_exponent(section.get_double("Gruneisen correction"))
-    {
-      const double speed = section.get_positive("Sound speed");
-      stiffness = section.parent().get_positive("Density") * speed * speed;
-      if (!(slope[0] >= 0.))
-        section.fail("Hugoniot slope", "allowed is zero or a positive number.");
-      if (!(gruneisen >= 0. && gruneisen <= 10.))
-        section.fail("Gruneisen coefficient", "allowed is a number from 0 to 10.");
+                                    "line of the shock speed begins.");
+      slope[0] = e.number("Hugoniot slope", mandatory, zero_or_positive(), "1",
+                          "$s_1$ of the shock speed $U_s = c_0 + s_1 u_p$ at the particle speed "
+                          "$u_p$, zero or positive.");
+      slope[1] = e.number("Second Hugoniot coefficient", "0", any_number(), "1",
+                          "$s_2$, of $(u_p/U_s) u_p$ in the shock speed.");
+      slope[2] = e.number("Third Hugoniot coefficient", "0", any_number(), "1",
+                          "$s_3$, of $(u_p/U_s)^2 u_p$ in the shock speed.");
+      gruneisen = e.number(
+          "Gruneisen coefficient", mandatory, from_to(0., 10.), "1",
+          "$\\gamma_0$, the pressure that internal energy per initial volume makes, from 0 to 10.");
+      first_order_volume_exponent =
+          e.number("Gruneisen correction", "0", any_number(), "1",
+                   "$a$: the coefficient is $\\gamma_0 + a (\\rho/\\rho_0 - 1)$.");
+      if (!e.declares())
+        stiffness = e.section().parent().get_positive("Density") * speed * speed;
     }
 
     void MieGruneisen::evaluate(EquationOfStateBatch &batch) const

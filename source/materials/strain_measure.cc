@@ -3,11 +3,11 @@
 
 namespace tombolo
 {
-  void declare_strain_measure(dealii::ParameterHandler &handler, const StrainMeasure by_default)
+  void declare_strain_measure(const Entries &e, const StrainMeasure by_default)
   {
-    handler.declare_entry(
+    e.choice(
         "Strain measure", by_default == StrainMeasure::rate ? "rate" : "logarithmic",
-        dealii::Patterns::Selection("rate|logarithmic"),
+        "rate|logarithmic",
         "What the stress follows: the rate of deformation with an objective rate of the Cauchy "
         "stress, or the elastic logarithmic strain, from whose energy the forces derive: in "
         "motions of large amplitude over long times energy neither grows nor decays.");

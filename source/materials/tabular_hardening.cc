@@ -12,26 +12,13 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void TabularHardening::declare_parameters(ParameterHandler &handler)
-  {
-    Parameters::declare_mandatory(handler, "Plastic strains", Patterns::Anything(),
-                                  "Effective plastic strains of the columns, increasing from 0, "
-                                  "separated by commas. Units: 1.");
-    handler.declare_entry("Temperatures", "", Patterns::Anything(),
-                          "Temperatures of the rows, increasing, separated by commas; empty for a "
-                          "table of one row that holds at all temperatures.");
-    Parameters::declare_mandatory(handler, "Flow stresses", Patterns::Anything(),
-                                  "The table: flow stresses of a row separated by commas, rows "
-                                  "separated by semicolons. Units: M/(L T^2).");
-  }
-
   namespace
   {
     void check_increasing(const Section &section, const std::string &entry,
                           const std::vector<double> &knots)
     {
       for (std::size_t k = 0; k < knots.size(); ++k)
-        if (!std::isfinite(knots[k]) || (k > 0 && !(knots[k] > knots[k - 1])))
+        if (k > 0 && !(knots[k] > knots[k - 1]))
           section.fail(entry, "allowed are finite numbers that increase; number " +
                                   std::to_string(k + 1) + " does not.");
     }
@@ -56,10 +43,20 @@ namespace tombolo
     }
   } // namespace
 
-  TabularHardening::TabularHardening(const Section &section)
-      : strains(section.get_doubles("Plastic strains")),
-        temperatures(section.get_doubles("Temperatures"))
+  TabularHardening::TabularHardening(const Entries &e)
   {
+    e.text("Plastic strains", mandatory, "1",
+           "Effective plastic strains of the columns, increasing from 0, separated by commas.");
+    e.text("Temperatures", "", "",
+           "Temperatures of the rows, increasing, separated by commas; empty for a table of one "
+           "row that holds at all temperatures.");
+    e.text("Flow stresses", mandatory, "M/(L T^2)",
+           "The table: flow stresses of a row separated by commas, rows separated by semicolons.");
+    if (e.declares())
+      return;
+    const Section &section = e.section();
+    strains = section.get_doubles("Plastic strains");
+    temperatures = section.get_doubles("Temperatures");
     if (strains.empty() || strains.front() != 0.)
       section.fail("Plastic strains", "allowed are numbers that increase from 0.");
     check_increasing(section, "Plastic strains", strains);

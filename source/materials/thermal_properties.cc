@@ -13,19 +13,6 @@ namespace tombolo
     const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};
   }
 
-  void ThermalProperties::declare_parameters(ParameterHandler &handler)
-  {
-    Parameters::declare_mandatory(handler, entries[0], Patterns::Anything(),
-                                  "$c$ per mass: a number, or pairs `temperature: value` separated "
-                                  "by commas. Units: L^2/(T^2 temperature).");
-    Parameters::declare_mandatory(handler, entries[1], Patterns::Anything(),
-                                  "Conductivity $k$: a number, or pairs `temperature: value` "
-                                  "separated by commas. Units: M L/(T^3 temperature).");
-    Parameters::declare_mandatory(handler, entries[2], Patterns::Double(),
-                                  "The temperature at the start, at which the specific enthalpy is "
-                                  "zero. Units: temperature.");
-  }
-
   std::shared_ptr<const ThermalProperties> ThermalProperties::read(const Section &material)
   {
     const Section section = material.subsection("Heat");
@@ -35,20 +22,23 @@ namespace tombolo
     return nullptr;
   }
 
-  ThermalProperties::ThermalProperties(const Section &section)
-      : start(section.get_double("Initial temperature")),
-        table_of_conductivity(section, "Conductivity"),
-        table_of_capacity(section, "Specific heat capacity")
+  ThermalProperties::ThermalProperties(const Entries &e)
   {
-    if (!(table_of_capacity.smallest() > 0.))
-      section.fail("Specific heat capacity",
-                   table_of_capacity.is_constant()
-                       ? "allowed is a number larger than zero."
-                       : "allowed are values larger than zero at all temperatures.");
-    if (!(table_of_conductivity.smallest() >= 0.))
-      section.fail("Conductivity", table_of_conductivity.is_constant()
-                                       ? "allowed is zero or a positive number."
-                                       : "allowed are zero and positive values.");
+    table_of_capacity = e.object<TemperatureTable>(
+        "Specific heat capacity", mandatory, "L^2/(T^2 temperature)",
+        "$c$ per mass: a number, or pairs `temperature: value` separated by commas.");
+    e.refuse(!(table_of_capacity.smallest() > 0.), "Specific heat capacity",
+             table_of_capacity.is_constant()
+                 ? "allowed is a number larger than zero."
+                 : "allowed are values larger than zero at all temperatures.");
+    table_of_conductivity = e.object<TemperatureTable>(
+        "Conductivity", mandatory, "M L/(T^3 temperature)",
+        "Conductivity $k$: a number, or pairs `temperature: value` separated by commas.");
+    e.refuse(!(table_of_conductivity.smallest() >= 0.), "Conductivity",
+             table_of_conductivity.is_constant() ? "allowed is zero or a positive number."
+                                                 : "allowed are zero and positive values.");
+    start = e.number("Initial temperature", mandatory, {}, "temperature",
+                     "The temperature at the start, at which the specific enthalpy is zero.");
 
     // The initial temperature becomes a knot: enthalpies then add up from zero, away from it.
     knot_temperature =

@@ -28,27 +28,19 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void MeshRefinement<dim>::declare_parameters(ParameterHandler &handler)
+  MeshRefinement<dim>::MeshRefinement(const Entries &e) : section(e.section())
   {
-    handler.declare_entry(
-        where_entry, "", Patterns::Anything(),
-        "Where the mesh is finer than its source says: a predicate of the cell's centre such as "
-        "`x < 5`, or several, separated by \";\". Cells that lie beside others differ from them by "
+    const std::string text = Utilities::trim(e.text(
+        where_entry, "", "",
+        "Where the mesh is finer than its source says: a predicate of the cell's centre such as `x "
+        "< 5`, or several, separated by \";\". Cells that lie beside others differ from them by "
         "one level at most, which are refined for it. The size of cells can change among elements "
-        "of "
-        "degree one that stay and inside of parts of `smoothed cells`. Empty: nowhere.");
-    handler.declare_entry(
-        levels_entry, "1", Patterns::Anything(),
-        "How often cells are halved along each axis there: a whole number from 1 for each "
-        "predicate "
-        "of `Refine where`, separated by \";\". Where several predicates are true, the largest "
-        "counts.");
-  }
-
-  template <int dim>
-  MeshRefinement<dim>::MeshRefinement(const Section &section) : section(section)
-  {
-    const std::string text = Utilities::trim(section.get(where_entry));
+        "of degree one that stay and inside of parts of `smoothed cells`. Empty: nowhere."));
+    if (e.declares())
+      e.text(levels_entry, "1", "",
+             "How often cells are halved along each axis there: a whole number from 1 for each "
+             "predicate of `Refine where`, separated by \";\". Where several predicates are true, "
+             "the largest counts.");
     if (text.empty())
       return;
     read_regions(text);

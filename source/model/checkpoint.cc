@@ -146,29 +146,22 @@ namespace tombolo
     }
   } // namespace
 
-  void Checkpoints::declare_parameters(ParameterHandler &handler)
+  Checkpoints::Checkpoints(const Entries &e)
   {
-    handler.declare_entry("Step interval", "0", Patterns::Integer(0, 1000000000),
-                          "A checkpoint is written every so many steps; 0 is not by steps.");
-    handler.declare_entry(
-        "Wall time interval", "1800", Patterns::Double(0.),
+    step_interval = e.integer("Step interval", "0", between(0, 1000000000),
+                              "A checkpoint is written every so many steps; 0 is not by steps.");
+    wall_interval = e.number(
+        "Wall time interval", "1800", at_least(0.), "seconds",
         "A checkpoint is written when this time has passed since the last one; 0 is not by time. "
         "Whatever the intervals are, one is written where a signal ends the run. At its end there "
-        "is one where `Step interval` is set, or where the run has written one before. Units: "
-        "seconds.");
-    handler.declare_entry("Keep", "2", Patterns::Integer(1, 1000000),
-                          "So many of the newest checkpoints are kept.");
-    handler.declare_entry("End state", "false", Patterns::Bool(),
-                          "Whether the state at the end of the run is kept in "
-                          "`checkpoint/end.h5`, for runs that start from it (entry `Initial "
-                          "state`).");
+        "is one where `Step interval` is set, or where the run has written one before.");
+    keep =
+        e.integer("Keep", "2", between(1, 1000000), "So many of the newest checkpoints are kept.");
+    keeps_end_state =
+        e.flag("End state", "false",
+               "Whether the state at the end of the run is kept in `checkpoint/end.h5`, for runs "
+               "that start from it (entry `Initial state`).");
   }
-
-  Checkpoints::Checkpoints(const Section &section)
-      : step_interval(section.get_unsigned("Step interval")),
-        wall_interval(section.get_double("Wall time interval")), keep(section.get_unsigned("Keep")),
-        keeps_end_state(section.get_bool("End state"))
-  {}
 
   bool Checkpoints::is_due(const unsigned long step, const bool is_end) const
   {

@@ -20,52 +20,61 @@ namespace tombolo
 {
   using namespace dealii;
 
-  template <int dim>
-  void InitialCondition<dim>::declare_parameters(ParameterHandler &handler)
+  namespace
   {
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "A predicate of the initial position; everywhere if empty.");
-    handler.declare_entry("Part", "", Patterns::Anything(),
-                          "Names of parts, separated by commas: their nodes, shared ones included, "
-                          "and their material points; all parts if empty. With `Where` both must "
-                          "hold.");
-    handler.declare_entry("Velocity", "", Patterns::Anything(),
-                          "Components separated by `;`, functions of x, y, z. Units: L/T.");
-    handler.declare_entry("Spin", "", Patterns::Anything(),
-                          dim == 2 ? "The angular velocity about `Centre of spin`, a number; its "
-                                     "velocities add to `Velocity`. Units: 1/T."
-                                   : "The angular velocity about `Centre of spin`, three numbers "
-                                     "separated by commas; its velocities add to `Velocity`. "
-                                     "Units: 1/T.");
-    handler.declare_entry("Centre of spin", dim == 2 ? "0, 0" : "0, 0, 0", Patterns::Anything(),
-                          "A point of the axis of `Spin`, numbers separated by commas. Units: L.");
-    handler.declare_entry(
-        "Stress", "", Patterns::Anything(),
-        "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
-        "x, y, z. Units: M/(L T^2).");
-    handler.declare_entry("Temperature", "", Patterns::Anything(),
-                          "A function of x, y, z, instead of the initial temperature of the "
-                          "materials. Units: temperature.");
+    template <int dim>
+    Tensor<1, 3> read_spin(const Section &section)
+    {
+      Tensor<1, 3> result;
+      const std::vector<double> rate = section.get_doubles("Spin");
+      constexpr unsigned int n_numbers = dim == 2 ? 1 : 3;
+      if (rate.size() != n_numbers)
+        section.fail("Spin", dim == 2 ? "allowed is a finite number."
+                                      : "allowed are three finite numbers, separated by commas.");
+      for (unsigned int c = 0; c < n_numbers; ++c)
+        result[dim == 2 ? 2 : c] = rate[c];
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  InitialCondition<dim>::InitialCondition(const Entries &e)
+  {
+    where = e.optional<Predicate<dim>>("Where", "",
+                                       "A predicate of the initial position; everywhere if empty.");
+    parts = e.list("Part", "",
+                   "Names of parts, separated by commas: their nodes, shared ones included, and "
+                   "their material points; all parts if empty. With `Where` both must hold.");
+    velocity = e.if_set<Expression<dim>>("Velocity", "L/T",
+                                         "Components separated by `;`, functions of x, y, z.", dim);
+    if (e.when(e.is_set("Spin")))
+    {
+      e.text("Spin", "", "1/T",
+             dim == 2 ? "The angular velocity about `Centre of spin`, a number; its velocities add "
+                        "to `Velocity`."
+                      : "The angular velocity about `Centre of spin`, three numbers separated by "
+                        "commas; its velocities add to `Velocity`.");
+      const Tensor<1, dim> centre =
+          e.read("Centre of spin", dim == 2 ? "0, 0" : "0, 0, 0", "L",
+                 "A point of the axis of `Spin`, numbers separated by commas.", &read_vector<dim>);
+      if (!e.declares())
+        spin = Spin{read_spin<dim>(e.section()), centre};
+    }
+    else
+      e.refuse(e.is_set("Centre of spin"), "Centre of spin",
+               "there is no `Spin`; it would do nothing.");
+    stress = e.if_set<Expression<dim>>(
+        "Stress", "M/(L T^2)",
+        "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of x, y, z.", 6);
+    temperature = e.if_set<Expression<dim>>(
+        "Temperature", "temperature",
+        "A function of x, y, z, instead of the initial temperature of the materials.", 1);
+    e.refuse(!velocity && !spin && !stress && !temperature, "",
+             "an initial condition needs `Velocity`, `Spin`, `Stress` or `Temperature`.");
   }
 
   namespace
   {
-    template <int dim>
-    typename InitialCondition<dim>::Spin read_spin(const Section &section)
-    {
-      typename InitialCondition<dim>::Spin result;
-      const std::vector<double> rate = section.get_doubles("Spin");
-      constexpr unsigned int n_numbers = dim == 2 ? 1 : 3;
-      if (rate.size() != n_numbers ||
-          !std::all_of(rate.begin(), rate.end(), [](const double r) { return std::isfinite(r); }))
-        section.fail("Spin", dim == 2 ? "allowed is a finite number."
-                                      : "allowed are three finite numbers, separated by commas.");
-      for (unsigned int c = 0; c < n_numbers; ++c)
-        result.rate[dim == 2 ? 2 : c] = rate[c];
-      result.centre = read_vector<dim>(section, "Centre of spin");
-      return result;
-    }
-
     void refuse_unknown_parts(const Section &section, const std::vector<std::string> &named,
                               const std::vector<std::string> &known)
     {
@@ -79,26 +88,6 @@ namespace tombolo
         }
     }
   } // namespace
-
-  template <int dim>
-  InitialCondition<dim>::InitialCondition(const Section &section)
-  {
-    if (!section.get("Where").empty())
-      where.emplace(section, "Where");
-    if (section.is_set("Velocity"))
-      velocity.emplace(section, "Velocity", dim);
-    parts = section.get_list("Part");
-    if (section.is_set("Spin"))
-      spin = read_spin<dim>(section);
-    else if (section.is_set("Centre of spin"))
-      section.fail("Centre of spin", "there is no `Spin`; it would do nothing.");
-    if (section.is_set("Stress"))
-      stress.emplace(section, "Stress", 6);
-    if (section.is_set("Temperature"))
-      temperature.emplace(section, "Temperature", 1);
-    if (!velocity && !spin && !stress && !temperature)
-      section.fail("", "an initial condition needs `Velocity`, `Spin`, `Stress` or `Temperature`.");
-  }
 
   template <int dim>
   void validate_initial_conditions(const Parameters &parameters, const Physics<dim> &physics)

@@ -34,55 +34,43 @@ namespace tombolo
     }
 
     /** The entries that stand in no section. */
-    void declare_names(ParameterHandler &handler)
+    void declare_names(const Entries &e)
     {
-      handler.declare_entry("Title", "", Patterns::Anything(), "A title for logs and pictures.");
-      handler.declare_entry("Dimension", "3", Patterns::Integer(2, 3),
-                            "Number of space dimensions; 2 is plane strain per unit thickness.");
-      Parameters::declare_mandatory(handler, "Parts", Patterns::Anything(),
-                                    "Names of the parts, each with a section `Part: NAME`.");
-      Parameters::declare_mandatory(
-          handler, "Materials", Patterns::Anything(),
-          "Names of the materials, each with a section `Material: NAME`.");
-      handler.declare_entry("Conditions", "", Patterns::Anything(),
-                            "Names of the conditions, each with a section `Condition: NAME`.");
-      handler.declare_entry(
-          "Initial conditions", "", Patterns::Anything(),
-          "Names of initial conditions, each with a section `Initial condition: NAME`.");
-      handler.declare_entry(
-          "Plugin libraries", "", Patterns::Anything(),
-          "Shared objects with further plug-ins, loaded before all else is read. Paths "
-          "are relative to the parameter file, to the working directory, or to the directory of "
-          "the program's own library.");
+      e.text("Title", "", "", "A title for logs and pictures.");
+      e.integer("Dimension", "3", between(2, 3),
+                "Number of space dimensions; 2 is plane strain per unit thickness.");
+      e.text("Parts", mandatory, "", "Names of the parts, each with a section `Part: NAME`.");
+      e.text("Materials", mandatory, "",
+             "Names of the materials, each with a section `Material: NAME`.");
+      e.text("Conditions", "", "",
+             "Names of the conditions, each with a section `Condition: NAME`.");
+      e.text("Initial conditions", "", "",
+             "Names of initial conditions, each with a section `Initial condition: NAME`.");
+      e.text("Plugin libraries", "", "",
+             "Shared objects with further plug-ins, loaded before all else is read. Paths are "
+             "relative to the parameter file, to the working directory, or to the directory of the "
+             "program's own library.");
     }
 
     template <int dim>
-    void declare_part(ParameterHandler &handler)
+    void declare_part(const Entries &e)
     {
-      Parameters::declare_mandatory(
-          handler, "Cells", Patterns::Anything(),
-          "The cells of the part: a predicate of the cell's centre such as "
-          "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
-          "that no other part takes); or `from NAME`: those cells of the part NAME that become "
-          "particles while the run goes on.");
-      Parameters::declare_mandatory(
-          handler, "Formulation",
-          Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),
-          "Element type or particle method.");
-      Parameters::declare_mandatory(handler, "Material", Patterns::Anything(),
-                                    "The name of one of the materials.");
-      Registry<Formulation<dim>>::instance().declare_all(handler);
+      e.text("Cells", mandatory, "",
+             "The cells of the part: a predicate of the cell's centre such as `x < 5`, `material "
+             "N`, `group NAME`, `all`, or `otherwise` (those that no other part takes); or `from "
+             "NAME`: those cells of the part NAME that become particles while the run goes on.");
+      e.choice("Formulation", mandatory, Registry<Formulation<dim>>::instance().selection(),
+               "Element type or particle method.");
+      e.text("Material", mandatory, "", "The name of one of the materials.");
+      e.plugins<Formulation<dim>>();
     }
 
-    void declare_material(ParameterHandler &handler)
+    void declare_material(const Entries &e)
     {
-      Parameters::declare_mandatory(handler, "Model",
-                                    Patterns::Selection(Registry<Material>::instance().selection()),
-                                    "The material model.");
-      Registry<Material>::instance().declare_all(handler);
-      handler.enter_subsection("Heat");
-      ThermalProperties::declare_parameters(handler);
-      handler.leave_subsection();
+      e.choice("Model", mandatory, Registry<Material>::instance().selection(),
+               "The material model.");
+      e.plugins<Material>();
+      declare<ThermalProperties>(e.subsection("Heat"));
     }
 
     /** Refuses vertices so far away that volumes would overflow. Collective. */
@@ -261,57 +249,29 @@ namespace tombolo
   template <int dim>
   void declare_model(Parameters &parameters)
   {
-    ParameterHandler &handler = parameters.handler();
-    declare_names(handler);
-
-    handler.enter_subsection("Mesh");
-    Parameters::declare_mandatory(
-        handler, "Type", Patterns::Selection(Registry<MeshSource<dim>>::instance().selection()),
-        "Where the mesh comes from.");
-    MeshRefinement<dim>::declare_parameters(handler);
-    Registry<MeshSource<dim>>::instance().declare_all(handler);
-    handler.leave_subsection();
-
+    const Entries e(parameters.handler());
+    declare_names(e);
+    const Entries mesh = e.subsection("Mesh");
+    mesh.choice("Type", mandatory, Registry<MeshSource<dim>>::instance().selection(),
+                "Where the mesh comes from.");
+    declare<MeshRefinement<dim>>(mesh);
+    mesh.plugins<MeshSource<dim>>();
     for (const std::string &name : section_names(parameters, "Parts"))
-    {
-      handler.enter_subsection("Part: " + name);
-      declare_part<dim>(handler);
-      handler.leave_subsection();
-    }
-
+      declare_part<dim>(e.subsection("Part: " + name));
     for (const std::string &name : section_names(parameters, "Materials"))
-    {
-      handler.enter_subsection("Material: " + name);
-      declare_material(handler);
-      handler.leave_subsection();
-    }
-
+      declare_material(e.subsection("Material: " + name));
     for (const std::string &name : section_names(parameters, "Conditions"))
     {
-      handler.enter_subsection("Condition: " + name);
-      MechanicalConditions<dim>::declare_parameters(handler);
-      ThermalConditions<dim>::declare_parameters(handler);
-      handler.leave_subsection();
+      MechanicalConditions<dim>::declare_parameters(e.subsection("Condition: " + name));
+      ThermalConditions<dim>::declare_parameters(e.subsection("Condition: " + name));
     }
-
     for (const std::string &name : section_names(parameters, "Initial conditions"))
-    {
-      handler.enter_subsection("Initial condition: " + name);
-      InitialCondition<dim>::declare_parameters(handler);
-      handler.leave_subsection();
-    }
-
-    handler.enter_subsection("Coupling");
-    handler.declare_entry(
-        "Bridge", "paper", Patterns::Selection("paper|trace"),
-        "How finite elements and particles share nodes: `paper` (Appendix 2 of Pan et "
-        "al. 2019), or `trace`, where the elements see the particles' field.");
-    handler.leave_subsection();
-
-    handler.enter_subsection("Heat");
-    ThermalModel<dim>::declare_parameters(handler);
-    handler.leave_subsection();
-
+      declare<InitialCondition<dim>>(e.subsection("Initial condition: " + name));
+    e.subsection("Coupling")
+        .choice("Bridge", "paper", "paper|trace",
+                "How finite elements and particles share nodes: `paper` (Appendix 2 of Pan et al. "
+                "2019), or `trace`, where the elements see the particles' field.");
+    ThermalModel<dim>::declare_parameters(e.subsection("Heat"));
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
       kind->declare_parameters(parameters);
   }

@@ -95,18 +95,15 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.declare_entry("Processes", "", Patterns::Anything(),
-                              "Names of further processes, each with a section `Process: NAME`: "
-                              "plug-ins that act in a step.");
+        parameters.handler().declare_entry("Processes", "", Patterns::Anything(),
+                                           "Names of further processes, each with a section "
+                                           "`Process: NAME`: plug-ins that act in a step.");
         for (const std::string &name : section_names(parameters, "Processes"))
         {
-          handler.enter_subsection("Process: " + name);
-          Parameters::declare_mandatory(
-              handler, "Type", Patterns::Selection(Registry<Process<dim>>::instance().selection()),
-              "What the process is.");
-          Registry<Process<dim>>::instance().declare_all(handler);
-          handler.leave_subsection();
+          const Entries e = Entries(parameters.handler()).subsection("Process: " + name);
+          e.choice("Type", mandatory, Registry<Process<dim>>::instance().selection(),
+                   "What the process is.");
+          e.plugins<Process<dim>>();
         }
       }
 

@@ -15,11 +15,11 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void ThermalModel<dim>::declare_parameters(ParameterHandler &handler)
+  void ThermalModel<dim>::declare_parameters(const Entries &e)
   {
-    handler.declare_entry("Absolute zero", "0", Patterns::Double(),
-                          "The absolute zero in the temperature scale of the file: 0 for kelvin, "
-                          "-273.15 for degrees Celsius. Needed for radiation.");
+    e.number("Absolute zero", "0", any_number(), "",
+             "The absolute zero in the temperature scale of the file: 0 for kelvin, -273.15 for "
+             "degrees Celsius. Needed for radiation.");
   }
 
   template <int dim>

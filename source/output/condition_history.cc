@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/history.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/contact/read_vector.h>
 
@@ -19,19 +19,15 @@ namespace tombolo
   class ConditionHistory : public ImpulseHistory<dim, ConditionBalance>
   {
   public:
-    explicit ConditionHistory(const Section &section)
+    explicit ConditionHistory(const Entries &e)
         : ImpulseHistory<dim, ConditionBalance>(
-              "conditions.csv", section.get_unsigned("Steps between rows"),
-              {"conditions", {&ConditionBalance::work}}),
-          reference_point(read_vector<dim>(section, "Moments about"))
-    {}
-
-    static void declare_parameters(dealii::ParameterHandler &handler)
+              "conditions.csv", History<dim>::interval(e, "conditions.csv"),
+              {"conditions", {&ConditionBalance::work}})
     {
-      History<dim>::declare_interval(handler, "conditions.csv");
-      Declarations(handler).numbers(
-          "Moments about", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
-          "The point that moments in conditions.csv are about; it does not move.");
+      const std::vector<double> point =
+          e.numbers("Moments about", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
+                    "The point that moments in conditions.csv are about; it does not move.");
+      std::copy(point.begin(), point.end(), reference_point.begin_raw());
     }
 
   private:

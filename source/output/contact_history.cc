@@ -20,9 +20,9 @@ namespace tombolo
   class ContactHistory : public BalanceHistory<dim, ContactBalance>
   {
   public:
-    explicit ContactHistory(const Section &section)
+    explicit ContactHistory(const Entries &e)
         : BalanceHistory<dim, ContactBalance>(
-              "contact.csv", section.get_unsigned("Steps between rows"),
+              "contact.csv", History<dim>::interval(e, "contact.csv"),
               {"works at row", &ContactBalance::work},
               {"contact", {&ContactBalance::friction, &ContactBalance::damping}})
     {
@@ -31,9 +31,6 @@ namespace tombolo
       this->records.value("time of work", time_of_work);
     }
 
-    static void declare_parameters(dealii::ParameterHandler &handler)
-    {
-      History<dim>::declare_interval(handler, "contact.csv");
     }
 
   private:

@@ -17,34 +17,24 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void ExactSolution<dim>::declare_parameters(ParameterHandler &handler)
+  ExactSolution<dim>::ExactSolution(const Entries &e)
   {
-    handler.declare_entry(
-        "Stress", "", Patterns::Anything(),
-        "Six components xx; yy; zz; yz; xz; xy of the exact Cauchy stress, functions "
-        "of the initial position and of t. Errors against it are reported at every "
-        "output, and pictures show it. Units: M/(L T^2).");
-    handler.declare_entry("Velocity", "", Patterns::Anything(),
-                          "Components of the exact velocity. Units: L/T.");
-    handler.declare_entry("Temperature", "", Patterns::Anything(),
-                          "The exact temperature. Units: temperature.");
+    stress_function =
+        e.if_set<Expression<dim>>("Stress", "M/(L T^2)",
+                                  "Six components xx; yy; zz; yz; xz; xy of the exact Cauchy "
+                                  "stress, functions of the initial position and of t. Errors "
+                                  "against it are reported at every output, and pictures show it.",
+                                  6);
+    velocity_function =
+        e.if_set<Expression<dim>>("Velocity", "L/T", "Components of the exact velocity.", dim);
+    temperature_function =
+        e.if_set<Expression<dim>>("Temperature", "temperature", "The exact temperature.", 1);
   }
 
   template <int dim>
   bool ExactSolution<dim>::is_given(const Section &section)
   {
     return section.is_set("Stress") || section.is_set("Velocity") || section.is_set("Temperature");
-  }
-
-  template <int dim>
-  ExactSolution<dim>::ExactSolution(const Section &section)
-  {
-    if (section.is_set("Stress"))
-      stress_function = std::make_unique<Expression<dim>>(section, "Stress", 6);
-    if (section.is_set("Velocity"))
-      velocity_function = std::make_unique<Expression<dim>>(section, "Velocity", dim);
-    if (section.is_set("Temperature"))
-      temperature_function = std::make_unique<Expression<dim>>(section, "Temperature", 1);
   }
 
   template <int dim>
@@ -63,19 +53,19 @@ namespace tombolo
   template <int dim>
   bool ExactSolution<dim>::has_stress() const
   {
-    return stress_function != nullptr;
+    return stress_function.has_value();
   }
 
   template <int dim>
   bool ExactSolution<dim>::has_velocity() const
   {
-    return velocity_function != nullptr;
+    return velocity_function.has_value();
   }
 
   template <int dim>
   bool ExactSolution<dim>::has_temperature() const
   {
-    return temperature_function != nullptr;
+    return temperature_function.has_value();
   }
 
   template <int dim>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/history.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 
 namespace tombolo
 {
@@ -13,11 +13,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void History<dim>::declare_interval(dealii::ParameterHandler &handler,
-                                      const std::string &file_name)
+  unsigned int History<dim>::interval(const Entries &e, const std::string &file_name)
   {
-    Declarations(handler).whole_number("Steps between rows", 10, 1,
-                                       file_name + " has a row every so many steps.");
+    return e.integer("Steps between rows", "10", at_least(1),
+                     file_name + " has a row every so many steps.");
   }
 
   template <int dim>

@@ -8,14 +8,12 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void declare_outputs(ParameterHandler &handler)
+  void declare_outputs(const Entries &e)
   {
-    handler.declare_entry("Write solution", "true", Patterns::Bool(),
-                          "Whether the fields are written for ParaView at each output.");
-    handler.declare_entry("Further outputs", "", Patterns::Anything(),
-                          "Names of output plug-ins that are called besides the visualization and "
-                          "the probes.");
-    Registry<Output<dim>>::instance().declare_all(handler);
+    e.flag("Write solution", "true", "Whether the fields are written for ParaView at each output.");
+    e.text("Further outputs", "", "",
+           "Names of output plug-ins that are called besides the visualization and the probes.");
+    e.plugins<Output<dim>>();
   }
 
   namespace
@@ -104,8 +102,8 @@ namespace tombolo
     return outputs;
   }
 
-  template void declare_outputs<2>(ParameterHandler &);
-  template void declare_outputs<3>(ParameterHandler &);
+  template void declare_outputs<2>(const Entries &);
+  template void declare_outputs<3>(const Entries &);
   template std::vector<std::string> output_names<2>(const Section &);
   template std::vector<std::string> output_names<3>(const Section &);
   template std::vector<std::unique_ptr<Output<2>>> create_outputs<2>(const Section &);

@@ -20,23 +20,20 @@ namespace tombolo
     constexpr unsigned int default_number = 10;
   } // namespace
 
-  void OutputSchedule::declare_parameters(ParameterHandler &handler)
+  void OutputSchedule::declare_parameters(const Entries &e)
   {
-    handler.declare_entry(
-        "Times", "", Patterns::List(Patterns::Double()),
-        "The times at which results are written, besides start and end. Units: T. "
-        "Excludes `Interval` and `Number`.");
-    handler.declare_entry("Interval", "0", Patterns::Double(0.),
-                          "The time between outputs, counted from the start. Units: T. 0: see "
-                          "`Number`. Excludes `Times` and `Number`.");
-    handler.declare_entry(
-        "Number", std::to_string(default_number), Patterns::Integer(1, 1000000),
-        "The number of outputs after the one at the start, at equal distances, the "
-        "last at the end. Excludes `Times` and `Interval`.");
-    handler.declare_entry("Statistics interval", "0", Patterns::Double(0.),
-                          "The time between rows of statistics.csv: besides those of outputs there "
-                          "is one at the first step that reaches each multiple of it. Units: T. "
-                          "0: at outputs alone.");
+    e.entry("Times", "", Patterns::List(Patterns::Double()), "",
+            "The times at which results are written, besides start and end. Units: T. Excludes "
+            "`Interval` and `Number`.");
+    e.number("Interval", "0", at_least(0.), "",
+             "The time between outputs, counted from the start. Units: T. 0: see `Number`. "
+             "Excludes `Times` and `Number`.");
+    e.integer("Number", std::to_string(default_number), between(1, 1000000),
+              "The number of outputs after the one at the start, at equal distances, the last at "
+              "the end. Excludes `Times` and `Interval`.");
+    e.number("Statistics interval", "0", at_least(0.), "",
+             "The time between rows of statistics.csv: besides those of outputs there is one at "
+             "the first step that reaches each multiple of it. Units: T. 0: at outputs alone.");
   }
 
   OutputSchedule::OutputSchedule(const Section &section, const double start_time,

@@ -49,14 +49,9 @@ namespace tombolo
   class PartHistory : public History<dim>
   {
   public:
-    explicit PartHistory(const Section &section)
-        : History<dim>("parts.csv", section.get_unsigned("Steps between rows")), section(section)
+    explicit PartHistory(const Entries &e)
+        : History<dim>("parts.csv", History<dim>::interval(e, "parts.csv")), section(e.section())
     {}
-
-    static void declare_parameters(dealii::ParameterHandler &handler)
-    {
-      History<dim>::declare_interval(handler, "parts.csv");
-    }
 
     /** Throws InputError in scenes of heat alone. */
     void check(const OutputView<dim> &view) override

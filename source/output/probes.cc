@@ -50,30 +50,24 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void Probes<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    handler.declare_entry("Locations", "", Patterns::Anything(),
-                          "Nodes whose motion is written to probes.csv, by initial coordinates, to "
-                          "which the nearest node is taken: a list, separated by semicolons, of "
-                          "`name: x, y, z`, or without a name. Units: L.");
-    handler.declare_entry("Interval", "0", Patterns::Double(0.),
-                          "The time between rows of probes.csv. Units: T. 0: see `Steps`.");
-    handler.declare_entry("Steps", "1", Patterns::Integer(1),
-                          "The number of steps between rows of probes.csv. Excludes `Interval`.");
-  }
-
-  template <int dim>
-  Probes<dim>::Probes(const Section &section)
-      : History<dim>(probes_file, section.get_unsigned("Steps")), section(section),
-        interval(section.get_double("Interval"))
+  Probes<dim>::Probes(const Entries &e) : History<dim>(probes_file, 1), section(e.section())
   {
     this->records.value("next time", next_time);
-    if (section.is_set("Steps") && interval > 0)
-      section.fail("Steps", "only one of Interval and Steps can be set: remove one");
-    for (const std::string &text : Utilities::split_string_list(section.get("Locations"), ';'))
+    const std::string locations = e.text(
+        "Locations", "", "L",
+        "Nodes whose motion is written to probes.csv, by initial coordinates, to which the nearest "
+        "node is taken: a list, separated by semicolons, of `name: x, y, z`, or without a name.");
+    interval = e.number("Interval", "0", at_least(0.), "",
+                        "The time between rows of probes.csv. Units: T. 0: see `Steps`.");
+    this->steps_between =
+        e.integer("Steps", "1", at_least(1),
+                  "The number of steps between rows of probes.csv. Excludes `Interval`.");
+    e.refuse(e.is_set("Steps") && interval > 0, "Steps",
+             "only one of Interval and Steps can be set: remove one");
+    for (const std::string &text : Utilities::split_string_list(locations, ';'))
       read_location(text);
-    if (probes.empty())
-      section.fail("Locations", "give at least one location, for example `tip: 10, 0, 0`");
+    e.refuse(probes.empty(), "Locations",
+             "give at least one location, for example `tip: 10, 0, 0`");
   }
 
   template <int dim>

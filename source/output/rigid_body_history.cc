@@ -14,17 +14,12 @@ namespace tombolo
   class RigidBodyHistory : public BalanceHistory<dim, RigidBodyBalance>
   {
   public:
-    explicit RigidBodyHistory(const Section &section)
-        : BalanceHistory<dim, RigidBodyBalance>("rigid_bodies.csv",
-                                                section.get_unsigned("Steps between rows"),
-                                                {"works at row", &RigidBodyBalance::work}, {})
+    explicit RigidBodyHistory(const Entries &e)
+        : BalanceHistory<dim, RigidBodyBalance>(
+              "rigid_bodies.csv", History<dim>::interval(e, "rigid_bodies.csv"),
+              {"works at row", &RigidBodyBalance::work}, {})
     {
       this->records.value("time of row", time_of_row);
-    }
-
-    static void declare_parameters(dealii::ParameterHandler &handler)
-    {
-      History<dim>::declare_interval(handler, "rigid_bodies.csv");
     }
 
   private:

@@ -13,16 +13,11 @@ namespace tombolo
   class SectionHistory : public ImpulseHistory<dim, SectionBalance>
   {
   public:
-    explicit SectionHistory(const Section &section)
+    explicit SectionHistory(const Entries &e)
         : ImpulseHistory<dim, SectionBalance>("sections.csv",
-                                              section.get_unsigned("Steps between rows"),
+                                              History<dim>::interval(e, "sections.csv"),
                                               {"sections", {}})
     {}
-
-    static void declare_parameters(dealii::ParameterHandler &handler)
-    {
-      History<dim>::declare_interval(handler, "sections.csv");
-    }
 
   private:
     std::vector<SectionBalance> balances(const OutputView<dim> &view) const override

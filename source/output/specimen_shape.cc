@@ -102,81 +102,51 @@ namespace tombolo
     }
   } // namespace
 
-  void SpecimenShape::declare_parameters(ParameterHandler &handler)
+  SpecimenShape::SpecimenShape(const Entries &e) : section(e.section())
   {
-    handler.declare_entry("Axis", "z", Patterns::Selection("x|y|z"),
-                          "The direction of the axis of the specimen.");
-    handler.declare_entry("Point on axis", "0, 0, 0", Patterns::List(Patterns::Double(), 3, 3, ","),
-                          "A point that the axis passes through. Units: L.");
+    axis = static_cast<unsigned int>(
+        e.choice("Axis", "z", "x|y|z", "The direction of the axis of the specimen.")[0] - 'x');
+    const std::vector<double> point =
+        e.numbers("Point on axis", "0, 0, 0", 3, "L", "A point that the axis passes through.");
+    std::copy(point.begin(), point.end(), point_on_axis.begin());
     for (unsigned int i = 0; i < 3; ++i)
     {
       const std::string name = surface_entries[i];
       const std::string boundary = default_boundaries[i];
-      handler.declare_entry(name, boundary, Patterns::Anything(),
-                            "The boundaries that make up the " + boundary +
-                                " of the specimen, separated by commas.");
-      handler.declare_entry(name + " where", "", Patterns::Anything(),
-                            "Instead of `" + name +
-                                "`, a predicate: all faces of the surface of the mesh whose "
-                                "corners fulfil it, for example \"z < 1e-9\".");
-    }
-    handler.declare_entry("Bulge height", "0", Patterns::Double(0.),
-                          "The height above the lowest place of the foot at which the diameter of "
-                          "the bulge is taken. 0: a fifth of the initial length. Units: L.");
-    for (const char *entry : test_entries)
-      handler.declare_entry(entry, "0", Patterns::Double(0.),
-                            "The dimension of the specimen after the test, for the mean error: "
-                            "|computed - test| / test, averaged over length, foot diameter and "
-                            "bulge diameter. 0: no test. Units: L.");
-    handler.declare_entry("Average from", "-1", Patterns::Double(),
-                          "From this time to the end the dimensions are averaged over time. "
-                          "Negative: no averages. Units: T.");
-    handler.declare_entry("Steps", "20", Patterns::Integer(1),
-                          "The number of steps between rows of specimen.csv, which also averages "
-                          "are taken over. Each output has a row besides.");
-  }
-
-  SpecimenShape::SpecimenShape(const Section &section)
-      : section(section), axis(static_cast<unsigned int>(section.get("Axis")[0] - 'x')),
-        steps_between(section.get_unsigned("Steps")),
-        average_from(section.get_double("Average from")),
-        bulge_height(section.get_double("Bulge height"))
-  {
-    const std::vector<double> point = section.get_doubles("Point on axis");
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      point_on_axis[d] = point[d];
-      if (!std::isfinite(point[d]))
-        section.fail("Point on axis", std::string("the ") + "xyz"[d] + " is not finite");
-    }
-    for (const auto &[entry, value] :
-         {std::make_pair("Bulge height", bulge_height), {"Average from", average_from}})
-      if (!std::isfinite(value))
-        section.fail(entry, "it must be a finite number");
-    if (steps_between == 0)
-      section.fail("Steps", "it must be at least 1");
-    for (unsigned int i = 0; i < 3; ++i)
-    {
-      const std::string name = surface_entries[i];
       const std::string where = name + " where";
-      const bool is_changed = section.get(name) != default_boundaries[i];
-      if (section.get(where).empty())
+      const bool is_changed = e.text(name, boundary, "",
+                                     "The boundaries that make up the " + boundary +
+                                         " of the specimen, separated by commas.") != boundary;
+      if (e.text(name + " where", "", "",
+                 "Instead of `" + name +
+                     "`, a predicate: all faces of the surface of the mesh whose corners fulfil "
+                     "it, for example \"z < 1e-9\".")
+              .empty())
         continue;
-      if (is_changed)
-        section.fail(where, "only one of `" + name + "` and `" + where + "` can be set");
+      e.refuse(is_changed, where, "only one of `" + name + "` and `" + where + "` can be set");
       Predicate<3>(section, where);
     }
+    bulge_height = e.number("Bulge height", "0", at_least(0.), "L",
+                            "The height above the lowest place of the foot at which the diameter "
+                            "of the bulge is taken. 0: a fifth of the initial length.");
     for (unsigned int i = 0; i < 3; ++i)
     {
-      test_dimensions[i] = section.get_double(test_entries[i]);
-      if (!(test_dimensions[i] >= 0) || !std::isfinite(test_dimensions[i]))
-        section.fail(test_entries[i], "it must be a positive number, or 0 without a test");
+      const std::string entry = test_entries[i];
+      test_dimensions[i] = e.number(
+          entry, "0", at_least(0.), "L",
+          "The dimension of the specimen after the test, for the mean error: |computed - test| / "
+          "test, averaged over length, foot diameter and bulge diameter. 0: no test.");
       has_test = has_test || test_dimensions[i] > 0;
     }
-    for (unsigned int i = 0; has_test && i < 3; ++i)
-      if (test_dimensions[i] == 0)
-        section.fail(test_entries[i], "the mean error is that of three dimensions: give this one, "
-                                      "too, or none of them");
+    for (unsigned int i = 0; i < 3; ++i)
+      e.refuse(has_test && test_dimensions[i] == 0, test_entries[i],
+               "the mean error is that of three dimensions: give this one, too, or none of them");
+    average_from = e.number(
+        "Average from", "-1", any_number(), "T",
+        "From this time to the end the dimensions are averaged over time. Negative: no averages.");
+    steps_between = e.integer("Steps", "20", at_least(1),
+                              "The number of steps between rows of specimen.csv, which also "
+                              "averages are taken over. Each output has a row besides.");
     const auto all_of = [](Dimensions &dimensions)
     {
       std::vector<double *> result;
@@ -185,7 +155,7 @@ namespace tombolo
       return result;
     };
     table.list(records);
-    records.value("bulge height", this->bulge_height);
+    records.value("bulge height", bulge_height);
     records.numbers("present", all_of(present));
     records.numbers("time integral", all_of(time_integral));
     records.value("time of present", time_of_present);

@@ -41,18 +41,7 @@ namespace tombolo
     }
   } // namespace
 
-  void UnitLabels::declare_parameters(ParameterHandler &handler)
-  {
-    handler.declare_entry(
-        "Unit labels", "", Patterns::Anything(),
-        "Names of the units that the numbers of this file are in, for headers and plots: a list "
-        "of `quantity: name`, for example `length: mm, mass: t, time: s, stress: MPa`. "
-        "Quantities: length, mass, time, temperature, and for shorter names velocity, force, "
-        "stress, energy, power, momentum, angular momentum, density. They change no number: "
-        "the units of a file must be consistent in themselves.");
-  }
-
-  UnitLabels::UnitLabels(const Section &root)
+  UnitLabels::UnitLabels(const Entries &e)
   {
     std::vector<std::string> names;
     std::string allowed;
@@ -62,7 +51,15 @@ namespace tombolo
       allowed += (allowed.empty() ? "" : ", ") + names.back();
     }
 
-    for (const std::string &item : Utilities::split_string_list(root.get("Unit labels"), ','))
+    const std::string labels =
+        e.text("Unit labels", "", "",
+               "Names of the units that the numbers of this file are in, for headers and plots: a "
+               "list of `quantity: name`, for example `length: mm, mass: t, time: s, stress: MPa`. "
+               "Quantities: length, mass, time, temperature, and for shorter names velocity, "
+               "force, stress, energy, power, momentum, angular momentum, density. They change no "
+               "number: the units of a file must be consistent in themselves.");
+    const Section &root = e.section();
+    for (const std::string &item : Utilities::split_string_list(labels, ','))
     {
       const std::vector<std::string> pair = Utilities::split_string_list(item, ':');
       if (pair.size() != 2 || pair[1].empty())

@@ -19,14 +19,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void Visualization<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    PictureFields::declare_parameters(handler);
-  }
-
-  template <int dim>
-  Visualization<dim>::Visualization(const Section &section)
-      : wanted(section), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
+  Visualization<dim>::Visualization(const Entries &e)
+      : wanted(e), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
   {
     using Entry = VtuSeries::Entry;
     this->records.value("outputs", n_outputs);

@@ -390,9 +390,7 @@ namespace tombolo
     // With its defaults: the scene does not use its entries, and a resumed run has none of them.
     const std::string name = "spectral";
     Parameters defaults(model.communicator);
-    defaults.handler().enter_subsection(name);
-    SpectralEstimator<dim>::declare_parameters(defaults.handler());
-    defaults.handler().leave_subsection();
+    declare_section<SpectralEstimator<dim>>(defaults, name);
     defaults.assign();
     SpectralEstimator<dim> estimator(defaults.section(name));
     double limit = estimator.estimate(model).time_step;

@@ -21,10 +21,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void InitialState<dim>::declare_parameters(ParameterHandler &handler)
+  void InitialState<dim>::declare_parameters(const Entries &e)
   {
-    handler.declare_entry(
-        initial_state_entry, "", Patterns::Anything(),
+    e.text(
+        initial_state_entry, "", "",
         "The state in which this run starts, at t = 0: that at the end of another run on the same "
         "mesh, `DIRECTORY/checkpoint` of its output directory (section Checkpoint, `End state`), "
         "or a file of a checkpoint. Positions, velocities, stresses, internal variables and "

@@ -28,38 +28,29 @@ namespace tombolo
   void declare_run_parameters(Parameters &parameters)
   {
     Model<dim>::declare_parameters(parameters);
-    ParameterHandler &handler = parameters.handler();
-    Parameters::declare_mandatory(handler, "End time", Patterns::Double(),
-                                  "The run ends at this time; it starts at 0. Units: T.");
-    handler.declare_entry(
-        "Largest energy error", "0.05", Patterns::Double(0.),
-        "The run stops where the energy balance is off by more than this fraction of the largest "
-        "energy so far that was there at the start and came in since, as it is when the motion is "
-        "not stable. The check is made at every row of the statistics and every 100 steps; 0 is no "
-        "limit.");
-    handler.declare_entry("Output directory", "output", Patterns::Anything(),
-                          "Where the run leaves its results; made if it does not exist.");
-    UnitLabels::declare_parameters(handler);
-    StaticSteps<dim>::declare_parameters(handler);
-    InitialState<dim>::declare_parameters(handler);
-    handler.declare_entry("Stages", "", Patterns::Anything(),
-                          "Names of runs, one after the other, each with a section `Stage: NAME` "
-                          "of entries and sections in place of those of the file. Each starts from "
-                          "the state at the end of the one before and leaves its results in a "
-                          "directory of its name within `Output directory`.");
-    handler.enter_subsection("Time step");
-    StepSize<dim>::declare_parameters(handler);
-    handler.leave_subsection();
-    handler.enter_subsection("Output");
-    OutputSchedule::declare_parameters(handler);
-    declare_outputs<dim>(handler);
-    handler.leave_subsection();
-    handler.enter_subsection("Exact solution");
-    ExactSolution<dim>::declare_parameters(handler);
-    handler.leave_subsection();
-    handler.enter_subsection("Checkpoint");
-    Checkpoints::declare_parameters(handler);
-    handler.leave_subsection();
+    const Entries e(parameters.handler());
+    e.number("End time", mandatory, any_number(), "T",
+             "The run ends at this time; it starts at 0.");
+    e.number("Largest energy error", "0.05", at_least(0.), "",
+             "The run stops where the energy balance is off by more than this fraction of the "
+             "largest energy so far that was there at the start and came in since, as it is when "
+             "the motion is not stable. The check is made at every row of the statistics and every "
+             "100 steps; 0 is no limit.");
+    e.text("Output directory", "output", "",
+           "Where the run leaves its results; made if it does not exist.");
+    declare<UnitLabels>(e);
+    StaticSteps<dim>::declare_parameters(e);
+    InitialState<dim>::declare_parameters(e);
+    e.text(
+        "Stages", "", "",
+        "Names of runs, one after the other, each with a section `Stage: NAME` of entries and "
+        "sections in place of those of the file. Each starts from the state at the end of the one "
+        "before and leaves its results in a directory of its name within `Output directory`.");
+    declare<StepSize<dim>>(e.subsection("Time step"));
+    OutputSchedule::declare_parameters(e.subsection("Output"));
+    declare_outputs<dim>(e.subsection("Output"));
+    declare<ExactSolution<dim>>(e.subsection("Exact solution"));
+    declare<Checkpoints>(e.subsection("Checkpoint"));
   }
 
   template <int dim>
@@ -94,7 +85,7 @@ namespace tombolo
             StaticSteps<dim>::validate(parameters);
           });
     else if (physics.has_mechanics)
-      parameters.attempt([&] { StepSize<dim> step_size(parameters); });
+      parameters.attempt([&] { StepSize<dim> step_size(parameters.section("Time step")); });
     parameters.attempt([&] { InitialState<dim>::validate(parameters); });
     if (has_end)
       parameters.attempt([&]

@@ -31,9 +31,10 @@ namespace tombolo
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
       header{"", (validate_run<dim>(parameters, communicator),
                   divisions_of_initial_state(parameters, dim, communicator))},
-      model(std::in_place, parameters, communicator, header.divisions), step_size(parameters),
-      step(*model), schedule(parameters.section("Output"), 0., end_time),
-      outputs(parameters.section("Output")), exact_errors(parameters.section("Exact solution")),
+      model(std::in_place, parameters, communicator, header.divisions),
+      step_size(parameters.section("Time step")), step(*model),
+      schedule(parameters.section("Output"), 0., end_time), outputs(parameters.section("Output")),
+      exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
     header.entries = text_of_entries(parameters);

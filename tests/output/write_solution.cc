@@ -24,7 +24,7 @@ namespace
     mock::OutputsOf<dim> outputs("subsection visualization\n" + entries + "end\n");
     Parameters labelled(MPI_COMM_WORLD);
     labelled.read_text("set Unit labels = length: mm, time: ms, stress: MPa\n", "labels.prm");
-    UnitLabels::declare_parameters(labelled.handler());
+    declare<UnitLabels>(labelled.handler());
     labelled.assign();
     const UnitLabels labels(labelled.section(""));
     for (const auto &output : outputs.outputs)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/material.h>
 
 #include <cmath>
@@ -21,21 +21,14 @@ namespace tombolo
   class Maxwell : public Material
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler)
+    explicit Maxwell(const Entries &e)
     {
-      using dealii::Patterns::Double;
-      Parameters::declare_mandatory(handler, "Density", Double(), "Units: M/L^3.");
-      Parameters::declare_mandatory(handler, "Bulk modulus", Double(), "Units: M/(L T^2).");
-      Parameters::declare_mandatory(handler, "Shear modulus", Double(), "Units: M/(L T^2).");
-      Parameters::declare_mandatory(handler, "Relaxation time", Double(),
-                                    "In which shear stress decays to 1/e. Units: T.");
+      initial_density = e.number("Density", mandatory, positive(), "M/L^3", "At the start.");
+      bulk = e.number("Bulk modulus", mandatory, positive(), "M/(L T^2)", "K.");
+      shear = e.number("Shear modulus", mandatory, positive(), "M/(L T^2)", "G.");
+      relaxation_time = e.number("Relaxation time", mandatory, positive(), "T",
+                                 "In which shear stress decays to 1/e.");
     }
-
-    explicit Maxwell(const Section &section)
-        : initial_density(section.get_positive("Density")),
-          bulk(section.get_positive("Bulk modulus")), shear(section.get_positive("Shear modulus")),
-          relaxation_time(section.get_positive("Relaxation time"))
-    {}
 
     double density() const override
     {

@@ -10,11 +10,6 @@ namespace tombolo
   class CubicSpline : public Kernel
   {
   public:
-    CubicSpline() = default;
-    explicit CubicSpline(const Section &);
-
-    static void declare_parameters(dealii::ParameterHandler &);
-
     void evaluate(std::size_t n, const double *r, double *w, double *dw) const override;
   };
 } // namespace tombolo

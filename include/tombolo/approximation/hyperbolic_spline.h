@@ -12,11 +12,6 @@ namespace tombolo
   class HyperbolicSpline : public Kernel
   {
   public:
-    HyperbolicSpline() = default;
-    explicit HyperbolicSpline(const Section &);
-
-    static void declare_parameters(dealii::ParameterHandler &);
-
     void evaluate(std::size_t n, const double *r, double *w, double *dw) const override;
     bool is_smooth_at_zero() const override;
   };

@@ -9,6 +9,7 @@ namespace dealii
 namespace tombolo
 {
   class Kernel;
+  class Entries;
   class Section;
 
   /** How the velocity of the particles is smoothed (doc/method.md, section 3). */
@@ -22,7 +23,7 @@ namespace tombolo
     double smallest_mass_share = 0.01;
 
     /** The entries `Smoothing` and `Smallest smoothed mass` of the section of a formulation. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
     /** Their values, where sharpened smoothing depends on kernel and dilation. Throws InputError.
      */
     static SmoothingSettings read(const Section &section, const Kernel &kernel, double dilation);

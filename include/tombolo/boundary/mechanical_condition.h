@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/region.h>
 
 #include <optional>
@@ -38,7 +38,7 @@ namespace tombolo
     std::optional<Expression<dim>> function;
 
     /** Declares the section of one condition; the handler is in it. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Throws InputError. */
     static MechanicalCondition read(const Section &section);

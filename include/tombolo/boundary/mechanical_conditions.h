@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/load_sum.h>
 #include <tombolo/boundary/mechanical_condition.h>
 #include <tombolo/boundary/tributary_areas.h>
@@ -29,7 +29,7 @@ namespace tombolo
   {
   public:
     /** Declares the section of one condition; the handler is in it. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Reads the section of one condition, and refuses what can be seen to be wrong without a mesh.
      */

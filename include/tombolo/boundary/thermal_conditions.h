@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -35,7 +35,7 @@ namespace tombolo
 
     /** Declares, in the section of one condition, the entries that MechanicalConditions does not.
      */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Reads the section of one condition, and refuses what can be seen to be wrong without a mesh.
      * @p heat is the section "Heat", which has the absolute zero. */

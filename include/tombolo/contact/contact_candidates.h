@@ -3,9 +3,7 @@
 
 #include <tombolo/contact/contact_surface.h>
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
@@ -15,9 +13,8 @@
 
 namespace tombolo
 {
-  /** Declares `Boundary` and `Where`, which select the nodes of a contact; the handler is in its
-   * section. */
-  void declare_contact_candidates(dealii::ParameterHandler &handler);
+  /** Declares `Boundary` and `Where`, which select the nodes of a contact. */
+  void declare_contact_candidates(const Entries &e);
 
   /** Refuses what can be seen to be wrong with them without a mesh. */
   template <int dim>

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/materials/temperature_table.h>
 
@@ -17,10 +15,8 @@ namespace tombolo
   /** The law of a contact with its coefficients, as the section of the contact gives them. */
   struct ContactSettings
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError. */
-    ContactSettings(const Section &section, bool has_heat);
+    ContactSettings(const Entries &e, bool has_heat = true);
 
     /** Whether what happens depends on the temperature of nodes. */
     bool needs_temperature() const

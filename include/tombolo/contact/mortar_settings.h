@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/materials/temperature_table.h>
 
@@ -16,10 +14,8 @@ namespace tombolo
   /** The entries of a section "Body contact: NAME", without those that choose the faces. */
   struct MortarSettings
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError. */
-    MortarSettings(const Section &section, bool has_heat);
+    MortarSettings(const Entries &e, bool has_heat = true);
 
     /** Whether heat passes from one body to the other. */
     bool conducts() const

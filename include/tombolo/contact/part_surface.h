@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_layer.h>
@@ -70,8 +68,7 @@ namespace tombolo
       double crowding;                       ///< R_i
     };
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    explicit PartSurface(const Section &section);
+    explicit PartSurface(const Entries &e);
 
     /** Takes the part. Throws InputError where its boundary cannot be used. Collective. */
     void take(MasterPart<dim> part, const NodalState &state);

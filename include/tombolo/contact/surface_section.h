@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_surface.h>
 
 #include <memory>
 
 namespace tombolo
 {
-  /** Declares the section "Contact: NAME" of a contact with a rigid surface; the handler is in it.
-   */
+  /** Declares the section "Contact: NAME" of a contact with a rigid surface. */
   template <int dim>
-  void declare_surface_contact(dealii::ParameterHandler &handler);
+  void declare_surface_contact(const Entries &e);
 
   /** Reads the section and refuses what can be seen to be wrong without a mesh. */
   template <int dim>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/heat_partner.h>
 #include <tombolo/contact/outward_areas.h>
 
@@ -39,7 +38,7 @@ namespace tombolo
   {
   public:
     /** "Conductance", "Tool temperature", "Heat capacity" in the section of a contact. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Reads them without a mesh. Null where the tool neither conducts nor has a heat capacity.
      * Throws InputError. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/state/material_points.h>
 
@@ -22,9 +22,7 @@ namespace tombolo
   public:
     /** None. */
     BulkViscosity() = default;
-    explicit BulkViscosity(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit BulkViscosity(const Entries &e);
     bool is_on() const
     {
       return linear > 0. || quadratic > 0.;

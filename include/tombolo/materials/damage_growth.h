@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/ductile_damage.h>
 #include <tombolo/materials/material.h>
 
@@ -19,10 +19,8 @@ namespace tombolo
     /** The field of the damage. */
     static const std::string field_name;
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** That of `Damage` in the section of a material; null for `none`. */
-    static std::unique_ptr<const DamageGrowth> create(const Section &material);
+    static std::unique_ptr<const DamageGrowth> create(const Entries &e);
 
     explicit DamageGrowth(std::unique_ptr<const DuctileDamage> law);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/equation_of_state.h>
 #include <tombolo/materials/material.h>
 
@@ -20,10 +20,8 @@ namespace tombolo
   class EnergyPressure
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** That of `Equation of state` in the section of a material; null for `none`. */
-    static std::unique_ptr<const EnergyPressure> create(const Section &material);
+    static std::unique_ptr<const EnergyPressure> create(const Entries &e);
 
     explicit EnergyPressure(std::unique_ptr<const EquationOfState> equation);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/material.h>
 
 namespace tombolo
@@ -10,9 +10,7 @@ namespace tombolo
   class HeatConductor : public Material
   {
   public:
-    explicit HeatConductor(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit HeatConductor(const Entries &e);
     double density() const override;
     bool has_mechanics() const override;
     double bulk_modulus() const override;

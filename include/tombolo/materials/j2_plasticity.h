@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/damage_growth.h>
 #include <tombolo/materials/flow_stress.h>
@@ -26,9 +27,7 @@ namespace tombolo
   class J2Plasticity : public LinearElastic
   {
   public:
-    explicit J2Plasticity(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit J2Plasticity(const Entries &e);
     /** "effective plastic strain", "plastic work" and, where needed, "temperature" and "yield
      * stress" (only without a section "Heat") and "thermal work"; then those of EnergyPressure and
      * DamageGrowth. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/flow_stress.h>
 
 namespace tombolo
@@ -14,9 +14,7 @@ namespace tombolo
   class JohnsonCook : public FlowStress
   {
   public:
-    explicit JohnsonCook(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit JohnsonCook(const Entries &e);
     bool depends_on_temperature() const override;
     void check_initial_temperature(double temperature) const override;
     void evaluate(const FlowStressBatch &batch) const override;

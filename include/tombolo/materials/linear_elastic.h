@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/energy_pressure.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/temperature_table.h>
@@ -19,9 +19,7 @@ namespace tombolo
   class LinearElastic : public Material
   {
   public:
-    explicit LinearElastic(const Section &section);
-
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit LinearElastic(const Entries &e);
 
     /** "thermal work" where a change of the temperature changes the elastic energy. */
     std::vector<FieldDescription> internal_variables() const override;

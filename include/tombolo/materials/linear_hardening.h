@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/flow_stress.h>
 
 namespace tombolo
@@ -9,9 +10,7 @@ namespace tombolo
   class LinearHardening : public FlowStress
   {
   public:
-    explicit LinearHardening(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit LinearHardening(const Entries &e);
     bool depends_on_temperature() const override;
     void evaluate(const FlowStressBatch &batch) const override;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 
 namespace tombolo
 {
@@ -13,7 +13,7 @@ namespace tombolo
   };
 
   /** Declares `Strain measure`, with this default. */
-  void declare_strain_measure(dealii::ParameterHandler &handler, StrainMeasure by_default);
+  void declare_strain_measure(const Entries &e, StrainMeasure by_default);
 
   /** Reads it. */
   StrainMeasure read_strain_measure(const Section &section);

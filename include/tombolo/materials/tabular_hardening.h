@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/flow_stress.h>
 
 #include <vector>
@@ -12,9 +13,7 @@ namespace tombolo
   class TabularHardening : public FlowStress
   {
   public:
-    explicit TabularHardening(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit TabularHardening(const Entries &e);
     bool depends_on_temperature() const override;
     void evaluate(const FlowStressBatch &batch) const override;
 

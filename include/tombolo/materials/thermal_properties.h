@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/temperature_table.h>
 
 #include <memory>
@@ -17,14 +17,11 @@ namespace tombolo
   class ThermalProperties
   {
   public:
-    /** Declares the entries; the handler is in the section "Heat". */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Those of a material, null where its section "Material: NAME" has no section "Heat" that sets
      * anything. Throws InputError. */
     static std::shared_ptr<const ThermalProperties> read(const Section &material);
 
-    explicit ThermalProperties(const Section &section);
+    explicit ThermalProperties(const Entries &e);
 
     double initial_temperature() const;
     /** k [M L/(T^3 temperature)]. */

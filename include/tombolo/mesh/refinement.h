@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/mesh.h>
 
 #include <memory>
@@ -24,10 +22,8 @@ namespace tombolo
   class MeshRefinement
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError. */
-    explicit MeshRefinement(const Section &section);
+    explicit MeshRefinement(const Entries &e);
 
     /** Refines a mesh whose cells have one level; does nothing where there is no region. Throws the
      * InputError of a region without cells, or of a mesh that does not fit into memory, before it

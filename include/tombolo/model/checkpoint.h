@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/log.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/state/state_archive.h>
@@ -22,10 +22,8 @@ namespace tombolo
   class Checkpoints
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Reads section "Checkpoint". */
-    explicit Checkpoints(const Section &section);
+    explicit Checkpoints(const Entries &e);
 
     /** Whether the number of steps asks for one, or the end of the run where it would have asked or
      * one was written before. The same on all ranks. */

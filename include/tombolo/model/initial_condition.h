@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -21,9 +21,7 @@ namespace tombolo
   template <int dim>
   struct InitialCondition
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    explicit InitialCondition(const Section &section);
+    explicit InitialCondition(const Entries &e);
 
     /** A rigid rotation about an axis through a point. */
     struct Spin

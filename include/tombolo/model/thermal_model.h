@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/materials/nodal_enthalpy.h>
@@ -34,7 +35,7 @@ namespace tombolo
   {
   public:
     /** Declares the section "Heat". */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** @p parts and @p initial_position must outlive this. Throws InputError. Collective. */
     ThermalModel(const std::vector<Section> &conditions, const Section &heat, const Mesh<dim> &mesh,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/state/records.h>
@@ -28,12 +29,10 @@ namespace tombolo
   class ExactSolution
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Whether the section gives anything. */
     static bool is_given(const Section &section);
 
-    explicit ExactSolution(const Section &section);
+    explicit ExactSolution(const Entries &e);
 
     /** Throws InputError if the section gives what no run can compare with. */
     static void validate(const Section &section, bool has_mechanics, bool has_heat);
@@ -67,9 +66,9 @@ namespace tombolo
     }
 
   private:
-    std::unique_ptr<Expression<dim>> stress_function;
-    std::unique_ptr<Expression<dim>> velocity_function;
-    std::unique_ptr<Expression<dim>> temperature_function;
+    std::optional<Expression<dim>> stress_function;
+    std::optional<Expression<dim>> velocity_function;
+    std::optional<Expression<dim>> temperature_function;
     // Squares of the largest norms of the exact solution so far.
     double largest_axial_stress = 0, largest_stress = 0, largest_velocity = 0;
   };

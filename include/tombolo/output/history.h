@@ -23,8 +23,8 @@ namespace tombolo
     /** The table is written to @p file_name of the output directory. */
     History(const std::string &file_name, unsigned int steps_between);
 
-    /** Declares `Steps between rows`. */
-    static void declare_interval(dealii::ParameterHandler &handler, const std::string &file_name);
+    /** The entry `Steps between rows` of a section. */
+    static unsigned int interval(const Entries &e, const std::string &file_name);
 
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;

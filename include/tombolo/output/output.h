@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/symmetric_tensor.h>
 
-#include <tombolo/base/input/registry.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/json.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/boundary/condition_balance.h>
@@ -158,7 +157,7 @@ namespace tombolo
   /** Declares in section Output which outputs there are and the entries of all of them, each in a
    * subsection of its name. */
   template <int dim>
-  void declare_outputs(dealii::ParameterHandler &handler);
+  void declare_outputs(const Entries &e);
 
   /** Names of the plug-ins that create_outputs() makes, in their order. Throws InputError. */
   template <int dim>

@@ -10,6 +10,7 @@ namespace dealii
 
 namespace tombolo
 {
+  class Entries;
   class Section;
 
   /**
@@ -27,7 +28,7 @@ namespace tombolo
      * `Number` is set, or a time is outside [start, end], or stands twice. */
     OutputSchedule(const Section &section, double start_time, double end_time);
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** The next time of an output; the largest double where none is left. */
     double next_time() const;

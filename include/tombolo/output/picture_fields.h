@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 
 namespace tombolo
 {
@@ -15,11 +15,9 @@ namespace tombolo
     bool principal_stresses = false;
     bool internal_fields = false; ///< FieldDescription::is_internal
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     PictureFields() = default;
 
     /** Throws InputError for a field that cannot be asked for. */
-    explicit PictureFields(const Section &section);
+    explicit PictureFields(const Entries &e);
   };
 } // namespace tombolo

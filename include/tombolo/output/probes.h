@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/output/history.h>
 
 #include <string>
@@ -23,9 +24,7 @@ namespace tombolo
   class Probes : public History<dim>
   {
   public:
-    explicit Probes(const Section &section);
-
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit Probes(const Entries &e);
 
     /** Throws InputError where a location is far from every node. */
     void check(const OutputView<dim> &view) override;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/output/output.h>
 
 #include <array>
@@ -33,9 +34,7 @@ namespace tombolo
       double bulge_diameter = 0;        ///< mean where side and plane at the bulge height meet
     };
 
-    explicit SpecimenShape(const Section &section);
-
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit SpecimenShape(const Entries &e);
 
     /** Throws InputError where a surface has no face or foot and side have no edge in common. */
     void check(const OutputView<3> &view) override;

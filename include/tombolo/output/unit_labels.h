@@ -12,7 +12,7 @@ namespace dealii
 
 namespace tombolo
 {
-  class Section;
+  class Entries;
 
   /**
    * The names of the units that a run is computed in. Descriptions give units in terms of L
@@ -27,9 +27,7 @@ namespace tombolo
     UnitLabels() = default;
 
     /** Reads `Unit labels` of the root section. Throws InputError. */
-    explicit UnitLabels(const Section &root);
-
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit UnitLabels(const Entries &e);
 
     /** The unit with names put in; "1" stays. */
     std::string label(const std::string &unit) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/output/output.h>
 #include <tombolo/output/picture_fields.h>
 #include <tombolo/output/vtu_piece.h>
@@ -43,9 +44,7 @@ namespace tombolo
   class Visualization : public Output<dim>
   {
   public:
-    explicit Visualization(const Section &section);
-
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit Visualization(const Entries &e);
 
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/log.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/statics/static_steps.h>
@@ -15,7 +16,7 @@ namespace tombolo
   template <int dim>
   struct InitialState
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Refuses what can be seen to be wrong without the state. Throws InputError. */
     static void validate(const Parameters &parameters);

@@ -322,6 +322,9 @@ namespace tombolo
   Expression<dim>::Expression(Expression &&) noexcept = default;
 
   template <int dim>
+  Expression<dim> &Expression<dim>::operator=(Expression &&) noexcept = default;
+
+  template <int dim>
   double Expression<dim>::value(const Point<dim> &point, const double time,
                                 const unsigned int component) const
   {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/surfaces/faceted_tool.h>
 
 #include <tombolo/base/input/input_file.h>
@@ -12,51 +12,31 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    template <int dim>
-    Tensor<1, dim> axis_of(const Section &section)
-    {
-      if constexpr (dim == 2)
-        return Tensor<1, 2>();
-      else
-        return read_direction<dim>(section, "Axis");
-    }
-  } // namespace
-
   template <int dim>
-  void FacetedTool<dim>::declare_parameters(ParameterHandler &handler)
+  FacetedTool<dim>::FacetedTool(const Entries &e)
   {
-    Declarations section(handler);
-    section.text(
-        "File", mandatory, "",
-        dim == 2 ? "The outline of the tool: a .csv with a line `x, y` per corner, in order; the "
-                   "last is joined to the first. It is looked for in the directory of the "
-                   "parameter file and then in the working directory."
-                 : "The surface of the tool: an .stl (text or binary), or an .obj with triangles "
-                   "or convex polygons. It is looked for in the directory of the parameter file "
-                   "and then in the working directory.");
-    section.number("Scale", 1., "",
-                   "Coordinates of the file are multiplied by this, for example 0.001 for a "
-                   "file in millimetres in a scene in metres.");
-    section.non_negative(
-        "Edge radius", 0., "L",
-        "Convex edges and corners are rounded with it, as by a ball that rolls inside of the "
-        "surface. The force on a node that slides over an edge is continuous as long as the node "
-        "is less deep than this.");
+    section = e.section();
+    file = e.text("File", mandatory, "",
+                  dim == 2 ? "The outline of the tool: a .csv with a line `x, y` per corner, in "
+                             "order; the last is joined to the first. It is looked for in the "
+                             "directory of the parameter file and then in the working directory."
+                           : "The surface of the tool: an .stl (text or binary), or an .obj with "
+                             "triangles or convex polygons. It is looked for in the directory of "
+                             "the parameter file and then in the working directory.");
+    e.refuse(file.empty(), "File", "The name of the file of the tool is empty.");
+    scale = e.number("Scale", "1", positive(), "",
+                     "Coordinates of the file are multiplied by this, for example 0.001 for a file "
+                     "in millimetres in a scene in metres.");
+    edge_radius = e.number("Edge radius", "0", at_least(0.), "L",
+                           "Convex edges and corners are rounded with it, as by a ball that rolls "
+                           "inside of the surface. The force on a node that slides over an edge is "
+                           "continuous as long as the node is less deep than this.");
+    Tensor<1, dim> axis;
     if (dim == 3)
-      section.text("Axis", "0, 0, 1", "",
-                   "The direction through the tool's origin that `Angle` is about.");
-    RigidMotion<dim>::declare_parameters(handler);
-  }
-
-  template <int dim>
-  FacetedTool<dim>::FacetedTool(const Section &section)
-      : RigidTool<dim>(section, axis_of<dim>(section)), section(section), file(section.get("File")),
-        scale(section.get_positive("Scale")), edge_radius(section.get_double("Edge radius"))
-  {
-    if (file.empty())
-      section.fail("File", "The name of the file of the tool is empty.");
+      axis = e.read("Axis", "0, 0, 1", "",
+                    "The direction through the tool's origin that `Angle` is about.",
+                    &read_direction<dim>);
+    this->rigid_motion = RigidMotion<dim>(e, axis);
   }
 
   template <int dim>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/direction_across.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/plane.h>
@@ -9,20 +9,15 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void Plane<dim>::declare_parameters(ParameterHandler &handler)
+  Plane<dim>::Plane(const Entries &e)
   {
-    Declarations section(handler);
-    section.text("Point", mandatory, "L", "A point of the plane, as numbers separated by commas.");
-    section.text("Normal", mandatory, "",
-                 "The direction from the plane to the side where bodies may be.");
-    RigidTranslation<dim>::declare_parameters(handler);
+    point = e.read("Point", mandatory, "L", "A point of the plane, as numbers separated by commas.",
+                   &read_vector<dim>);
+    unit_normal = e.read("Normal", mandatory, "",
+                         "The direction from the plane to the side where bodies may be.",
+                         &read_direction<dim>);
+    rigid_translation = RigidTranslation<dim>(e);
   }
-
-  template <int dim>
-  Plane<dim>::Plane(const Section &section)
-      : point(read_vector<dim>(section, "Point")),
-        unit_normal(read_direction<dim>(section, "Normal")), rigid_translation(section)
-  {}
 
   template <int dim>
   void Plane<dim>::evaluate_gaps(const NodalVector &position,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/direction_across.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/revolved_tool.h>
@@ -16,28 +16,22 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim, typename Outline>
-  void RevolvedTool<dim, Outline>::declare_parameters(ParameterHandler &handler)
+  RevolvedTool<dim, Outline>::RevolvedTool(const Entries &e)
   {
-    Outline::declare_parameters(handler);
-    Declarations(handler).text("Axis", dim == 2 ? "0, 1" : "0, 0, 1", "",
-                               "The direction from the tool's origin into the tool, at t = 0.");
-    RigidMotion<dim>::declare_parameters(handler);
-  }
-
-  template <int dim, typename Outline>
-  RevolvedTool<dim, Outline>::RevolvedTool(const Section &section)
-      : RigidTool<dim>(section, read_direction<dim>(section, "Axis")),
-        axis(read_direction<dim>(section, "Axis"))
-  {
-    const auto corners = Outline::corners(section);
-    const double edge_radius = Outline::edge_radius(section);
+    const Outline outline(e);
+    axis = e.read("Axis", dim == 2 ? "0, 1" : "0, 0, 1", "",
+                  "The direction from the tool's origin into the tool, at t = 0.",
+                  &read_direction<dim>);
+    this->rigid_motion = RigidMotion<dim>(e, axis);
+    if (e.declares())
+      return;
     try
     {
-      profile = RigidProfile(corners, edge_radius);
+      profile = RigidProfile(outline.corners, outline.edge_radius);
     }
     catch (const std::invalid_argument &error)
     {
-      section.fail("", std::string("the tool has no outline: ") + error.what() + ".");
+      e.refuse(true, "", std::string("the tool has no outline: ") + error.what() + ".");
     }
   }
 
@@ -136,124 +130,87 @@ namespace tombolo
     return result;
   }
 
-  double EdgedOutline::edge_radius(const Section &section)
+  void ToolOutline::read_edge_radius(const Entries &e)
   {
-    return section.get_double("Edge radius");
-  }
-
-  void EdgedOutline::declare_edge_radius(ParameterHandler &handler)
-  {
-    Declarations section(handler);
-    section.non_negative("Edge radius", 0., "L",
-                         "Convex edges are rounded with it. The force on a node that slides "
-                         "over an edge is continuous as long as the node is less deep than "
-                         "this.");
+    edge_radius = e.number("Edge radius", "0", at_least(0.), "L",
+                           "Convex edges are rounded with it. The force on a node that slides over "
+                           "an edge is continuous as long as the node is less deep than this.");
   }
 
   namespace
   {
-    void declare_length(ParameterHandler &handler, const std::string &entry,
-                        const std::string &documentation)
-    {
-      Declarations(handler).number(entry, mandatory, "L", documentation);
-    }
-
     /** The tangent of half of an angle between the sides of a cone. */
-    double slope(const Section &section, const std::string &entry)
+    double slope(const Entries &e, const std::string &entry, const double degrees)
     {
-      const double degrees = section.get_double(entry);
-      if (!(degrees > 0. && degrees < 180.))
-        section.fail(entry, "allowed is an angle between 0 and 180 degrees.");
+      if (e.declares())
+        return 1.;
+      e.refuse(!(degrees > 0. && degrees < 180.), entry,
+               "allowed is an angle between 0 and 180 degrees.");
       return std::tan(0.5 * degrees * numbers::PI / 180.);
     }
   } // namespace
 
-  void DrillOutline::declare_parameters(ParameterHandler &handler)
+  DrillOutline::DrillOutline(const Entries &e)
   {
-    Declarations section(handler);
-    declare_length(handler, "Diameter", "Of the cylinder.");
-    section.number("Cone angle", mandatory, "degrees", "Between opposite sides of the cone.");
-    section.non_negative("Centre height", 0., "L",
-                         "Of the small cone at the tip; 0: there is none.");
-    section.number("Centre angle", 90., "degrees", "Between opposite sides of the small cone.");
-    declare_length(handler, "Length", "From the tip to the end of the cylinder.");
-    declare_edge_radius(handler);
-  }
-
-  std::vector<RigidProfile::Place> DrillOutline::corners(const Section &section)
-  {
-    const double radius = 0.5 * section.get_positive("Diameter");
-    const double length = section.get_positive("Length");
-    const double centre_height = section.get_double("Centre height");
-    std::vector<RigidProfile::Place> corners = {{0., 0.}};
-    const double centre_radius =
-        centre_height > 0. ? centre_height * slope(section, "Centre angle") : 0.;
-    if (!(centre_radius < radius))
-      section.fail("Centre height", "the small cone would be wider than the drill.");
+    const double radius =
+        0.5 * e.number("Diameter", mandatory, positive(), "L", "Of the cylinder.");
+    const double cone = slope(e, "Cone angle",
+                              e.number("Cone angle", mandatory, any_number(), "degrees",
+                                       "Between opposite sides of the cone."));
+    const double centre_height = e.number("Centre height", "0", at_least(0.), "L",
+                                          "Of the small cone at the tip; 0: there is none.");
+    double centre_radius = 0.;
+    if (e.when(centre_height > 0.))
+      centre_radius = centre_height * slope(e, "Centre angle",
+                                            e.number("Centre angle", "90", any_number(), "degrees",
+                                                     "Between opposite sides of the small cone."));
+    e.refuse(!(centre_radius < radius), "Centre height",
+             "the small cone would be wider than the drill.");
+    const double length =
+        e.number("Length", mandatory, positive(), "L", "From the tip to the end of the cylinder.");
+    const double end_of_cone = centre_height + (radius - centre_radius) / cone;
+    e.refuse(!(length > end_of_cone), "Length",
+             "the cone ends " + std::to_string(end_of_cone) +
+                 " above the tip: allowed is a larger number.");
+    corners = {{0., 0.}};
     if (centre_height > 0.)
       corners.push_back({centre_radius, centre_height});
-    const double end_of_cone =
-        centre_height + (radius - centre_radius) / slope(section, "Cone angle");
-    if (!(length > end_of_cone))
-      section.fail("Length", "the cone ends " + std::to_string(end_of_cone) +
-                                 " above the tip: allowed is a larger number.");
     corners.push_back({radius, end_of_cone});
     corners.push_back({radius, length});
     corners.push_back({0., length});
-    return corners;
+    read_edge_radius(e);
   }
 
-  void PinOutline::declare_parameters(ParameterHandler &handler)
+  PinOutline::PinOutline(const Entries &e)
   {
-    declare_length(handler, "Pin diameter", "Of the pin.");
-    declare_length(handler, "Pin length", "From the end of the pin to the shoulder.");
-    declare_length(handler, "Shoulder diameter", "Larger than that of the pin.");
-    declare_length(handler, "Shoulder length", "From the shoulder to the other end of the tool.");
-    declare_edge_radius(handler);
+    const double pin = 0.5 * e.number("Pin diameter", mandatory, positive(), "L", "Of the pin.");
+    const double pin_length = e.number("Pin length", mandatory, positive(), "L",
+                                       "From the end of the pin to the shoulder.");
+    const double shoulder = 0.5 * e.number("Shoulder diameter", mandatory, positive(), "L",
+                                           "Larger than that of the pin.");
+    const double end = pin_length + e.number("Shoulder length", mandatory, positive(), "L",
+                                             "From the shoulder to the other end of the tool.");
+    e.refuse(!(shoulder > pin), "Shoulder diameter",
+             "allowed is a number above the diameter of the pin.");
+    corners = {{0., 0.},        {pin, 0.}, {pin, pin_length}, {shoulder, pin_length},
+               {shoulder, end}, {0., end}};
+    read_edge_radius(e);
   }
 
-  std::vector<RigidProfile::Place> PinOutline::corners(const Section &section)
+  SphereOutline::SphereOutline(const Entries &e)
   {
-    const double pin = 0.5 * section.get_positive("Pin diameter");
-    const double shoulder = 0.5 * section.get_positive("Shoulder diameter");
-    const double pin_length = section.get_positive("Pin length");
-    const double end = pin_length + section.get_positive("Shoulder length");
-    if (!(shoulder > pin))
-      section.fail("Shoulder diameter", "allowed is a number above the diameter of the pin.");
-    return {{0., 0.},        {pin, 0.}, {pin, pin_length}, {shoulder, pin_length},
-            {shoulder, end}, {0., end}};
+    const double radius = edge_radius =
+        e.number("Radius", mandatory, positive(), "L", "Of the sphere.");
+    corners = {{0., -radius}, {radius, -radius}, {radius, radius}, {0., radius}};
   }
 
-  void SphereOutline::declare_parameters(ParameterHandler &handler)
+  ProfileOutline::ProfileOutline(const Entries &e)
   {
-    declare_length(handler, "Radius", "Of the sphere.");
-  }
-
-  std::vector<RigidProfile::Place> SphereOutline::corners(const Section &section)
-  {
-    const double radius = section.get_positive("Radius");
-    return {{0., -radius}, {radius, -radius}, {radius, radius}, {0., radius}};
-  }
-
-  double SphereOutline::edge_radius(const Section &section)
-  {
-    return section.get_positive("Radius");
-  }
-
-  void ProfileOutline::declare_parameters(ParameterHandler &handler)
-  {
-    Declarations section(handler);
-    section.text(
-        "Corners", mandatory, "L",
-        "Pairs `r, z` separated by `;`: the distance from the axis and the place along it, from "
-        "the axis around the tool and back to it, with the tool to the left.");
-    declare_edge_radius(handler);
-  }
-
-  std::vector<RigidProfile::Place> ProfileOutline::corners(const Section &section)
-  {
-    std::vector<RigidProfile::Place> corners;
-    for (const std::string &text : Utilities::split_string_list(section.get("Corners"), ';'))
+    for (const std::string &text : Utilities::split_string_list(
+             e.text("Corners", mandatory, "L",
+                    "Pairs `r, z` separated by `;`: the distance from the axis and the place along "
+                    "it, from the axis around the tool and back to it, with the tool to the left."),
+             ';'))
     {
       std::vector<double> numbers;
       try
@@ -265,10 +222,10 @@ namespace tombolo
         numbers.clear();
       }
       if (numbers.size() != 2)
-        section.fail("Corners", "\"" + text + "\" is not a pair of numbers `r, z`.");
+        e.section().fail("Corners", "\"" + text + "\" is not a pair of numbers `r, z`.");
       corners.push_back({numbers[0], numbers[1]});
     }
-    return corners;
+    read_edge_radius(e);
   }
 
   template <int dim>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/rigid_motion.h>
 
@@ -10,29 +10,20 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void RigidMotion<dim>::declare_parameters(ParameterHandler &handler)
+  RigidMotion<dim>::RigidMotion(const Entries &e, const Tensor<1, dim> &axis) : axis(axis)
   {
-    Declarations section(handler);
-    section.text("Origin", mandatory, "L",
-                 "The origin of the tool's own coordinates at t = 0, as numbers "
-                 "separated by commas.");
-    RigidTranslation<dim>::declare_parameters(handler);
-    section.text("Angle", "", "rad",
-                 "The angle by which the tool has turned about its axis (in two "
-                 "dimensions about its origin), a function of t such as `2*pi*50*t`; it "
-                 "does not turn if empty.");
-  }
-
-  template <int dim>
-  RigidMotion<dim>::RigidMotion(const Section &section, const Tensor<1, dim> &axis)
-      : axis(axis), initial_origin(read_vector<dim>(section, "Origin")), rigid_translation(section)
-  {
-    if (!section.get("Angle").empty())
-    {
-      rotation.emplace(section, "Angle", 1);
-      if (rotation->depends_on_place())
-        section.fail("Angle", "allowed is a function of t alone.");
-    }
+    initial_origin =
+        e.read("Origin", mandatory, "L",
+               "The origin of the tool's own coordinates at t = 0, as numbers separated by commas.",
+               &read_vector<dim>);
+    rigid_translation = RigidTranslation<dim>(e);
+    rotation = e.optional<Expression<dim>>(
+        "Angle", "rad",
+        "The angle by which the tool has turned about its axis (in two dimensions about its "
+        "origin), a function of t such as `2*pi*50*t`; it does not turn if empty.",
+        1);
+    e.refuse(rotation && rotation->depends_on_place(), "Angle",
+             "allowed is a function of t alone.");
   }
 
   template <int dim>

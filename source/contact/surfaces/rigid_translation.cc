@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
@@ -15,26 +15,35 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void RigidTranslation<dim>::declare_parameters(ParameterHandler &handler)
+  RigidTranslation<dim>::RigidTranslation(const Entries &e)
   {
-    Declarations section(handler);
-    section.text("Displacement", "", "L",
-                 "How far the body has moved at time t: components separated by `;`, "
-                 "functions of t; empty for a body at rest.");
-    section.text("Mass", "", "M",
-                 "The mass of a body that forces move, instead of `Displacement`: that of "
-                 "the bodies which it touches, and `Force`. A process time factor of the "
-                 "section `Scaling` multiplies its inertia as that of the bodies, a mass "
-                 "factor does not.");
-    section.text("Force", "", "M L/T^2",
-                 "On a body with a mass: components separated by `;`, functions of t; "
-                 "none if empty.");
-    section.text("Initial velocity", "", "L/T",
-                 "Of a body with a mass, as numbers separated by commas; at rest if "
-                 "empty.");
-    section.text("Directions", "", "",
-                 "Along which a body with a mass can move: vectors separated by `;`, such "
-                 "as `0, 0, 1`; all if empty.");
+    const bool is_given = !e.text("Displacement", "", "L",
+                                  "How far the body has moved at time t: components separated by "
+                                  "`;`, functions of t; empty for a body at rest.")
+                               .empty();
+    const bool has_mass =
+        !e.text("Mass", "", "M",
+                "The mass of a body that forces move, instead of `Displacement`: that of the "
+                "bodies which it touches, and `Force`. A process time factor of the section "
+                "`Scaling` multiplies its inertia as that of the bodies, a mass factor does not.")
+             .empty();
+    if (e.when(has_mass))
+    {
+      e.text("Force", "", "M L/T^2",
+             "On a body with a mass: components separated by `;`, functions of t; none if empty.");
+      e.text("Initial velocity", "", "L/T",
+             "Of a body with a mass, as numbers separated by commas; at rest if empty.");
+      e.text("Directions", "", "",
+             "Along which a body with a mass can move: vectors separated by `;`, such as `0, 0, "
+             "1`; all if empty.");
+    }
+    if (has_mass)
+      free.emplace(read_mass(e.section()));
+    else if (is_given)
+    {
+      function.emplace(e.section(), "Displacement", dim);
+      e.refuse(function->depends_on_place(), "Displacement", "allowed are functions of t alone.");
+    }
   }
 
   template <int dim>
@@ -103,19 +112,6 @@ namespace tombolo
     result.next_velocity = result.velocity;
     result.kinetic_energy = 0.5 * result.mass * result.velocity.norm_square();
     return result;
-  }
-
-  template <int dim>
-  RigidTranslation<dim>::RigidTranslation(const Section &section)
-  {
-    if (!section.get("Mass").empty())
-      free.emplace(read_mass(section));
-    else if (!section.get("Displacement").empty())
-    {
-      function.emplace(section, "Displacement", dim);
-      if (function->depends_on_place())
-        section.fail("Displacement", "allowed are functions of t alone.");
-    }
   }
 
   template <int dim>

@@ -17,64 +17,46 @@ namespace tombolo
     const char *const interval_entry = "Steps between conversions";
   } // namespace
 
-  void ConversionCriterion::declare_parameters(ParameterHandler &handler)
+  ConversionCriterion::ConversionCriterion(const Entries &e)
   {
-    handler.declare_entry(
-        strain_entry, "", Patterns::Anything(),
+    largest_strain = e.optional_number(
+        strain_entry, positive(), "1",
         "Effective plastic strain, as the mean of the points of a cell, at which the cell becomes "
-        "particles, those of the part with `Cells = from` this part. Empty: not by strain. Units: "
-        "1.");
-    handler.declare_entry(
-        damage_limit_entry, "", Patterns::Anything(),
+        "particles, those of the part with `Cells = from` this part. Empty: not by strain.");
+    largest_damage = e.optional_number(
+        damage_limit_entry, positive(), "1",
         "Damage, as the mean of the points of a cell, at which the cell becomes particles; 1 where "
-        "it has failed. The material needs a `Damage`. Empty: not by damage. Units: 1.");
-    handler.declare_entry(
-        jacobian_entry, "", Patterns::Anything(),
-        "A cell becomes particles where the smallest determinant of the unit vectors along the "
-        "edges at its corners falls below this: one for a brick, zero for a flat corner. Empty: "
-        "not by shape. Units: 1.");
-    handler.declare_entry(
-        time_step_entry, "", Patterns::Anything(),
+        "it has failed. The material needs a `Damage`. Empty: not by damage.");
+    smallest_jacobian =
+        e.optional_number(jacobian_entry, positive(), "1",
+                          "A cell becomes particles where the smallest determinant of the unit "
+                          "vectors along the edges at its corners falls below this: one for a "
+                          "brick, zero for a flat corner. Empty: not by shape.");
+    e.refuse(smallest_jacobian && *smallest_jacobian >= 1., jacobian_entry,
+             "allowed is a number between 0 and 1; no cell has more than 1, so that all would "
+             "become particles at once");
+    smallest_time_step = e.optional_number(
+        time_step_entry, positive(), "T",
         "A cell becomes particles where the time that a longitudinal wave takes through it falls "
-        "below this (eq. 41 without its factor). Empty: not by the step. Units: T.");
-    handler.declare_entry(
-        gap_entry, "", Patterns::Anything(),
-        "A cell becomes particles where one of its nodes is nearer than this to the surface of the "
-        "`Conversion contact`: neither the tool nor strong gradients meet elements. Empty: not by "
-        "nearness. Units: L.");
-    Parameters::declare_mandatory(
-        handler, contact_entry, Patterns::Anything(),
-        "The name of the contact, one of `Contacts`, for `Conversion gap`.");
-    handler.declare_entry(layers_entry, "1", Patterns::Integer(0, 100),
-                          "With a cell that becomes particles go so many layers of cells of the "
-                          "part around it.");
-    handler.declare_entry(interval_entry, "20", Patterns::Integer(1, 1000000),
-                          "Cells are compared with the limits of conversion every so many steps.");
-  }
-
-  ConversionCriterion::ConversionCriterion(const Section &of_element)
-  {
-    const auto read = [&](const char *const entry, std::optional<double> &limit)
-    {
-      if (of_element.get(entry).empty())
-        return;
-      limit = of_element.get_positive(entry);
-      section = of_element;
-    };
-    read(strain_entry, largest_strain);
-    read(damage_limit_entry, largest_damage);
-    read(jacobian_entry, smallest_jacobian);
-    read(time_step_entry, smallest_time_step);
-    read(gap_entry, smallest_gap);
-    if (smallest_gap)
-      contact_name = of_element.get(contact_entry);
-    if (!is_on())
+        "below this (eq. 41 without its factor). Empty: not by the step.");
+    smallest_gap =
+        e.optional_number(gap_entry, positive(), "L",
+                          "A cell becomes particles where one of its nodes is nearer than this to "
+                          "the surface of the `Conversion contact`: neither the tool nor strong "
+                          "gradients meet elements. Empty: not by nearness.");
+    if (e.when(smallest_gap.has_value()))
+      contact_name = e.text(contact_entry, mandatory, "",
+                            "The name of the contact, one of `Contacts`, for `Conversion gap`.");
+    if (!e.when(largest_strain || largest_damage || smallest_jacobian || smallest_time_step ||
+                smallest_gap))
       return;
-    if (smallest_jacobian && *smallest_jacobian >= 1.)
-      of_element.fail(jacobian_entry, "allowed is a number between 0 and 1; no cell has more than "
-                                      "1, so that all would become particles at once");
-    layers = of_element.get_unsigned(layers_entry);
-    steps_between_looks = of_element.get_unsigned(interval_entry);
+    section = e.section();
+    layers = e.integer(
+        layers_entry, "1", between(0, 100),
+        "With a cell that becomes particles go so many layers of cells of the part around it.");
+    steps_between_looks =
+        e.integer(interval_entry, "20", between(1, 1000000),
+                  "Cells are compared with the limits of conversion every so many steps.");
   }
 
   void ConversionCriterion::refuse(const std::string &message) const

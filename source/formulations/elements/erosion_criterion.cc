@@ -11,29 +11,25 @@ namespace tombolo
     const char *const erosion_damage_entry = "Erosion damage";
   } // namespace
 
-  void ErosionCriterion::declare_parameters(ParameterHandler &handler)
+  ErosionCriterion::ErosionCriterion(const Entries &e)
   {
-    handler.declare_entry(
-        erosion_strain_entry, "", Patterns::Anything(),
-        "Effective plastic strain, as the mean of the points of a cell, at which the cell is "
-        "removed for the rest of the run; so is then a cell whose volume is no longer positive. "
-        "Empty: cells are not removed by strain. Units: 1.");
-    handler.declare_entry(
-        erosion_damage_entry, "", Patterns::Anything(),
-        "Damage, as the mean of the points of a cell, at which the cell is removed as with "
-        "`Erosion strain`; 1 where it has failed. The material needs a `Damage`. Empty: cells are "
-        "not removed by damage. Units: 1.");
-  }
-
-  ErosionCriterion::ErosionCriterion(const Section &of_element)
-  {
-    for (const char *const entry : {erosion_strain_entry, erosion_damage_entry})
+    const auto add = [&](const char *const entry, const std::optional<double> &limit)
     {
-      if (of_element.get(entry).empty())
-        continue;
-      section = of_element;
-      all_limits.push_back({entry, of_element.get_positive(entry), 0});
-    }
+      if (!limit)
+        return;
+      section = e.section();
+      all_limits.push_back({entry, *limit, 0});
+    };
+    add(erosion_strain_entry,
+        e.optional_number(erosion_strain_entry, positive(), "1",
+                          "Effective plastic strain, as the mean of the points of a cell, at which "
+                          "the cell is removed for the rest of the run; so is then a cell whose "
+                          "volume is no longer positive. Empty: cells are not removed by strain."));
+    add(erosion_damage_entry,
+        e.optional_number(erosion_damage_entry, positive(), "1",
+                          "Damage, as the mean of the points of a cell, at which the cell is "
+                          "removed as with `Erosion strain`; 1 where it has failed. The material "
+                          "needs a `Damage`. Empty: cells are not removed by damage."));
   }
 
   void ErosionCriterion::initialize(const MaterialPoints &points, const bool has_mechanics)

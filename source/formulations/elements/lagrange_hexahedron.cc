@@ -11,13 +11,13 @@ namespace tombolo
   {
     void declare_parameters(ParameterHandler &handler)
     {
-      handler.declare_entry(
-          "Degree", "2", Patterns::Integer(1, 3),
-          "Polynomial degree. All parts of a scene need nodes of the same degree.");
-      declare_strain_measure(handler, StrainMeasure::logarithmic);
-      BulkViscosity::declare_parameters(handler);
-      ErosionCriterion::declare_parameters(handler);
-      ConversionCriterion::declare_parameters(handler);
+      const Entries e(handler);
+      e.integer("Degree", "2", between(1, 3),
+                "Polynomial degree. All parts of a scene need nodes of the same degree.");
+      declare_strain_measure(e, StrainMeasure::logarithmic);
+      declare<BulkViscosity>(e);
+      declare<ErosionCriterion>(e);
+      declare<ConversionCriterion>(e);
     }
 
     /** One class a degree: the choice is made here, not in a loop. */

@@ -9,17 +9,15 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void OnePointHexahedron<dim>::declare_parameters(ParameterHandler &handler)
+  void OnePointHexahedron<dim>::declare_parameters(const Entries &e)
   {
-    handler.declare_entry(
-        "Hourglass stiffness", "0.05", Patterns::Double(0., 1.),
-        "Modes without strain at the one point are resisted by an elastic force that turns with "
-        "the material (Flanagan and Belytschko 1981): its coefficient, of the modulus of plane "
-        "waves, at most of four shear moduli; 0.03 to 0.05 is usual. Units: 1.");
-    handler.declare_entry(
-        "Hourglass limit", "0.5", Patterns::Double(0., 1000.),
-        "The elastic hourglass force of a cell that flows plastically is at most this multiple of "
-        "the one that belongs to its flow stress; 0 is no limit.");
+    e.number("Hourglass stiffness", "0.05", between(0., 1.), "1",
+             "Modes without strain at the one point are resisted by an elastic force that turns "
+             "with the material (Flanagan and Belytschko 1981): its coefficient, of the modulus of "
+             "plane waves, at most of four shear moduli; 0.03 to 0.05 is usual.");
+    e.number("Hourglass limit", "0.5", between(0., 1000.), "",
+             "The elastic hourglass force of a cell that flows plastically is at most this "
+             "multiple of the one that belongs to its flow stress; 0 is no limit.");
   }
 
   template <int dim>

@@ -12,25 +12,19 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void BondCheck<dim>::declare_parameters(ParameterHandler &handler)
+  BondCheck<dim>::BondCheck(const Entries &e)
   {
-    handler.declare_entry(
-        "Bond failure", "none",
-        Patterns::Selection("none|" + Registry<BondFailure>::instance().selection()),
-        "When bonds between particles break, for good: a criterion with a section of its own, or "
-        "`none`. Broken bonds leave the supports of both particles; mass, momentum and stress "
-        "stay.");
-    handler.declare_entry("Steps between bond checks", "5", Patterns::Integer(1, 1000000),
-                          "Bond failure: bonds are checked every so many steps.");
-    Registry<BondFailure>::instance().declare_all(handler);
+    criterion =
+        e.plugin<BondFailure>("Bond failure", "none",
+                              "When bonds between particles break, for good: a criterion with a "
+                              "section of its own, or `none`. Broken bonds leave the supports of "
+                              "both particles; mass, momentum and stress stay.",
+                              "none");
+    name = e.given("Bond failure");
+    interval = e.integer("Steps between bond checks", "5", between(1, 1000000),
+                         "Bond failure: bonds are checked every so many steps.");
+    e.plugins<BondFailure>();
   }
-
-  template <int dim>
-  BondCheck<dim>::BondCheck(const Section &section)
-      : name(section.get("Bond failure")),
-        criterion(Registry<BondFailure>::instance().create(name, section.subsection(name))),
-        interval(section.get_unsigned("Steps between bond checks"))
-  {}
 
   template <int dim>
   const std::string &BondCheck<dim>::criterion_name() const

@@ -21,29 +21,23 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void Bonds<dim>::declare_parameters(ParameterHandler &handler)
+  std::unique_ptr<Bonds<dim>> Bonds<dim>::create(const Entries &e)
   {
-    BondCheck<dim>::declare_parameters(handler);
-    handler.declare_entry(
-        "Isolate distorted", "with broken bonds", Patterns::Selection("with broken bonds|all"),
-        "Bond failure: which particles lose all their bonds where they are turned inside out, or "
-        "where their gradients grow to three times those of the start: `with broken bonds`, or "
-        "`all`, in flows that tear the neighbours of a particle away. A particle that is turned "
-        "inside out otherwise ends the run.");
-  }
-
-  template <int dim>
-  std::unique_ptr<Bonds<dim>> Bonds<dim>::create(const Section &section)
-  {
-    if (section.get("Bond failure") == "none")
+    if (e.given("Bond failure") == "none")
       return nullptr;
-    return std::unique_ptr<Bonds<dim>>(new Bonds<dim>(section));
+    return std::unique_ptr<Bonds<dim>>(new Bonds<dim>(e));
   }
 
   template <int dim>
-  Bonds<dim>::Bonds(const Section &section)
-      : check(section), isolates_all(section.get("Isolate distorted") == "all")
-  {}
+  Bonds<dim>::Bonds(const Entries &e) : check(e)
+  {
+    isolates_all =
+        e.choice("Isolate distorted", "with broken bonds", "with broken bonds|all",
+                 "Bond failure: which particles lose all their bonds where they are turned inside "
+                 "out, or where their gradients grow to three times those of the start: `with "
+                 "broken bonds`, or `all`, in flows that tear the neighbours of a particle away. A "
+                 "particle that is turned inside out otherwise ends the run.") == "all";
+  }
 
   template <int dim>
   std::vector<FieldDescription> Bonds<dim>::variables() const

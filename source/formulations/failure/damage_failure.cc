@@ -10,13 +10,11 @@ namespace tombolo
     class DamageFailure : public ThresholdFailure
     {
     public:
-      static void declare_parameters(ParameterHandler &handler)
-      {
-        declare_threshold(handler, "The mean damage of a pair from which on its bond can break; 1 "
-                                   "where the material has failed. Units: 1.");
-      }
-
-      explicit DamageFailure(const Section &section) : ThresholdFailure(section) {}
+      explicit DamageFailure(const Entries &e)
+          : ThresholdFailure(e, "1",
+                             "The mean damage of a pair from which on its bond can break; 1 where "
+                             "the material has failed.")
+      {}
 
       void check(const MaterialPoints &points) const override
       {

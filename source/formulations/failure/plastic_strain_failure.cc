@@ -10,13 +10,11 @@ namespace tombolo
     class PlasticStrainFailure : public ThresholdFailure
     {
     public:
-      static void declare_parameters(ParameterHandler &handler)
-      {
-        declare_threshold(handler, "The mean effective plastic strain of a pair from which on its "
-                                   "bond can break. Units: 1.");
-      }
-
-      explicit PlasticStrainFailure(const Section &section) : ThresholdFailure(section) {}
+      explicit PlasticStrainFailure(const Entries &e)
+          : ThresholdFailure(
+                e, "1",
+                "The mean effective plastic strain of a pair from which on its bond can break.")
+      {}
 
       void check(const MaterialPoints &points) const override
       {

@@ -12,13 +12,11 @@ namespace tombolo
     class PrincipalStressFailure : public ThresholdFailure
     {
     public:
-      static void declare_parameters(ParameterHandler &handler)
-      {
-        declare_threshold(handler, "The mean largest principal stress of a pair, tension positive, "
-                                   "from which on its bond can break. Units: M/(L T^2).");
-      }
-
-      explicit PrincipalStressFailure(const Section &section) : ThresholdFailure(section) {}
+      explicit PrincipalStressFailure(const Entries &e)
+          : ThresholdFailure(e, "M/(L T^2)",
+                             "The mean largest principal stress of a pair, tension positive, from "
+                             "which on its bond can break.")
+      {}
 
       void measure(const MaterialPoints &points, const std::vector<Tensor<2, 3>> & /*deformation*/,
                    std::vector<double> &value) const override

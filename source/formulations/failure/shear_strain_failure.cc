@@ -16,14 +16,12 @@ namespace tombolo
     class ShearStrainFailure : public ThresholdFailure
     {
     public:
-      static void declare_parameters(ParameterHandler &handler)
-      {
-        declare_threshold(handler, "The mean shear strain of a pair, the difference of its largest "
-                                   "and its smallest principal logarithmic strain, from which on "
-                                   "its bond can break. Units: 1.");
-      }
-
-      explicit ShearStrainFailure(const Section &section) : ThresholdFailure(section) {}
+      explicit ShearStrainFailure(const Entries &e)
+          : ThresholdFailure(
+                e, "1",
+                "The mean shear strain of a pair, the difference of its largest and its smallest "
+                "principal logarithmic strain, from which on its bond can break.")
+      {}
 
       bool needs_deformation() const override
       {

@@ -7,28 +7,21 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void ThresholdFailure::declare_threshold(ParameterHandler &handler,
-                                           const std::string &limit_documentation)
+  ThresholdFailure::ThresholdFailure(const Entries &e, const std::string &unit,
+                                     const std::string &documentation_of_limit)
+      : section(e.section())
   {
-    Parameters::declare_mandatory(handler, "Limit", Patterns::Double(), limit_documentation);
-    handler.declare_entry(
-        "Stretch", "1", Patterns::Double(),
-        "The present over the initial distance of a pair beyond which it can break; at 1 bonds "
-        "that are shorter than at the start hold. Units: 1.");
-    handler.declare_entry("Combination", "both", Patterns::Selection("both|either"),
+    limit = e.number("Limit", mandatory, positive(), unit, documentation_of_limit);
+    critical_stretch = e.number("Stretch", "1", positive(), "1",
+                                "The present over the initial distance of a pair beyond which it "
+                                "can break; at 1 bonds that are shorter than at the start hold.");
+    needs_both = e.choice("Combination", "both", "both|either",
                           "A bond breaks where the limit is reached and it is stretched beyond "
                           "`Stretch` (`both`), or where either is so. With `either` all pairs are "
-                          "looked at in every check.");
-  }
-
-  ThresholdFailure::ThresholdFailure(const Section &section)
-      : section(section), limit(section.get_positive("Limit")),
-        critical_stretch(section.get_positive("Stretch")),
-        needs_both(section.get("Combination") == "both")
-  {
-    if (!needs_both && critical_stretch <= 1.)
-      section.fail("Stretch", "where `Combination` is `either`, allowed is a number above 1: at 1 "
-                              "or below, all bonds would break at the start");
+                          "looked at in every check.") == "both";
+    e.refuse(!needs_both && critical_stretch <= 1., "Stretch",
+             "where `Combination` is `either`, allowed is a number above 1: at 1 or below, all "
+             "bonds would break at the start");
   }
 
   double ThresholdFailure::threshold() const

@@ -41,11 +41,10 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void CellAverages<dim>::declare_parameters(ParameterHandler &handler)
+  CellAverages<dim>::CellAverages(const Entries &e) : section(e.section())
   {
-    handler.declare_entry(
-        "Shape functions", "automatic",
-        Patterns::Selection("automatic|cell averages|moving least squares"),
+    wanted = e.choice(
+        "Shape functions", "automatic", "automatic|cell averages|moving least squares",
         "`moving least squares` on boxes along the axes (`Kernel`, `Dilation`), which can be "
         "renewed, or `cell averages` of the initial cells around a particle: these pass the patch "
         "test in any mesh, do not depend on the direction of the axes, and bend as the body does. "
@@ -53,11 +52,6 @@ namespace tombolo
         "without bonds that fail, the bridge of the paper and cells that stay what they are. "
         "`automatic` chooses them where they are there and something moves.");
   }
-
-  template <int dim>
-  CellAverages<dim>::CellAverages(const Section &section)
-      : section(section), wanted(section.get("Shape functions"))
-  {}
 
   template <int dim>
   std::string CellAverages<dim>::obstacle(const PartSetup<dim> &setup) const

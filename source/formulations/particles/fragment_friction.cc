@@ -37,33 +37,25 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void FragmentFriction<dim>::declare_parameters(ParameterHandler &handler)
+  std::unique_ptr<FragmentFriction<dim>> FragmentFriction<dim>::create(const Entries &e)
   {
-    handler.declare_entry(
-        "Self-contact friction", "0", Patterns::Anything(),
+    auto friction = e.object<TemperatureTable>(
+        "Self-contact friction", "0", "",
         "Coulomb's coefficient between fragments that touch, from 0 to 10; 0 is frictionless "
         "contact. In scenes with heat also pairs `temperature: value` separated by commas, over "
         "the temperature of the hotter particle, joined by straight lines; the heat of friction is "
         "that of both particles, half each. Only with `Self-contact`, within the part.");
-    handler.declare_entry(
-        "Self-contact conductance", "0", Patterns::Anything(),
+    e.refuse(!(friction.smallest() >= 0. && friction.largest() <= 10.), "Self-contact friction",
+             friction.is_constant() ? "allowed is a number from 0 to 10."
+                                    : "allowed are coefficients from 0 to 10.");
+    auto conductance = e.object<TemperatureTable>(
+        "Self-contact conductance", "0", "M/(T^3 temperature)",
         "h of the heat h (difference of temperatures) that goes from one fragment to the other per "
         "area in contact and time: one number, or pairs `pressure: value` separated by commas, "
-        "joined by straight lines. 0: nothing is conducted. Only in scenes with heat. Units: "
-        "M/(T^3 temperature).");
-  }
-
-  template <int dim>
-  std::unique_ptr<FragmentFriction<dim>> FragmentFriction<dim>::create(const Section &section)
-  {
-    TemperatureTable friction(section, "Self-contact friction");
-    if (!(friction.smallest() >= 0. && friction.largest() <= 10.))
-      section.fail("Self-contact friction", friction.is_constant()
-                                                ? "allowed is a number from 0 to 10."
-                                                : "allowed are coefficients from 0 to 10.");
-    TemperatureTable conductance(section, "Self-contact conductance", "pressure");
-    if (!(conductance.smallest() >= 0.))
-      section.fail("Self-contact conductance", "allowed are numbers from zero on.");
+        "joined by straight lines. 0: nothing is conducted. Only in scenes with heat.",
+        "pressure");
+    e.refuse(!(conductance.smallest() >= 0.), "Self-contact conductance",
+             "allowed are numbers from zero on.");
     if (friction.largest() == 0. && conductance.largest() == 0.)
       return nullptr;
     return std::unique_ptr<FragmentFriction>(

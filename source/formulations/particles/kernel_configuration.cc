@@ -15,49 +15,38 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void KernelConfiguration<dim>::declare_parameters(ParameterHandler &handler,
-                                                    const std::string &default_kind)
+  KernelConfiguration<dim>::KernelConfiguration(const Entries &e, const std::string &default_kind)
   {
-    handler.declare_entry("Configuration", default_kind,
-                          Patterns::Selection("total Lagrangian|updated Lagrangian|current"),
-                          "The configuration in which kernels are: the initial one, one that is "
-                          "renewed now and then (see the rebuild entries), or the current one.");
-    handler.declare_entry(
-        "Rebuild interval", "0", Patterns::Integer(0, 1000000000),
-        "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
-    handler.declare_entry(
-        "Rebuild deformation", "0", Patterns::Double(0., 10.),
-        "Updated Lagrangian: the reference is renewed when a component of F - I since "
-        "the last renewal exceeds this at any particle; 0 is never.");
-    handler.declare_entry(
-        "Support stretch limit", "0", Patterns::Double(0., 1000.),
-        "Updated Lagrangian or current: a support is at most so many times as wide, or as narrow, "
-        "as at the start, on each axis; 1 keeps it, and 0 is no limit: it stretches as the body "
-        "does since the start. For flows that stir: there who was near is far away, and others are "
-        "near instead.");
-  }
-
-  template <int dim>
-  KernelConfiguration<dim>::KernelConfiguration(const Section &section)
-  {
-    const std::string name = section.get("Configuration");
+    const std::string name =
+        e.choice("Configuration", default_kind, "total Lagrangian|updated Lagrangian|current",
+                 "The configuration in which kernels are: the initial one, one that is renewed now "
+                 "and then (see the rebuild entries), or the current one.");
     kind = name == "total Lagrangian"     ? Kind::total_lagrangian
            : name == "updated Lagrangian" ? Kind::updated_lagrangian
                                           : Kind::current;
-    stretch_limit = section.get_double("Support stretch limit");
-    if (stretch_limit > 0. && stretch_limit < 1.)
-      section.fail("Support stretch limit", "allowed are 0 and numbers from 1 on.");
-    if (stretch_limit > 0. && is_total_lagrangian())
-      section.fail("Support stretch limit",
-                   "supports of a total Lagrangian kernel do not stretch.");
-    if (kind != Kind::updated_lagrangian)
-      return;
-    renewal_interval = section.get_unsigned("Rebuild interval");
-    renewal_deformation = section.get_double("Rebuild deformation");
-    if (renewal_interval == 0 && renewal_deformation == 0.)
-      section.fail("Configuration",
-                   "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild "
-                   "deformation`; with neither it is total Lagrangian");
+    if (e.when(kind == Kind::updated_lagrangian))
+    {
+      renewal_interval = e.integer(
+          "Rebuild interval", "0", between(0, 1000000000),
+          "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
+      renewal_deformation =
+          e.number("Rebuild deformation", "0", between(0., 10.), "",
+                   "Updated Lagrangian: the reference is renewed when a component of F - I since "
+                   "the last renewal exceeds this at any particle; 0 is never.");
+      e.refuse(renewal_interval == 0 && renewal_deformation == 0., "Configuration",
+               "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild deformation`; "
+               "with neither it is total Lagrangian");
+    }
+    stretch_limit =
+        e.number("Support stretch limit", "0", between(0., 1000.), "",
+                 "Updated Lagrangian or current: a support is at most so many times as wide, or as "
+                 "narrow, as at the start, on each axis; 1 keeps it, and 0 is no limit: it "
+                 "stretches as the body does since the start. For flows that stir: there who was "
+                 "near is far away, and others are near instead.");
+    e.refuse(stretch_limit > 0. && stretch_limit < 1., "Support stretch limit",
+             "allowed are 0 and numbers from 1 on.");
+    e.refuse(stretch_limit > 0. && is_total_lagrangian(), "Support stretch limit",
+             "supports of a total Lagrangian kernel do not stretch.");
   }
 
   template <int dim>

@@ -24,16 +24,14 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void LeastSquaresRows<dim>::declare_parameters(ParameterHandler &handler)
+  void LeastSquaresRows<dim>::declare_parameters(const Entries &e)
   {
-    handler.declare_entry("Kernel", "cubic spline",
-                          Patterns::Selection(Registry<Kernel>::instance().selection()),
-                          "The kernel of the moving least squares.");
-    handler.declare_entry(
-        "Dilation", "1.8", Patterns::Double(),
-        "Half width of a support over the largest distance to a neighbouring node, "
-        "axis by axis; above 1, usually 1.5 to 1.9.");
-    CellAverages<dim>::declare_parameters(handler);
+    e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),
+             "The kernel of the moving least squares.");
+    e.number("Dilation", "1.8", any_number(), "",
+             "Half width of a support over the largest distance to a neighbouring node, axis by "
+             "axis; above 1, usually 1.5 to 1.9.");
+    declare<CellAverages<dim>>(e);
   }
 
   template <int dim>

@@ -10,12 +10,12 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::declare_parameters(ParameterHandler &handler)
+  void MomentumConsistentParticle<dim>::declare_parameters(const Entries &e)
   {
-    ParticleMethod<dim>::declare_shared_parameters(handler, "total Lagrangian");
-    LeastSquaresRows<dim>::declare_parameters(handler);
-    SmoothingSettings::declare_parameters(handler);
-    declare_particle_strain_measure(handler);
+    ParticleMethod<dim>::declare_shared_parameters(e, "total Lagrangian");
+    LeastSquaresRows<dim>::declare_parameters(e);
+    SmoothingSettings::declare_parameters(e);
+    declare_particle_strain_measure(e);
   }
 
   template <int dim>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/pair_conduction.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,28 +33,21 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void PairConduction<dim>::declare_parameters(ParameterHandler &handler)
+  PairConduction<dim>::PairConduction(const Entries &e)
   {
-    Declarations(handler).choice(
-        "Conduction", "corrected", "corrected|paper|gradients",
-        "How heat passes between particles: in pairs as in SPH, `corrected` by what the sum over a "
-        "lattice misses, or as in the `paper`, which conducts too little by some percent at every "
-        "spacing; or by the `gradients` of the rows, which do not see temperatures that alternate "
-        "from particle to particle. Pairs need a kernel in the current configuration; others take "
-        "`gradients` unless it is set.");
-  }
-
-  template <int dim>
-  PairConduction<dim>::PairConduction(const Section &section)
-  {
-    const std::string name = section.get("Conduction");
-    const bool is_current = section.get("Configuration") == "current";
-    if (name == "gradients" || (!is_current && !section.is_set("Conduction")))
+    const std::string name =
+        e.choice("Conduction", "corrected", "corrected|paper|gradients",
+                 "How heat passes between particles: in pairs as in SPH, `corrected` by what the "
+                 "sum over a lattice misses, or as in the `paper`, which conducts too little by "
+                 "some percent at every spacing; or by the `gradients` of the rows, which do not "
+                 "see temperatures that alternate from particle to particle. Pairs need a kernel "
+                 "in the current configuration; others take `gradients` unless it is set.");
+    const bool is_current = e.given("Configuration") == "current";
+    if (e.declares() || name == "gradients" || (!is_current && !e.is_set("Conduction")))
       return;
-    if (!is_current)
-      section.fail("Conduction",
-                   "the distances of pairs do not fit the gradients of a kernel that keeps its "
-                   "reference; allowed is `gradients`, or `Configuration = current`.");
+    e.refuse(!is_current, "Conduction",
+             "the distances of pairs do not fit the gradients of a kernel that keeps its "
+             "reference; allowed is `gradients`, or `Configuration = current`.");
     method = name == "paper" ? Method::paper : Method::corrected;
   }
 

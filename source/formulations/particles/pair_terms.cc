@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/pair_terms.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 
@@ -65,62 +65,40 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void PairTerms<dim>::declare_parameters(ParameterHandler &handler)
+  PairTerms<dim>::PairTerms(const Entries &e)
   {
-    handler.declare_entry(viscosity_entry, "false", Patterns::Bool(),
-                          "Pairs that approach each other are braked along the line that joins "
-                          "them: the artificial viscosity of Monaghan. It damps what alternates "
-                          "from particle to particle, and shocks.");
-    Declarations declarations(handler);
-    declarations.number("Artificial viscosity alpha", 1., "1",
+    if (e.when(e.flag(viscosity_entry, "false",
+                      "Pairs that approach each other are braked along the line that joins them: "
+                      "the artificial viscosity of Monaghan. It damps what alternates from "
+                      "particle to particle, and shocks.")))
+    {
+      linear = e.number("Artificial viscosity alpha", "1", from_to(0., 10.), "1",
                         "Its linear coefficient, of the speed of P waves. The part of it that "
                         "resists shear grows with the speed of the run: 0.2 suits cutting.");
-    declarations.number("Artificial viscosity beta", 1., "1",
-                        "Its quadratic coefficient, for shocks.");
-    handler.declare_entry(stress_entry, "false", Patterns::Bool(),
-                          "Pairs nearer than the spacing repel each other where the material is "
-                          "under tension, so that it does not clump (Gray, Monaghan, Swift 2001). "
-                          "Only for kernels in the current configuration, which need it.");
-    declarations.number("Artificial stress factor", 0.3, "1",
-                        "The share of the tensile stress that is taken back at the spacing.");
-    declarations.number("Artificial stress exponent", 4., "1",
-                        "n of (W/W(spacing))^n, by which it ends with the distance.");
-    handler.declare_entry(xsph_entry, "false", Patterns::Bool(),
-                          "Positions, and nothing else, move with velocities that are a mean over "
-                          "the neighbours, which keeps particles in order.");
-    declarations.number("XSPH factor", 0.5, "1", "The weight of the neighbours in this mean.");
-  }
-
-  template <int dim>
-  PairTerms<dim>::PairTerms(const Section &section)
-  {
-    const auto read = [&](const char *entry, const double largest)
-    {
-      const double value = section.get_double(entry);
-      if (!(value >= 0. && value <= largest))
-        section.fail(entry, "allowed is a number from 0 to " +
-                                std::to_string(static_cast<int>(largest)) + ".");
-      return value;
-    };
-    if (section.get_bool(viscosity_entry))
-    {
-      linear = read("Artificial viscosity alpha", 10.);
-      quadratic = read("Artificial viscosity beta", 10.);
-      if (!has_viscosity())
-        section.fail(viscosity_entry,
-                     "both coefficients are zero; allowed is `false`, or one above zero.");
+      quadratic = e.number("Artificial viscosity beta", "1", from_to(0., 10.), "1",
+                           "Its quadratic coefficient, for shocks.");
+      e.refuse(!has_viscosity(), viscosity_entry,
+               "both coefficients are zero; allowed is `false`, or one above zero.");
     }
-    if (section.get_bool(stress_entry))
+    if (e.when(e.flag(stress_entry, "false",
+                      "Pairs nearer than the spacing repel each other where the material is under "
+                      "tension, so that it does not clump (Gray, Monaghan, Swift 2001). Only for "
+                      "kernels in the current configuration, which need it.")))
     {
-      if (section.get("Configuration") != "current")
-        section.fail(stress_entry,
-                     "particles do not clump under tension where the kernel keeps their neighbours "
-                     "of a reference; allowed is `true` only with `Configuration = current`.");
-      stress_factor = read("Artificial stress factor", 1.);
-      stress_exponent = read("Artificial stress exponent", 100.);
+      e.refuse(e.given("Configuration") != "current", stress_entry,
+               "particles do not clump under tension where the kernel keeps their neighbours of a "
+               "reference; allowed is `true` only with `Configuration = current`.");
+      stress_factor =
+          e.number("Artificial stress factor", "0.3", from_to(0., 1.), "1",
+                   "The share of the tensile stress that is taken back at the spacing.");
+      stress_exponent = e.number("Artificial stress exponent", "4", from_to(0., 100.), "1",
+                                 "n of (W/W(spacing))^n, by which it ends with the distance.");
     }
-    if (section.get_bool(xsph_entry))
-      xsph_factor = read("XSPH factor", 1.);
+    if (e.when(e.flag(xsph_entry, "false",
+                      "Positions, and nothing else, move with velocities that are a mean over the "
+                      "neighbours, which keeps particles in order.")))
+      xsph_factor = e.number("XSPH factor", "0.5", from_to(0., 1.), "1",
+                             "The weight of the neighbours in this mean.");
   }
 
   template <int dim>

@@ -15,14 +15,14 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void ParticleMethod<dim>::declare_shared_parameters(ParameterHandler &handler,
+  void ParticleMethod<dim>::declare_shared_parameters(const Entries &e,
                                                       const std::string &default_configuration)
   {
-    ParticleRows<dim>::declare_parameters(handler);
-    KernelConfiguration<dim>::declare_parameters(handler, default_configuration);
-    BulkViscosity::declare_parameters(handler);
-    Bonds<dim>::declare_parameters(handler);
-    SelfContact<dim>::declare_parameters(handler);
+    ParticleRows<dim>::declare_parameters(e);
+    declare<KernelConfiguration<dim>>(e, default_configuration);
+    declare<BulkViscosity>(e);
+    Bonds<dim>::create(e);
+    SelfContact<dim>::create(e);
   }
 
   template <int dim>

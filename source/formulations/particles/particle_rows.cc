@@ -13,11 +13,11 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void ParticleRows<dim>::declare_parameters(ParameterHandler &handler)
+  void ParticleRows<dim>::declare_parameters(const Entries &e)
   {
-    handler.declare_entry("Kernels across gaps", "false", Patterns::Bool(),
-                          "Whether particles are neighbours of those in another body of the mesh, "
-                          "one that no common node joins to their own: as if they were glued.");
+    e.flag("Kernels across gaps", "false",
+           "Whether particles are neighbours of those in another body of the mesh, one that no "
+           "common node joins to their own: as if they were glued.");
   }
 
   template <int dim>

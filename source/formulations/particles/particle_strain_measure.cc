@@ -5,10 +5,10 @@
 
 namespace tombolo
 {
-  void declare_particle_strain_measure(dealii::ParameterHandler &handler)
+  void declare_particle_strain_measure(const Entries &e)
   {
-    handler.declare_entry(
-        "Strain measure", "automatic", dealii::Patterns::Selection("automatic|logarithmic|rate"),
+    e.choice(
+        "Strain measure", "automatic", "automatic|logarithmic|rate",
         "What the stress follows: the elastic logarithmic strain, from whose energy the forces "
         "derive, or the rate of deformation with an objective rate of the Cauchy stress. The first "
         "needs positions that move with the velocity that strains: `automatic` is `logarithmic` "

@@ -62,46 +62,32 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void SelfContact<dim>::declare_parameters(ParameterHandler &handler)
+  std::unique_ptr<SelfContact<dim>> SelfContact<dim>::create(const Entries &e)
   {
-    handler.declare_entry("Self-contact", "false", Patterns::Bool(),
-                          "Whether particles of fragments that have come apart push each other "
-                          "away, debris among them. Wants `Bond failure`, or a total Lagrangian "
-                          "kernel. Not with planes of symmetry.");
-    handler.declare_entry("Self-contact stiffness", "0.05", Patterns::Double(),
-                          "Of the springs between two particles: times their reduced mass and the "
-                          "square of the wave speed over the smallest spacing of the part. Above 0 "
-                          "and up to 10; 2 is as stiff as the material, and takes the step down.");
-    handler.declare_entry("Self-contact damping", "0.1", Patterns::Double(),
-                          "Of their approach, over the critical one. From 0 to 1.");
-    FragmentFriction<dim>::declare_parameters(handler);
-  }
-
-  template <int dim>
-  std::unique_ptr<SelfContact<dim>> SelfContact<dim>::create(const Section &section)
-  {
-    if (!section.get_bool("Self-contact"))
+    if (!e.when(e.flag("Self-contact", "false",
+                       "Whether particles of fragments that have come apart push each other away, "
+                       "debris among them. Wants `Bond failure`, or a total Lagrangian kernel. Not "
+                       "with planes of symmetry.")))
       return nullptr;
-    if (section.get("Bond failure") == "none" && section.get("Configuration") != "total Lagrangian")
-      section.fail("Self-contact",
-                   "where the kernel is renewed and no bond breaks, bodies that come near each "
-                   "other grow together; choose a `Bond failure`, or `total Lagrangian` as "
-                   "`Configuration`");
-    std::unique_ptr<SelfContact<dim>> result(new SelfContact<dim>(section));
-    result->friction = FragmentFriction<dim>::create(section);
+    e.refuse(e.given("Bond failure") == "none" && e.given("Configuration") != "total Lagrangian",
+             "Self-contact",
+             "where the kernel is renewed and no bond breaks, bodies that come near each other "
+             "grow together; choose a `Bond failure`, or `total Lagrangian` as `Configuration`");
+    std::unique_ptr<SelfContact<dim>> result(new SelfContact<dim>(e));
+    result->friction = FragmentFriction<dim>::create(e);
     return result;
   }
 
   template <int dim>
-  SelfContact<dim>::SelfContact(const Section &section)
-      : stiffness(section.get_positive("Self-contact stiffness")),
-        damping(section.get_double("Self-contact damping")), neighbourhoods(skin)
+  SelfContact<dim>::SelfContact(const Entries &e) : neighbourhoods(skin)
   {
-    if (stiffness > 10.)
-      section.fail("Self-contact stiffness",
-                   "allowed is a number above 0 and up to 10; 2 is as stiff as the material.");
-    if (!(damping >= 0. && damping <= 1.))
-      section.fail("Self-contact damping", "allowed is a number from 0 to 1.");
+    stiffness = e.number("Self-contact stiffness", "0.05",
+                         positive_up_to(10., "; 2 is as stiff as the material."), "",
+                         "Of the springs between two particles: times their reduced mass and the "
+                         "square of the wave speed over the smallest spacing of the part. Above 0 "
+                         "and up to 10; 2 is as stiff as the material, and takes the step down.");
+    damping = e.number("Self-contact damping", "0.1", from_to(0., 1.), "",
+                       "Of their approach, over the critical one. From 0 to 1.");
   }
 
   template <int dim>

@@ -36,17 +36,16 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void SmoothedParticle<dim>::declare_parameters(ParameterHandler &handler)
+  void SmoothedParticle<dim>::declare_parameters(const Entries &e)
   {
-    ParticleMethod<dim>::declare_shared_parameters(handler, "current");
-    SmoothedRows<dim>::declare_parameters(handler);
-    PairTerms<dim>::declare_parameters(handler);
-    PairConduction<dim>::declare_parameters(handler);
-    handler.declare_entry(
-        "Strain measure", "automatic", Patterns::Selection("automatic|logarithmic|rate"),
-        "What the stress follows: the elastic logarithmic strain, from whose energy the forces "
-        "derive, or the rate of deformation with an objective rate of the Cauchy stress. "
-        "`automatic` is `rate` with `Gradient = paper`, and `logarithmic` else.");
+    ParticleMethod<dim>::declare_shared_parameters(e, "current");
+    SmoothedRows<dim>::declare_parameters(e);
+    declare<PairTerms<dim>>(e);
+    declare<PairConduction<dim>>(e);
+    e.choice("Strain measure", "automatic", "automatic|logarithmic|rate",
+             "What the stress follows: the elastic logarithmic strain, from whose energy the "
+             "forces derive, or the rate of deformation with an objective rate of the Cauchy "
+             "stress. `automatic` is `rate` with `Gradient = paper`, and `logarithmic` else.");
   }
 
   template <int dim>

@@ -35,25 +35,21 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void SmoothedRows<dim>::declare_parameters(ParameterHandler &handler)
+  void SmoothedRows<dim>::declare_parameters(const Entries &e)
   {
-    handler.declare_entry("Kernel", "hyperbolic spline",
-                          Patterns::Selection(Registry<Kernel>::instance().selection()),
-                          "The kernel, as a function of the distance over two smoothing lengths.");
-    handler.declare_entry(
-        "Smoothing length", "1.5", Patterns::Double(),
-        "Smoothing length over the spacing of the particles, the dim-th root of the mean volume of "
-        "their cells; at least 1, usually 1.2 to 1.5. Particles within two smoothing lengths are "
-        "neighbours.");
-    handler.declare_entry(
-        "Gradient", "corrected", Patterns::Selection("corrected|paper"),
-        "Whether gradients are corrected so that those of linear fields are exact and angular "
-        "momentum is conserved, or those of the kernel alone, as in the paper.");
-    handler.declare_entry(
-        "Correction limit", "0.5", Patterns::Double(0., 1.),
-        "A gradient is not corrected where det F of the moment F = sum of (x_J - x_I) x grad W_J "
-        "V_J falls below this times (tr F/dim)^dim: where neighbours lie to few sides. 1 is a "
-        "particle with the same neighbours on all axes.");
+    e.choice("Kernel", "hyperbolic spline", Registry<Kernel>::instance().selection(),
+             "The kernel, as a function of the distance over two smoothing lengths.");
+    e.number("Smoothing length", "1.5", any_number(), "",
+             "Smoothing length over the spacing of the particles, the dim-th root of the mean "
+             "volume of their cells; at least 1, usually 1.2 to 1.5. Particles within two "
+             "smoothing lengths are neighbours.");
+    e.choice("Gradient", "corrected", "corrected|paper",
+             "Whether gradients are corrected so that those of linear fields are exact and angular "
+             "momentum is conserved, or those of the kernel alone, as in the paper.");
+    e.number("Correction limit", "0.5", between(0., 1.), "",
+             "A gradient is not corrected where det F of the moment F = sum of (x_J - x_I) x grad "
+             "W_J V_J falls below this times (tr F/dim)^dim: where neighbours lie to few sides. 1 "
+             "is a particle with the same neighbours on all axes.");
   }
 
   template <int dim>

@@ -41,7 +41,7 @@ namespace tombolo
     SmoothedGradients<dim>::declare_parameters(handler);
     SmoothedIntegration<dim>::declare_parameters(handler);
     RefillSettings::declare_parameters<dim>(handler);
-    ConversionCriterion::declare_parameters(handler);
+    declare<ConversionCriterion>(handler);
   }
 
   template <int dim>

@@ -35,7 +35,7 @@ namespace tombolo
   void SmoothedIntegration<dim>::declare_parameters(ParameterHandler &handler)
   {
     declare_strain_measure(handler, StrainMeasure::logarithmic);
-    BulkViscosity::declare_parameters(handler);
+    declare<BulkViscosity>(handler);
   }
 
   template <int dim>

@@ -4,7 +4,7 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
@@ -68,49 +68,44 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void Box<dim>::declare_parameters(dealii::ParameterHandler &handler)
+  Box<dim>::Box(const Entries &e) : section(e.section())
   {
-    Declarations section(handler);
-    section.numbers("Lower corner", list_of<dim>(0), dim, "",
-                    "The corner with the smallest coordinates. Units: length");
-    section.numbers("Upper corner", mandatory, dim, "",
-                    "The corner with the largest coordinates. Units: length");
-    section.text(
-        "Cells", mandatory, "",
-        std::string(cells_syntax) +
-            ". The last segment may leave its end out. If all counts are multiples of a power of "
-            "two, the mesh is refined from a coarser box, which saves memory: each coarse cell "
-            "takes about 2 kB on every rank.");
-    section.number(
-        "Disorder", 0., "",
-        "Displaces each node at random, along each axis by at most this fraction of the smaller "
-        "of the spacings on its two sides. The displacement depends on the place of the node and "
-        "on `Seed` only. A mesh with disorder is not refined from a coarse one.",
-        0., 0.5);
-    section.choice("Surface nodes", "fixed", "fixed|slide",
-                   "What disorder does to nodes on the surface of the box: they stay, or "
-                   "they slide in it (on edges along them).");
-    section.whole_number("Seed", 0, 0, "Chooses one of the disordered meshes.");
-    section.number("Rotation", 0., "",
-                   "The angle by which the box is turned about the origin, about the axis "
-                   "z or `Rotation axis`, after everything else. Units: degrees");
+    const std::vector<double> lower =
+        e.numbers("Lower corner", list_of<dim>(0), dim, "",
+                  "The corner with the smallest coordinates. Units: length");
+    const std::vector<double> upper =
+        e.numbers("Upper corner", mandatory, dim, "",
+                  "The corner with the largest coordinates. Units: length");
+    const std::string text =
+        e.text("Cells", mandatory, "",
+               std::string(cells_syntax) +
+                   ". The last segment may leave its end out. If all counts are multiples of a "
+                   "power of two, the mesh is refined from a coarser box, which saves memory: each "
+                   "coarse cell takes about 2 kB on every rank.");
+    disorder = e.number(
+        "Disorder", "0", between(0., 0.5), "",
+        "Displaces each node at random, along each axis by at most this fraction of the smaller of "
+        "the spacings on its two sides. The displacement depends on the place of the node and on "
+        "`Seed` only. A mesh with disorder is not refined from a coarse one.");
+    e.refuse(disorder == 0.5, "Disorder",
+             "It must be a fraction of the spacing, at least 0 and below 0.5.");
+    surface_nodes_slide = e.choice("Surface nodes", "fixed", "fixed|slide",
+                                   "What disorder does to nodes on the surface of the box: they "
+                                   "stay, or they slide in it (on edges along them).") == "slide";
+    seed = e.integer("Seed", "0", at_least(0), "Chooses one of the disordered meshes.");
+    const double degrees =
+        e.number("Rotation", "0", any_number(), "",
+                 "The angle by which the box is turned about the origin, about the axis z or "
+                 "`Rotation axis`, after everything else. Units: degrees");
+    std::vector<double> direction = {0., 0., 1.};
     if (dim == 3)
-      section.numbers("Rotation axis", "0, 0, 1", dim, "",
-                      "The direction of the axis of the rotation; its length is of no "
-                      "importance.");
-  }
-
-  template <int dim>
-  Box<dim>::Box(const Section &section) : section(section)
-  {
-    const auto lower = section.get_doubles("Lower corner");
-    const auto upper = section.get_doubles("Upper corner");
+      direction =
+          e.numbers("Rotation axis", "0, 0, 1", dim, "",
+                    "The direction of the axis of the rotation; its length is of no importance.");
+    if (e.declares())
+      return;
     for (int d = 0; d < dim; ++d)
     {
-      if (!std::isfinite(lower[d]))
-        section.fail("Lower corner", std::string("The ") + axis_names[d] + " is not finite.");
-      if (!std::isfinite(upper[d]))
-        section.fail("Upper corner", std::string("The ") + axis_names[d] + " is not finite.");
       if (!(upper[d] > lower[d]))
       {
         std::ostringstream message;
@@ -121,7 +116,6 @@ namespace tombolo
       }
     }
 
-    const std::string text = section.get("Cells");
     const bool has_segments = text.find_first_of(";|") != std::string::npos;
     const auto axes = dealii::Utilities::split_string_list(text, has_segments ? ';' : ',');
     if (axes.size() != dim)
@@ -133,7 +127,6 @@ namespace tombolo
                                    {"Cells", std::string(" along ") + axis_names[d], "box",
                                     cells_syntax, lower[d], upper[d], false});
 
-    read_disorder();
     if (disorder == 0)
     {
       const auto all_counts_are_multiples_of = [this](const unsigned int divisor)
@@ -148,7 +141,7 @@ namespace tombolo
         ++refinements;
     }
     check_counts();
-    read_rotation();
+    set_rotation(degrees, direction);
   }
 
   template <int dim>
@@ -185,31 +178,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void Box<dim>::read_disorder()
+  void Box<dim>::set_rotation(const double degrees, const std::vector<double> &direction)
   {
-    disorder = section.get_double("Disorder");
-    if (!(disorder >= 0 && disorder < 0.5))
-      section.fail("Disorder", "It must be a fraction of the spacing, at least 0 and below 0.5.");
-    surface_nodes_slide = section.get("Surface nodes") == "slide";
-    seed = section.get_unsigned("Seed");
-  }
-
-  template <int dim>
-  void Box<dim>::read_rotation()
-  {
-    const double degrees = section.get_double("Rotation");
-    if (!std::isfinite(degrees))
-      section.fail("Rotation", "The angle must be a finite number of degrees.");
-    dealii::Tensor<1, 3> axis({0., 0., 1.});
-    if (dim == 3)
-    {
-      const auto direction = section.get_doubles("Rotation axis");
-      for (unsigned int d = 0; d < 3; ++d)
-        axis[d] = direction[d];
-      if (!std::isfinite(axis.norm()) || axis.norm() == 0)
-        section.fail("Rotation axis", "The direction must be finite and not zero.");
-      axis /= axis.norm();
-    }
+    dealii::Tensor<1, 3> axis({direction[0], direction[1], direction[2]});
+    if (!std::isfinite(axis.norm()) || axis.norm() == 0)
+      section.fail("Rotation axis", "The direction must be finite and not zero.");
+    axis /= axis.norm();
     const auto matrix = rotation_matrix(axis, degrees * dealii::numbers::PI / 180.);
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)

@@ -2,7 +2,7 @@
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/cylinder.h>
 #include <tombolo/mesh/image_conditions.h>
@@ -20,44 +20,34 @@ namespace tombolo
                                                    "Foot",     "foot",   "rear"};
   } // namespace
 
-  void Cylinder::declare_parameters(dealii::ParameterHandler &handler)
-  {
-    declare_parameters(handler, words_of_cylinder);
-  }
+  Cylinder::Cylinder(const Entries &e) : Cylinder(e, words_of_cylinder) {}
 
-  void Cylinder::declare_parameters(dealii::ParameterHandler &handler, const Words &words)
+  Cylinder::Cylinder(const Entries &e, const Words &words) : words(words), section(e.section())
   {
     const std::string body = words.body;
     const std::string lower = words.lower_boundary;
-    RoundSection::declare_parameters(handler);
-    Declarations section(handler);
-    section.choice("Axis", "z", "x|y|z",
-                   "The direction from the " + lower + " of the " + body + " to its " +
-                       words.upper_boundary + ".");
-    section.numbers(words.position, "0, 0, 0", 3, "",
-                    "The centre of the " + lower + ". Units: length");
-    section.non_negative(words.length, mandatory, "", "The extent along the axis. Units: length");
-    section.text(words.layers, mandatory, "",
-                 "The layers of cells from the " + lower + " on: " + segments_syntax +
-                     ". Places are heights above the " + lower + ".");
-  }
-
-  Cylinder::Cylinder(const Section &section) : Cylinder(section, words_of_cylinder) {}
-
-  Cylinder::Cylinder(const Section &section, const Words &words) : words(words), section(section)
-  {
-    axis = static_cast<unsigned int>(section.get("Axis")[0] - 'x');
+    if (e.declares())
+      declare<RoundSection>(e, std::array<char, 2>(), words.body);
+    axis =
+        static_cast<unsigned int>(e.choice("Axis", "z", "x|y|z",
+                                           "The direction from the " + lower + " of the " + body +
+                                               " to its " + words.upper_boundary + ".")[0] -
+                                  'x');
     across = {{(axis + 1) % 3, (axis + 2) % 3}};
-    const auto position = section.get_doubles(words.position);
+    const std::vector<double> position = e.numbers(
+        words.position, "0, 0, 0", 3, "", "The centre of the " + lower + ". Units: length");
+    const double length = e.number(words.length, mandatory, positive(0.), "",
+                                   "The extent along the axis. Units: length");
+    const std::string text =
+        e.text(words.layers, mandatory, "",
+               "The layers of cells from the " + lower + " on: " + segments_syntax +
+                   ". Places are heights above the " + lower + ".");
+    if (e.declares())
+      return;
     for (unsigned int d = 0; d < 3; ++d)
-    {
       foot[d] = position[d];
-      if (!std::isfinite(foot[d]))
-        section.fail(words.position, std::string("The ") + "xyz"[d] + " is not finite.");
-    }
-    const double length = section.get_positive(words.length);
     const auto layers =
-        parse_segments(section, section.get(words.layers),
+        parse_segments(section, text,
                        {words.layers, " along the axis", words.body,
                         std::string("The layers are ") + segments_syntax, 0, length, true});
     round_section = std::make_unique<RoundSection>(

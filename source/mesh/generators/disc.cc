@@ -2,7 +2,7 @@
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/disc.h>
 #include <tombolo/mesh/image_conditions.h>
@@ -18,23 +18,12 @@ namespace tombolo
                                                "Position", "lower face", "upper face"};
   }
 
-  void Disc<2>::declare_parameters(dealii::ParameterHandler &handler)
+  Disc<2>::Disc(const Entries &e) : section(e.section()), round_section(e, {{'x', 'y'}}, "disc")
   {
-    RoundSection::declare_parameters(handler);
-    Declarations(handler).numbers("Position", "0, 0", 2, "",
-                                  "The centre of the disc. Units: length");
-  }
-
-  Disc<2>::Disc(const Section &section)
-      : section(section), round_section(section, {{'x', 'y'}}, "disc")
-  {
-    const auto position = section.get_doubles("Position");
+    const std::vector<double> position =
+        e.numbers("Position", "0, 0", 2, "", "The centre of the disc. Units: length");
     for (unsigned int d = 0; d < 2; ++d)
-    {
       centre[d] = position[d];
-      if (!std::isfinite(centre[d]))
-        section.fail("Position", std::string("The ") + "xy"[d] + " is not finite.");
-    }
   }
 
   void Disc<2>::create(Mesh<2> &mesh) const
@@ -77,12 +66,7 @@ namespace tombolo
         mesh.boundary_names[name_of_cut("xy"[d])] = d + 1;
   }
 
-  void Disc<3>::declare_parameters(dealii::ParameterHandler &handler)
-  {
-    Cylinder::declare_parameters(handler, words_of_disc);
-  }
-
-  Disc<3>::Disc(const Section &section) : Cylinder(section, words_of_disc) {}
+  Disc<3>::Disc(const Entries &e) : Cylinder(e, words_of_disc) {}
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(MeshSource, Disc, "disc",
                                   "A disc, or its half or quarter: a core and rings of cells")

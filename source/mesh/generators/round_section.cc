@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/numbers.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/generators/round_section.h>
 
 #include <algorithm>
@@ -35,46 +35,38 @@ namespace tombolo
     }
   } // namespace
 
-  void RoundSection::declare_parameters(dealii::ParameterHandler &handler)
+  RoundSection::RoundSection(const Entries &e, const std::array<char, 2> &axes,
+                             const std::string &whole)
   {
-    Declarations section(handler);
-    section.non_negative("Radius", mandatory, "", "The radius of the circumference. Units: length");
-    section.whole_number(
-        "Core cells", mandatory, 1,
-        "The number of cells along each edge of the square core; the circumference has four times "
-        "as many. With symmetry planes it must be even.");
-    section.text(
+    const double radius = e.number("Radius", mandatory, positive(0.), "",
+                                   "The radius of the circumference. Units: length");
+    n_core_cells =
+        e.integer("Core cells", mandatory, at_least(1),
+                  "The number of cells along each edge of the square core; the circumference has "
+                  "four times as many. With symmetry planes it must be even.");
+    const std::string text = e.text(
         "Rings", mandatory, "",
         std::string("The rings of cells from the core to the circumference: ") + segments_syntax +
             ". Places are radii. The rings of the first segment lead from the core to a circle, "
             "those of the others are concentric circles.");
-    section.non_negative(
-        "Core radius", 0., "",
+    core_radius = e.number(
+        "Core radius", "0", at_least(0.), "",
         "The distance from the axis to the middle of each edge of the core. 0: such that the "
         "smallest cells of the core and of the first segment of rings are alike. Units: length");
-    section.number(
-        "Core corner angle", 120., "",
+    const double angle = e.number(
+        "Core corner angle", "120", between(90., 150.), "",
         "The angle between two edges of the core, which are arcs: 90 is a square; at 120 the core "
-        "cell and the two ring cells at a corner share the full angle evenly. Units: degrees",
-        90., 150.);
-    section.text(
-        "Symmetry planes", "", "",
-        "Axes across the body: for each, the body is cut by the plane through its axis that is "
-        "normal to it, and the positive side is kept (\"x\" a half, \"x, y\" a quarter). The cut "
-        "is called \"symmetry x\", and so on. The nodes are those of the full mesh.");
-  }
-
-  RoundSection::RoundSection(const Section &section, const std::array<char, 2> &axes,
-                             const std::string &whole)
-  {
-    const double radius = section.get_positive("Radius");
-    n_core_cells = section.get_unsigned("Core cells");
-    rings = parse_segments(section, section.get("Rings"),
+        "cell and the two ring cells at a corner share the full angle evenly. Units: degrees");
+    e.text("Symmetry planes", "", "",
+           "Axes across the body: for each, the body is cut by the plane through its axis that is "
+           "normal to it, and the positive side is kept (\"x\" a half, \"x, y\" a quarter). The "
+           "cut is called \"symmetry x\", and so on. The nodes are those of the full mesh.");
+    if (e.declares())
+      return;
+    const Section &section = e.section();
+    rings = parse_segments(section, text,
                            {"Rings", " in the rings", whole,
                             std::string("The rings are ") + segments_syntax, 0, radius, true});
-    const double angle = section.get_double("Core corner angle");
-    if (!(angle >= 90 && angle <= 150))
-      section.fail("Core corner angle", "It must be from 90 to 150 degrees.");
     arc = (angle - 90) / 2 * PI / 180;
     read_core_radius(section, whole);
     read_cuts(section, axes, whole);
@@ -97,7 +89,6 @@ namespace tombolo
     const double first_circle = rings.front().end;
     // The distance of the corners of the core over that of the middle of its edges.
     const double corner = std::sqrt(2.) / (1 + std::tan(arc / 2));
-    core_radius = section.get_double("Core radius");
     if (core_radius == 0)
       core_radius =
           first_circle / (1 + 2. * rings.front().n_cells / (n_core_cells * std::sqrt(2.))) / corner;

@@ -3,7 +3,7 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/spherical_shell.h>
 #include <tombolo/mesh/image_conditions.h>
@@ -23,37 +23,31 @@ namespace tombolo
                                          first_plane_id = 2;
   }
 
-  void SphericalShell::declare_parameters(dealii::ParameterHandler &handler)
+  SphericalShell::SphericalShell(const Entries &e) : section(e.section())
   {
-    Declarations section(handler);
-    section.non_negative("Inner radius", mandatory, "", "Units: length");
-    section.non_negative("Outer radius", mandatory, "", "Units: length");
-    section.whole_number(
-        "Cells along edge", mandatory, 2,
-        "The number of cells along each of the three edges of the octant's inner and outer "
-        "surface, quarters of a circle. It must be even.");
-    section.text("Cells through thickness", mandatory, "",
-                 std::string("The layers from the inner surface on: ") + segments_syntax +
-                     ". Places are radii.");
-  }
-
-  SphericalShell::SphericalShell(const Section &section) : section(section)
-  {
-    const double inner = section.get_positive("Inner radius");
-    const double outer = section.get_positive("Outer radius");
+    const double inner = e.number("Inner radius", mandatory, positive(0.), "", "Units: length");
+    const double outer = e.number("Outer radius", mandatory, positive(0.), "", "Units: length");
+    const unsigned int n_edge_cells =
+        e.integer("Cells along edge", mandatory, at_least(2),
+                  "The number of cells along each of the three edges of the octant's inner and "
+                  "outer surface, quarters of a circle. It must be even.");
+    const std::string text = e.text("Cells through thickness", mandatory, "",
+                                    std::string("The layers from the inner surface on: ") +
+                                        segments_syntax + ". Places are radii.");
+    if (e.declares())
+      return;
     if (!(outer > inner))
     {
       std::ostringstream message;
       message << "It must be larger than the inner radius, " << inner << ".";
       section.fail("Outer radius", message.str());
     }
-    const unsigned int n_edge_cells = section.get_unsigned("Cells along edge");
-    if (n_edge_cells < 2 || n_edge_cells % 2 != 0)
+    if (n_edge_cells % 2 != 0)
       section.fail("Cells along edge",
                    "Each edge belongs to two blocks: the number must be even, and at least 2.");
     n_block_cells = n_edge_cells / 2;
     const auto layers =
-        parse_segments(section, section.get("Cells through thickness"),
+        parse_segments(section, text,
                        {"Cells through thickness", " through the thickness", "shell",
                         std::string("The layers are ") + segments_syntax, inner, outer, true});
     const double n_all = 3. * n_block_cells * n_block_cells * static_cast<double>(n_cells(layers));

@@ -11,30 +11,21 @@
 namespace tombolo
 {
   template <int dim>
-  void FileMesh<dim>::declare_parameters(dealii::ParameterHandler &handler)
+  FileMesh<dim>::FileMesh(const Entries &e) : section(e.section())
   {
-    Parameters::declare_mandatory(
-        handler, "File", dealii::Patterns::Anything(),
-        "The mesh: a .msh of gmsh (2.2 or 4.1, text or binary; physical groups name groups of "
-        "cells "
-        "and boundaries), an .inp of Abaqus (sets of elements, parts and instances are groups; "
-        "surfaces and sets of nodes are boundaries; `material N` counts the sets of cells from 1 "
-        "in "
-        "their order), a .k or .key of LS-DYNA (parts and sets of solids are groups; sets of "
-        "segments and nodes are boundaries; `material N` is part N), or a legacy .vtk 3.0 "
-        "(\"SCALARS MaterialID int\"). It is looked for in the directory of the parameter file and "
-        "then in the working directory.");
-    handler.declare_entry("Scale", "1", dealii::Patterns::Double(),
-                          "Coordinates are multiplied by this, for example 0.001 for a file in "
-                          "millimetres in a scene in metres.");
-  }
-
-  template <int dim>
-  FileMesh<dim>::FileMesh(const Section &section)
-      : section(section), file(section.get("File")), scale(section.get_positive("Scale"))
-  {
-    if (file.empty())
-      section.fail("File", "The name of the mesh file is empty.");
+    file =
+        e.text("File", mandatory, "",
+               "The mesh: a .msh of gmsh (2.2 or 4.1, text or binary; physical groups name groups "
+               "of cells and boundaries), an .inp of Abaqus (sets of elements, parts and instances "
+               "are groups; surfaces and sets of nodes are boundaries; `material N` counts the "
+               "sets of cells from 1 in their order), a .k or .key of LS-DYNA (parts and sets of "
+               "solids are groups; sets of segments and nodes are boundaries; `material N` is part "
+               "N), or a legacy .vtk 3.0 (\"SCALARS MaterialID int\"). It is looked for in the "
+               "directory of the parameter file and then in the working directory.");
+    e.refuse(file.empty(), "File", "The name of the mesh file is empty.");
+    scale = e.number("Scale", "1", positive(), "",
+                     "Coordinates are multiplied by this, for example 0.001 for a file in "
+                     "millimetres in a scene in metres.");
   }
 
   template <int dim>

@@ -16,22 +16,13 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void ExplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
+  ExplicitHeat<dim>::ExplicitHeat(const Entries &e) : solver(1e-4, 400, Quantity::scalars)
   {
-    handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
-                          "The step is this fraction of the limit, that of the largest eigenvalue "
-                          "of the real operator, above 0 and up to 1.");
-    handler.declare_entry("Maximum", "0", Patterns::Double(0.),
-                          "The largest step allowed; 0 is no limit of its own. Units: T.");
-  }
-
-  template <int dim>
-  ExplicitHeat<dim>::ExplicitHeat(const Section &section)
-      : safety_factor(section.get_positive("Safety factor")),
-        maximum(section.get_double("Maximum")), solver(1e-4, 400, Quantity::scalars)
-  {
-    if (safety_factor > 1.)
-      section.fail("Safety factor", "allowed is a number above 0 and up to 1.");
+    safety_factor = e.number("Safety factor", "0.9", positive_up_to(1.), "",
+                             "The step is this fraction of the limit, that of the largest "
+                             "eigenvalue of the real operator, above 0 and up to 1.");
+    maximum = e.number("Maximum", "0", at_least(0.), "T",
+                       "The largest step allowed; 0 is no limit of its own.");
   }
 
   template <int dim>

@@ -226,25 +226,17 @@ namespace tombolo
   };
 
   template <int dim>
-  void ImplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
+  ImplicitHeat<dim>::ImplicitHeat(const Entries &e, const double weight) : weight(weight)
   {
-    Parameters::declare_mandatory(handler, "Step", Patterns::Double(),
-                                  "The time step; steps are equal and at most so long that outputs "
-                                  "are met. Units: T.");
-    handler.declare_entry(
-        "Tolerance", "1e-8", Patterns::Double(1e-15, 1e-2),
-        "The residual of a step over that of its beginning. The heat balance does "
-        "not depend on it: what enters is what the enthalpy gains, to round-off.");
-    handler.declare_entry("Max Newton iterations", "30", Patterns::Integer(1, 10000),
-                          "A step that needs more stops the run.");
+    time_step =
+        e.number("Step", mandatory, positive(), "T",
+                 "The time step; steps are equal and at most so long that outputs are met.");
+    tolerance = e.number("Tolerance", "1e-8", between(1e-15, 1e-2), "",
+                         "The residual of a step over that of its beginning. The heat balance does "
+                         "not depend on it: what enters is what the enthalpy gains, to round-off.");
+    max_newton_iterations = e.integer("Max Newton iterations", "30", between(1, 10000),
+                                      "A step that needs more stops the run.");
   }
-
-  template <int dim>
-  ImplicitHeat<dim>::ImplicitHeat(const Section &section, const double weight)
-      : weight(weight), time_step(section.get_positive("Step")),
-        tolerance(section.get_double("Tolerance")),
-        max_newton_iterations(section.get_unsigned("Max Newton iterations"))
-  {}
 
   template <int dim>
   ImplicitHeat<dim>::~ImplicitHeat() = default;

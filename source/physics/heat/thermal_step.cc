@@ -16,20 +16,11 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void ThermalStep<dim>::declare_parameters(ParameterHandler &handler)
+  ThermalStep<dim>::ThermalStep(const Entries &e)
   {
-    handler.declare_entry(
-        "Time integration", "explicit",
-        Patterns::Selection(Registry<HeatIntegrator<dim>>::instance().selection()),
-        "How heat is advanced in time.");
-    Registry<HeatIntegrator<dim>>::instance().declare_all(handler);
-  }
-
-  template <int dim>
-  ThermalStep<dim>::ThermalStep(const Section &heat)
-  {
-    const std::string name = heat.get("Time integration");
-    scheme = Registry<HeatIntegrator<dim>>::instance().create(name, heat.subsection(name));
+    scheme = e.plugin<HeatIntegrator<dim>>("Time integration", "explicit",
+                                           "How heat is advanced in time.");
+    e.plugins<HeatIntegrator<dim>>();
   }
 
   template <int dim>
@@ -305,9 +296,7 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        parameters.handler().enter_subsection("Heat");
-        ThermalStep<dim>::declare_parameters(parameters.handler());
-        parameters.handler().leave_subsection();
+        declare_section<ThermalStep<dim>>(parameters, "Heat");
       }
 
       void validate(const Parameters &parameters,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/body_section.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/read_vector.h>
@@ -44,38 +44,33 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void BodySection<dim>::declare_parameters(ParameterHandler &handler)
+  BodySection<dim>::BodySection(const Entries &e, const std::vector<Part<dim>> &parts)
+      : section_name(e.section().name())
   {
-    Declarations section(handler);
-    section.text("Normal", "", "",
-                 "The direction of the normal of the plane that cuts the bodies as they are "
-                 "initially. The force is that on the nodes which the normal points to and on "
-                 "those on the plane.");
-    section.numbers("Point", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
-                    "A point of the plane, which does not move; moments are about it.");
-    section.text("Where", "", "",
-                 "A predicate of the initial position, for example `y < 2`: the force is on those "
-                 "nodes alone where it holds. Together with a plane it selects one of several "
-                 "members that the plane cuts; without one it cuts free what it selects.");
-    section.text("Between parts", "", "",
-                 "Two parts that share nodes, `NAME, OTHER`, in place of a plane or a predicate: "
-                 "the force is that of the first on the second.");
-  }
-
-  template <int dim>
-  BodySection<dim>::BodySection(const Section &section, const std::vector<Part<dim>> &parts)
-      : section_name(section.name())
-  {
-    const Tensor<1, dim> given = read_vector<dim>(section, "Point");
-    for (unsigned int d = 0; d < dim; ++d)
-      point[d] = given[d];
-    if (section.is_set("Normal"))
-      normal = read_direction<dim>(section, "Normal");
-    if (section.is_set("Where"))
-      where.emplace(section, "Where");
+    if (e.when(e.is_set("Normal")))
+      normal = e.read(
+          "Normal", "", "",
+          "The direction of the normal of the plane that cuts the bodies as they are initially. "
+          "The force is that on the nodes which the normal points to and on those on the plane.",
+          &read_direction<dim>);
+    const std::vector<double> given =
+        e.numbers("Point", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
+                  "A point of the plane, which does not move; moments are about it.");
+    std::copy(given.begin(), given.end(), point.begin());
+    where = e.if_set<Predicate<dim>>(
+        "Where", "",
+        "A predicate of the initial position, for example `y < 2`: the force is on those nodes "
+        "alone where it holds. Together with a plane it selects one of several members that the "
+        "plane cuts; without one it cuts free what it selects.");
+    const std::vector<std::string> names =
+        e.list("Between parts", "",
+               "Two parts that share nodes, `NAME, OTHER`, in place of a plane or a predicate: the "
+               "force is that of the first on the second.");
+    if (e.declares())
+      return;
+    const Section &section = e.section();
     if (normal && !section.is_set("Point"))
       section.fail("Normal", "a plane needs `Point` too, a point in it.");
-    const std::vector<std::string> names = section.get_list("Between parts");
     if (names.empty())
     {
       if (!normal && !where)

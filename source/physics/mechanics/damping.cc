@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/damping.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/physics/mechanics/rigid_body_setup.h>
@@ -76,15 +76,11 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.enter_subsection(section_name);
-        Declarations(handler).text("Rate", "0", "1/T",
-                                   "α of the force -α m v on all nodes, which takes the motion of "
-                                   "a body to rest: 2 ω damps "
-                                   "a vibration of the angular frequency ω critically. A function "
-                                   "of t, so that it can end; "
-                                   "0: there is no damping.");
-        handler.leave_subsection();
+        const Entries e = Entries(parameters.handler()).subsection(section_name);
+        e.text("Rate", "0", "1/T",
+               "α of the force -α m v on all nodes, which takes the motion of a body to rest: 2 ω "
+               "damps a vibration of the angular frequency ω critically. A function of t, so that "
+               "it can end; 0: there is no damping.");
       }
 
       void validate(const Parameters &parameters,

@@ -263,27 +263,24 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.declare_entry(
+        parameters.handler().declare_entry(
             "Body contacts", "", Patterns::Anything(),
             "Names of contacts between bodies, each with a section `Body contact: "
             "NAME`.");
         for (const std::string &name : section_names(parameters, "Body contacts"))
         {
-          handler.enter_subsection("Body contact: " + name);
+          const Entries e = Entries(parameters.handler()).subsection("Body contact: " + name);
           for (const std::string side : {"Slave", "Master"})
           {
-            handler.declare_entry(
-                side + " parts", "", Patterns::Anything(),
-                "Names of the parts whose faces on the boundary of the mesh are "
-                "this side, separated by commas; empty for all. The side with the "
-                "smaller faces is the better slave.");
-            handler.declare_entry(side + " boundary", "", Patterns::Anything(),
-                                  "Names of the boundaries with the faces of this side, separated "
-                                  "by commas; empty for all boundaries of the parts.");
+            e.text(side + " parts", "", "",
+                   "Names of the parts whose faces on the boundary of the mesh are this side, "
+                   "separated by commas; empty for all. The side with the smaller faces is the "
+                   "better slave.");
+            e.text(side + " boundary", "", "",
+                   "Names of the boundaries with the faces of this side, separated by commas; "
+                   "empty for all boundaries of the parts.");
           }
-          MortarSettings::declare_parameters(handler);
-          handler.leave_subsection();
+          declare<MortarSettings>(e);
         }
       }
 

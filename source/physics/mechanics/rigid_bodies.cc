@@ -391,15 +391,9 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
         for (const std::string &name : section_names(parameters, "Parts"))
-        {
-          handler.enter_subsection("Part: " + name);
-          handler.enter_subsection("rigid");
-          RigidBodySettings<dim>::declare_parameters(handler);
-          handler.leave_subsection();
-          handler.leave_subsection();
-        }
+          declare<RigidBodySettings<dim>>(
+              Entries(parameters.handler()).subsection("Part: " + name).subsection("rigid"));
       }
 
       void validate(const Parameters &parameters,

@@ -365,16 +365,12 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.declare_entry("Contacts", "", Patterns::Anything(),
-                              "Names of contacts with rigid surfaces, each with a section "
-                              "`Contact: NAME`.");
+        parameters.handler().declare_entry(
+            "Contacts", "", Patterns::Anything(),
+            "Names of contacts with rigid surfaces, each with a section `Contact: NAME`.");
         for (const std::string &name : section_names(parameters, "Contacts"))
-        {
-          handler.enter_subsection("Contact: " + name);
-          declare_surface_contact<dim>(handler);
-          handler.leave_subsection();
-        }
+          declare_surface_contact<dim>(
+              Entries(parameters.handler()).subsection("Contact: " + name));
       }
 
       void validate(const Parameters &parameters,

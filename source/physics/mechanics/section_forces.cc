@@ -133,16 +133,13 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.declare_entry(list_of_sections, "", Patterns::Anything(),
-                              "Names of sections of the bodies, each with a section `Section: "
-                              "NAME`: forces and moments through them are in sections.csv.");
+        parameters.handler().declare_entry(
+            list_of_sections, "", Patterns::Anything(),
+            "Names of sections of the bodies, each with a section `Section: NAME`: forces and "
+            "moments through them are in sections.csv.");
         for (const std::string &name : section_names(parameters, list_of_sections))
-        {
-          handler.enter_subsection("Section: " + name);
-          BodySection<dim>::declare_parameters(handler);
-          handler.leave_subsection();
-        }
+          declare_section<BodySection<dim>>(parameters, "Section: " + name,
+                                            std::vector<Part<dim>>());
       }
 
       void validate(const Parameters &parameters,

@@ -20,19 +20,13 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void SpectralEstimator<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    handler.declare_entry(
-        "Tolerance", "1e-4", Patterns::Double(1e-8, 0.01),
-        "The iteration ends when the eigenvalue has grown by less than this "
-        "fraction over ten iterations (four, where it starts from an earlier mode).");
-    handler.declare_entry("Max iterations", "400", Patterns::Integer(10, 100000),
-                          "Limit of the iterations of one estimate.");
-  }
-
-  template <int dim>
-  SpectralEstimator<dim>::SpectralEstimator(const Section &section)
-      : solver(section.get_double("Tolerance"), section.get_unsigned("Max iterations"))
+  SpectralEstimator<dim>::SpectralEstimator(const Entries &e)
+      : solver{
+            e.number("Tolerance", "1e-4", between(1e-8, 0.01), "",
+                     "The iteration ends when the eigenvalue has grown by less than this fraction "
+                     "over ten iterations (four, where it starts from an earlier mode)."),
+            e.integer("Max iterations", "400", between(10, 100000),
+                      "Limit of the iterations of one estimate.")} // in this order
   {}
 
   template <int dim>

@@ -11,52 +11,37 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void StepSize<dim>::declare_parameters(ParameterHandler &handler)
+  StepSize<dim>::StepSize(const Entries &e)
   {
-    handler.declare_entry(
-        "Safety factor", "0.85", Patterns::Double(),
-        "The step is this fraction of the limit, above 0 and up to 1, or what springs "
-        "and dampers of contacts leave of it, if that is less.");
-    handler.declare_entry("Maximum", "0", Patterns::Double(0.),
-                          "The largest step allowed; 0 is no limit of its own. Units: T.");
-    handler.declare_entry("Fixed", "0", Patterns::Double(0.),
-                          "A step given by the user, taken without looking at any limit; 0 is not "
-                          "given. Units: T.");
-    handler.declare_entry(
-        "Check interval", "20", Patterns::Integer(1, 1000000),
-        "At the latest every so many steps the check is made whether the limit must be estimated "
-        "anew; more often while cells or supports change fast.");
-    handler.declare_alias("Check interval", "Look interval", true);
-    handler.declare_entry("Re-estimation threshold", "0.01", Patterns::Double(0., 1.),
-                          "The estimate is repeated when the smallest length over wave speed "
-                          "has changed by this fraction since the last one.");
-    handler.declare_alias("Re-estimation threshold", "Change that matters", true);
-    handler.declare_entry(
-        "Estimate interval", "40", Patterns::Integer(1, 1000000),
-        "Where particles renew their shape functions, the estimate is repeated at the "
-        "latest after so many steps, earlier where the last ones differed; 1: at each renewal, "
-        "for flows that stir, where one renewal can halve the stable step.");
-    handler.enter_subsection("spectral");
-    SpectralEstimator<dim>::declare_parameters(handler);
-    handler.leave_subsection();
-  }
-
-  template <int dim>
-  StepSize<dim>::StepSize(const Parameters &parameters)
-  {
-    const Section section = parameters.section("Time step");
-    estimator = std::make_unique<SpectralEstimator<dim>>(section.subsection("spectral"));
-    safety_factor = section.get_positive("Safety factor");
-    if (safety_factor > 1.)
-      section.fail("Safety factor",
-                   "allowed is a number above 0 and up to 1: a step beyond the limit "
-                   "is not stable. To take a step of your own, set `Fixed`.");
-    maximum = section.get_double("Maximum");
-    fixed = section.get_double("Fixed");
-    check_interval = section.get_unsigned("Check interval");
-    reestimation_threshold = section.get_double("Re-estimation threshold");
-    longest_estimate_interval = section.get_unsigned("Estimate interval");
+    safety_factor = e.number(
+        "Safety factor", "0.85",
+        positive_up_to(
+            1.,
+            ": a step beyond the limit is not stable. To take a step of your own, set `Fixed`."),
+        "",
+        "The step is this fraction of the limit, above 0 and up to 1, or what springs and dampers "
+        "of contacts leave of it, if that is less.");
+    maximum = e.number("Maximum", "0", at_least(0.), "T",
+                       "The largest step allowed; 0 is no limit of its own.");
+    fixed =
+        e.number("Fixed", "0", at_least(0.), "T",
+                 "A step given by the user, taken without looking at any limit; 0 is not given.");
+    check_interval =
+        e.integer("Check interval", "20", between(1, 1000000),
+                  "At the latest every so many steps the check is made whether the limit must be "
+                  "estimated anew; more often while cells or supports change fast.");
+    e.alias("Check interval", "Look interval");
+    reestimation_threshold = e.number("Re-estimation threshold", "0.01", between(0., 1.), "",
+                                      "The estimate is repeated when the smallest length over wave "
+                                      "speed has changed by this fraction since the last one.");
+    e.alias("Re-estimation threshold", "Change that matters");
+    longest_estimate_interval =
+        e.integer("Estimate interval", "40", between(1, 1000000),
+                  "Where particles renew their shape functions, the estimate is repeated at the "
+                  "latest after so many steps, earlier where the last ones differed; 1: at each "
+                  "renewal, for flows that stir, where one renewal can halve the stable step.");
     steps_to_estimate = std::min(shortest_estimate_interval, longest_estimate_interval);
+    estimator = std::make_unique<SpectralEstimator<dim>>(e.subsection("spectral"));
   }
 
   template <int dim>

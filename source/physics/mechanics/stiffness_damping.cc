@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/stiffness_damping.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
@@ -70,16 +70,12 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.enter_subsection("Damping");
-        Declarations(handler).non_negative(
-            factor_entry, 0., "T",
-            "β of the force -β K v with the elastic stiffness K, which damps what deforms and "
-            "leaves "
-            "rigid motion alone: a vibration of the angular frequency ω has the damping ratio β "
-            "ω/2. The stable step becomes shorter: by 1/(√(1 + ξ²) + ξ), where ξ is β over the "
-            "step without it. 0: there is none.");
-        handler.leave_subsection();
+        const Entries e = Entries(parameters.handler()).subsection("Damping");
+        e.number(factor_entry, "0", at_least(0.), "T",
+                 "β of the force -β K v with the elastic stiffness K, which damps what deforms and "
+                 "leaves rigid motion alone: a vibration of the angular frequency ω has the "
+                 "damping ratio β ω/2. The stable step becomes shorter: by 1/(√(1 + ξ²) + ξ), "
+                 "where ξ is β over the step without it. 0: there is none.");
       }
 
       void validate(const Parameters &parameters,

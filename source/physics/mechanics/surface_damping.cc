@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/surface_damping.h>
 
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
@@ -138,18 +138,13 @@ namespace tombolo
     public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.enter_subsection(surface_section_name);
-        Declarations(handler).number(
-            "Coefficient", 0.3, "",
+        const Entries e = Entries(parameters.handler()).subsection(surface_section_name);
+        e.number(
+            "Coefficient", "0.3", between(0., 1.), "",
             "b of the viscosity b ρ c h between the layers at the surface of particles whose shape "
             "functions are cell averages: it takes away the oscillation of the outermost layer "
-            "that "
-            "a sudden load leaves there. Materials that flow are left alone. 0: there is none. The "
-            "stable step of particles alone is 6 "
-            "to 9 % longer without it.",
-            0., 1.);
-        handler.leave_subsection();
+            "that a sudden load leaves there. Materials that flow are left alone. 0: there is "
+            "none. The stable step of particles alone is 6 to 9 % longer without it.");
       }
 
       void validate(const Parameters &parameters,

@@ -2,7 +2,7 @@
 #include <tombolo/physics/statics/dynamic_relaxation.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/ordered_sum.h>
 
 #include <nlohmann/json.hpp>
@@ -24,15 +24,9 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void DynamicRelaxation<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    Declarations(handler).whole_number(
-        "Max iterations", 200000, 1, "A step that needs more evaluations of the forces is halved.");
-  }
-
-  template <int dim>
-  DynamicRelaxation<dim>::DynamicRelaxation(const Section &section)
-      : max_iterations(section.get_unsigned("Max iterations"))
+  DynamicRelaxation<dim>::DynamicRelaxation(const Entries &e)
+      : max_iterations(e.integer("Max iterations", "200000", at_least(1),
+                                 "A step that needs more evaluations of the forces is halved."))
   {}
 
   template <int dim>

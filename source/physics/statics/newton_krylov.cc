@@ -2,7 +2,7 @@
 #include <tombolo/physics/statics/newton_krylov.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 
 #include <nlohmann/json.hpp>
 
@@ -35,23 +35,17 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void NewtonKrylov<dim>::declare_parameters(ParameterHandler &handler)
+  NewtonKrylov<dim>::NewtonKrylov(const Entries &e)
   {
-    Declarations section(handler);
-    section.choice("Linear solver", "multigrid", "multigrid|direct",
-                   "How the linear equations of an iteration are solved: `multigrid` (GMRES with "
-                   "smoothed aggregation that knows rigid modes), or `direct` (a sparse "
-                   "factorization, for small bodies and thin ones).");
-    section.whole_number("Max iterations", 20, 1,
-                         "A step that needs more iterations of Newton's method is halved.");
+    const bool is_direct =
+        e.choice("Linear solver", "multigrid", "multigrid|direct",
+                 "How the linear equations of an iteration are solved: `multigrid` (GMRES with "
+                 "smoothed aggregation that knows rigid modes), or `direct` (a sparse "
+                 "factorization, for small bodies and thin ones).") == "direct";
+    solver = is_direct ? TangentMatrix<dim>::Solver::direct : TangentMatrix<dim>::Solver::multigrid;
+    max_iterations = e.integer("Max iterations", "20", at_least(1),
+                               "A step that needs more iterations of Newton's method is halved.");
   }
-
-  template <int dim>
-  NewtonKrylov<dim>::NewtonKrylov(const Section &section)
-      : solver(section.get("Linear solver") == "direct" ? TangentMatrix<dim>::Solver::direct
-                                                        : TangentMatrix<dim>::Solver::multigrid),
-        max_iterations(section.get_unsigned("Max iterations"))
-  {}
 
   template <int dim>
   double NewtonKrylov<dim>::search_line(StaticProblem<dim> &problem, const double norm,

@@ -2,7 +2,7 @@
 #include <tombolo/physics/statics/static_steps.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/words_of_type.h>
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/mesh/image_conditions.h>
@@ -30,35 +30,29 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void StaticSteps<dim>::declare_parameters(ParameterHandler &handler)
+  void StaticSteps<dim>::declare_parameters(const Entries &of_run)
   {
-    Declarations top(handler);
-    top.choice(
+    of_run.choice(
         integration_entry, explicit_steps,
         std::string(explicit_steps) + "|" + Registry<StaticSolver<dim>>::instance().selection(),
-        "How the mechanics goes through time: `explicit` follows the motion by stable steps; "
-        "the others find the equilibrium of a body at rest at the end of each step.");
-    handler.enter_subsection(statics_section);
-    Declarations section(handler);
-    section.non_negative("Largest step", 0., "T",
-                         "The largest step, and the first one; 0 is a twentieth of the run. "
-                         "Outputs are met by equal steps.");
-    section.non_negative("Smallest step", 0., "T",
-                         "A step that does not converge is halved, down to this one; 0 is a "
-                         "thousandth of the largest.");
-    section.number("Tolerance", 1e-8, "1",
-                   "A step has converged where the norm of the forces that are not in equilibrium "
-                   "is at most this fraction of the norm of the forces of cells, the largest of "
-                   "the run.",
-                   1e-14, 0.1);
-    section.number("Contact stiffness", 100., "1",
-                   "By how much the springs of contacts are stiffer than their entry `Stiffness` "
-                   "makes them in explicit steps at the step of eq. (41), which limits them there "
-                   "and not here. Bodies go into each other by less where it is larger, and the "
-                   "equations become harder to solve.",
-                   1e-3, 1e6);
-    Registry<StaticSolver<dim>>::instance().declare_all(handler);
-    handler.leave_subsection();
+        "How the mechanics goes through time: `explicit` follows the motion by stable steps; the "
+        "others find the equilibrium of a body at rest at the end of each step.");
+    const Entries e = of_run.subsection(statics_section);
+    e.number("Largest step", "0", at_least(0.), "T",
+             "The largest step, and the first one; 0 is a twentieth of the run. Outputs are met by "
+             "equal steps.");
+    e.number("Smallest step", "0", at_least(0.), "T",
+             "A step that does not converge is halved, down to this one; 0 is a thousandth of the "
+             "largest.");
+    e.number("Tolerance", "1e-08", between(1e-14, 0.1), "1",
+             "A step has converged where the norm of the forces that are not in equilibrium is at "
+             "most this fraction of the norm of the forces of cells, the largest of the run.");
+    e.number(
+        "Contact stiffness", "100", between(1e-3, 1e6), "1",
+        "By how much the springs of contacts are stiffer than their entry `Stiffness` makes them "
+        "in explicit steps at the step of eq. (41), which limits them there and not here. Bodies "
+        "go into each other by less where it is larger, and the equations become harder to solve.");
+    e.plugins<StaticSolver<dim>>();
   }
 
   template <int dim>

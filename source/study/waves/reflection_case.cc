@@ -463,9 +463,7 @@ namespace tombolo
     Parameters parameters(MPI_COMM_SELF);
     parameters.read_text(text, "the strip of a reflection");
     Model<2>::declare_parameters(parameters);
-    parameters.handler().enter_subsection("Time step");
-    StepSize<2>::declare_parameters(parameters.handler());
-    parameters.handler().leave_subsection();
+    declare_section<StepSize<2>>(parameters, "Time step");
     parameters.assign();
     Model<2> model(parameters, MPI_COMM_SELF);
     SpectralEstimator<2> estimator(parameters.section("Time step").subsection("spectral"));

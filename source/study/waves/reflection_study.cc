@@ -98,72 +98,63 @@ namespace tombolo
 
   void ReflectionStudy::declare_parameters(Parameters &parameters)
   {
-    ParameterHandler &handler = parameters.handler();
-    handler.declare_entry("Title", "", Patterns::Anything(), "A title for tables and pictures.");
-    handler.declare_entry("Output directory", "output/reflection_study", Patterns::Anything(),
-                          "Where the study leaves its results; made if it does not exist.");
-    Parameters::declare_mandatory(
-        handler, "Groups", Patterns::Anything(),
-        "Names of the groups of cases, each with a section `Group: NAME`. The "
-        "cases of a group are the product of its lists.");
-    handler.declare_entry("Plugin libraries", "", Patterns::Anything(),
-                          "Shared objects with further elements, loaded before all else is read.");
+    const Entries run(parameters.handler());
+    run.text("Title", "", "", "A title for tables and pictures.");
+    run.text("Output directory", "output/reflection_study", "",
+             "Where the study leaves its results; made if it does not exist.");
+    run.text("Groups", mandatory, "",
+             "Names of the groups of cases, each with a section `Group: NAME`. The cases of a "
+             "group are the product of its lists.");
+    run.text("Plugin libraries", "", "",
+             "Shared objects with further elements, loaded before all else is read.");
     for (const std::string &name : section_names(parameters, "Groups"))
     {
-      handler.enter_subsection("Group: " + name);
+      const Entries e = run.subsection("Group: " + name);
       const Patterns::List list_of_texts(Patterns::Anything(), 1);
-      handler.declare_entry("Title", "", Patterns::Anything(), "What the group shows.");
-      Parameters::declare_mandatory(
-          handler, "Pairs",
+      e.text("Title", "", "", "What the group shows.");
+      e.entry(
+          "Pairs", mandatory,
           Patterns::List(
               Patterns::Selection(
                   "FE-FE|FE-particles|particles-FE|particles-particles|particles-same particles"),
               1),
+          "",
           "What the wave comes from and what it meets. Particles and particles are two parts that "
-          "share "
-          "nodes; `same particles` are of the same part, and all see each other.");
-      handler.declare_entry(
+          "share nodes; `same particles` are of the same part, and all see each other.");
+      e.entry(
           "Elements", "fully integrated hexahedron",
           Patterns::List(Patterns::Selection(Registry<Formulation<2>>::instance().selection()), 1),
-          "Formulations of the sides called FE, of degree 1.");
-      handler.declare_entry("Spacing ratios", "1", list_of_texts,
-                            "Spacing of the right side over that of the left, numbers or fractions "
-                            "such as 1/3.");
-      handler.declare_entry("Spacing along the interface", "1", Patterns::Double(0.1, 10.),
-                            "Of both sides, over the coarser one across the interface.");
-      handler.declare_entry("Dilations", "1.8", list_of_texts,
-                            "Support half width of the particles over their spacing.");
-      handler.declare_entry("Kernel", "", Patterns::Anything(),
-                            "The particles' kernel; empty is their default.");
-      handler.declare_entry("Smoothings", "paper", list_of_texts,
-                            "The particles' smoothing, as in a part's section.");
-      handler.declare_entry("Bridges", "paper",
-                            Patterns::List(Patterns::Selection("paper|trace"), 1),
-                            "How elements and particles share nodes.");
-      handler.declare_entry("Filter powers", "0", list_of_texts,
-                            "p of the lattice filter; 0 is no filter.");
-      handler.declare_entry("Filter strengths", "0.5", list_of_texts,
-                            "beta of the lattice filter.");
-      handler.declare_entry("Filter interval", "3", Patterns::Integer(1, 1000),
-                            "The filter is applied every so many steps.");
-      handler.declare_entry("Poisson's ratios", "0", list_of_texts,
-                            "Of the material on both sides.");
-      handler.declare_entry("Waves", "P", Patterns::List(Patterns::Selection("P|S"), 1),
-                            "Types of the incident wave.");
-      handler.declare_entry("Angles", "0", list_of_texts,
-                            "Between the direction of the wave and the normal. Units: degrees.");
-      handler.declare_entry("Wavelengths", "20", list_of_texts,
-                            "Of the incident wave, over the coarser spacing.");
-      handler.declare_entry("Cycles", "8", Patterns::Double(8., 100.),
-                            "Wavelengths in the Hann burst, counted along the normal.");
-      handler.declare_entry("Step factor", "0.9", Patterns::Double(0.01, 1.),
-                            "The time step is this fraction of the stable one.");
-      handler.declare_entry(
-          "Reference", "", Patterns::Anything(),
-          "Reflections to print beside those computed, in the order of the cases: "
-          "the lists from the first in this section, Pairs, to the last, "
-          "Wavelengths, which changes fastest; `-` where there is none. Units: %.");
-      handler.leave_subsection();
+          "", "Formulations of the sides called FE, of degree 1.");
+      e.entry("Spacing ratios", "1", list_of_texts, "",
+              "Spacing of the right side over that of the left, numbers or fractions such as 1/3.");
+      e.number("Spacing along the interface", "1", between(0.1, 10.), "",
+               "Of both sides, over the coarser one across the interface.");
+      e.entry("Dilations", "1.8", list_of_texts, "",
+              "Support half width of the particles over their spacing.");
+      e.text("Kernel", "", "", "The particles' kernel; empty is their default.");
+      e.entry("Smoothings", "paper", list_of_texts, "",
+              "The particles' smoothing, as in a part's section.");
+      e.entry("Bridges", "paper", Patterns::List(Patterns::Selection("paper|trace"), 1), "",
+              "How elements and particles share nodes.");
+      e.entry("Filter powers", "0", list_of_texts, "", "p of the lattice filter; 0 is no filter.");
+      e.entry("Filter strengths", "0.5", list_of_texts, "", "beta of the lattice filter.");
+      e.integer("Filter interval", "3", between(1, 1000),
+                "The filter is applied every so many steps.");
+      e.entry("Poisson's ratios", "0", list_of_texts, "", "Of the material on both sides.");
+      e.entry("Waves", "P", Patterns::List(Patterns::Selection("P|S"), 1), "",
+              "Types of the incident wave.");
+      e.entry("Angles", "0", list_of_texts, "degrees",
+              "Between the direction of the wave and the normal.");
+      e.entry("Wavelengths", "20", list_of_texts, "",
+              "Of the incident wave, over the coarser spacing.");
+      e.number("Cycles", "8", between(8., 100.), "",
+               "Wavelengths in the Hann burst, counted along the normal.");
+      e.number("Step factor", "0.9", between(0.01, 1.), "",
+               "The time step is this fraction of the stable one.");
+      e.text("Reference", "", "%",
+             "Reflections to print beside those computed, in the order of the cases: the lists "
+             "from the first in this section, Pairs, to the last, Wavelengths, which changes "
+             "fastest; `-` where there is none.");
     }
   }
 

@@ -157,7 +157,7 @@ namespace
           "Conductivity = 9\nset Initial temperature = 10\nend\n",
           "heat.prm");
       properties_section.handler().enter_subsection("Heat");
-      ThermalProperties::declare_parameters(properties_section.handler());
+      declare<ThermalProperties>(properties_section.handler());
       properties_section.handler().leave_subsection();
       properties_section.assign();
       properties = std::make_unique<ThermalProperties>(properties_section.section("Heat"));

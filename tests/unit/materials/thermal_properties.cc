@@ -17,7 +17,7 @@ namespace tombolo
                            "test.prm");
       parameters.handler().enter_subsection("Material: plate");
       parameters.handler().enter_subsection("Heat");
-      ThermalProperties::declare_parameters(parameters.handler());
+      declare<ThermalProperties>(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.handler().leave_subsection();
       parameters.assign();

@@ -25,7 +25,7 @@ namespace
                            "scene.prm");
       auto &handler = parameters.handler();
       handler.enter_subsection("Mesh");
-      MeshRefinement<dim>::declare_parameters(handler);
+      declare<MeshRefinement<dim>>(handler);
       Registry<MeshSource<dim>>::instance().declare_all(handler);
       handler.leave_subsection();
       parameters.assign();

@@ -27,7 +27,7 @@ namespace
   {
     Parameters parameters(MPI_COMM_WORLD);
     parameters.read_text("set Unit labels = " + text + "\n", "test.prm");
-    UnitLabels::declare_parameters(parameters.handler());
+    declare<UnitLabels>(parameters.handler());
     parameters.assign();
     return UnitLabels(parameters.section(""));
   }

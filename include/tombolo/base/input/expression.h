@@ -31,6 +31,7 @@ namespace tombolo
                bool allow_free = false);
     ~Expression();
     Expression(Expression &&) noexcept;
+    Expression &operator=(Expression &&) noexcept;
 
     /** Throws RunError, on the one rank that sees it, naming the entry and place, where the value
      * is not finite. Zero for free components. */

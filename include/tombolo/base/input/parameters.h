@@ -173,6 +173,8 @@ namespace tombolo
   class Section
   {
   public:
+    /** Of no parameters, until another one is assigned. */
+    Section() = default;
     Section(const Parameters &parameters, const std::string &path);
 
     std::string get(const std::string &entry) const;
@@ -206,7 +208,7 @@ namespace tombolo
     [[noreturn]] void fail(const std::string &entry, const std::string &message) const;
 
   private:
-    const Parameters *parameters;
+    const Parameters *parameters = nullptr;
     std::string section_path;
   };
 } // namespace tombolo

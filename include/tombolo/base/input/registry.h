@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -48,10 +49,12 @@ namespace tombolo
 
   /**
    * All plug-ins of one kind, by name. A plug-in is a class derived from @p Interface with
-   * `static void declare_parameters(dealii::ParameterHandler &)` and a constructor from a
-   * `const Section &`; one line at the end of its source file, TOMBOLO_REGISTER or
-   * TOMBOLO_REGISTER_FOR_DIMENSIONS, makes it known. Nothing else in the library is edited, and the
-   * source may live in a shared object that the parameter file names in `Plugin libraries`.
+   * either a constructor from `const Entries &` (tombolo/base/input/entries.h), or `static void
+   * declare_parameters(dealii::ParameterHandler &)` and a constructor from a `const Section &`, or
+   * none of them where it has no entries; one line at the end of its source file,
+   * TOMBOLO_REGISTER or TOMBOLO_REGISTER_FOR_DIMENSIONS, makes it known. Nothing else in the
+   * library is edited, and the source may live in a shared object that the parameter file names in
+   * `Plugin libraries`.
    */
   template <typename Interface>
   class Registry
@@ -129,6 +132,34 @@ namespace tombolo
 
   namespace internal
   {
+    template <typename Plugin, typename = void>
+    struct DeclaresItself : std::false_type
+    {};
+
+    template <typename Plugin>
+    struct DeclaresItself<Plugin, std::void_t<decltype(Plugin::declare_parameters(
+                                      std::declval<dealii::ParameterHandler &>()))>>
+        : std::true_type
+    {};
+
+    template <typename Plugin>
+    void declare(dealii::ParameterHandler &handler)
+    {
+      if constexpr (DeclaresItself<Plugin>::value)
+        Plugin::declare_parameters(handler);
+      else if constexpr (std::is_constructible<Plugin, dealii::ParameterHandler &>::value)
+        Plugin discarded(handler); // whose constructor from Entries declares them
+    }
+
+    template <typename Plugin>
+    std::unique_ptr<Plugin> create(const Section &section)
+    {
+      if constexpr (std::is_constructible<Plugin, const Section &>::value)
+        return std::make_unique<Plugin>(section);
+      else
+        return std::make_unique<Plugin>();
+    }
+
     template <typename Interface, typename Plugin>
     struct Registration
     {
@@ -137,10 +168,9 @@ namespace tombolo
         try
         {
           Registry<Interface>::instance().add(
-              name, {description,
-                     [](dealii::ParameterHandler &handler) { Plugin::declare_parameters(handler); },
+              name, {description, &internal::declare<Plugin>,
                      [](const Section &section) -> std::unique_ptr<Interface>
-                     { return std::make_unique<Plugin>(section); }});
+                     { return create<Plugin>(section); }});
         }
         catch (const InputError &error)
         {

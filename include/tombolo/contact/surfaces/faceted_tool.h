@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/surfaces/rigid_mesh.h>
 #include <tombolo/contact/surfaces/rigid_tool.h>
 
@@ -18,9 +16,7 @@ namespace tombolo
   class FacetedTool : public RigidTool<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    explicit FacetedTool(const Section &section);
+    explicit FacetedTool(const Entries &e);
 
     /** Throws InputError where the file cannot be read or bounds no body. */
     void load(MPI_Comm communicator) override;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
@@ -14,10 +12,8 @@ namespace tombolo
   class Plane : public ContactSurface<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError for a normal of no length. */
-    explicit Plane(const Section &section);
+    explicit Plane(const Entries &e);
 
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/surfaces/rigid_profile.h>
 #include <tombolo/contact/surfaces/rigid_tool.h>
 
@@ -17,17 +15,13 @@ namespace tombolo
    * from the axis and the place along it, from the tool's origin on; a tool of revolution that
    * spins touches the same places, but drags along what it touches.
    *
-   * @tparam Outline has static functions `declare_parameters(ParameterHandler &)` and
-   * `corners(const Section &)`, which gives the corners of the profile or throws InputError, and
-   * `edge_radius(const Section &)`.
+   * @tparam Outline is derived from ToolOutline, with a constructor from Entries.
    */
   template <int dim, typename Outline>
   class RevolvedTool : public RigidTool<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    explicit RevolvedTool(const Section &section);
+    explicit RevolvedTool(const Entries &e);
 
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;
@@ -47,43 +41,39 @@ namespace tombolo
     double reach = 0;
   };
 
-  /** What outlines with edges have in common. */
-  struct EdgedOutline
+  /** The corners of a profile, and the radius by which its edges are rounded [L]. */
+  struct ToolOutline
   {
-    static double edge_radius(const Section &section);
+    std::vector<RigidProfile::Place> corners;
+    double edge_radius = 0;
 
   protected:
-    static void declare_edge_radius(dealii::ParameterHandler &handler);
+    void read_edge_radius(const Entries &e);
   };
 
   /** A friction drill: a small cone in the centre, a cone up to the full diameter, a cylinder; the
    * origin is the tip. */
-  struct DrillOutline : EdgedOutline
+  struct DrillOutline : ToolOutline
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    static std::vector<RigidProfile::Place> corners(const Section &section);
+    explicit DrillOutline(const Entries &e);
   };
 
   /** A pin below a shoulder, as for friction stir welding; the origin is the middle of the pin's
    * end. */
-  struct PinOutline : EdgedOutline
+  struct PinOutline : ToolOutline
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    static std::vector<RigidProfile::Place> corners(const Section &section);
+    explicit PinOutline(const Entries &e);
   };
 
   /** A sphere (a disc in two dimensions) around the origin. */
-  struct SphereOutline
+  struct SphereOutline : ToolOutline
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    static std::vector<RigidProfile::Place> corners(const Section &section);
-    static double edge_radius(const Section &section);
+    explicit SphereOutline(const Entries &e);
   };
 
   /** Any profile, by its corners. */
-  struct ProfileOutline : EdgedOutline
+  struct ProfileOutline : ToolOutline
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    static std::vector<RigidProfile::Place> corners(const Section &section);
+    explicit ProfileOutline(const Entries &e);
   };
 } // namespace tombolo

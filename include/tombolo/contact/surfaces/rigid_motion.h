@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 #include <optional>
@@ -19,12 +18,11 @@ namespace tombolo
   class RigidMotion
   {
   public:
-    /** "Origin", "Angle", and the entries of RigidTranslation. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    RigidMotion() = default;
 
-    /** Turns about @p axis, a unit vector, which is not used in two dimensions. Throws InputError.
-     */
-    RigidMotion(const Section &section, const dealii::Tensor<1, dim> &axis);
+    /** "Origin", "Angle", and the entries of RigidTranslation. Turns about @p axis, a unit vector,
+     * which is not used in two dimensions. */
+    RigidMotion(const Entries &e, const dealii::Tensor<1, dim> &axis);
 
     dealii::Tensor<1, dim> origin(double time) const; ///< [L]
     double angle(double time) const;                  ///< [rad]

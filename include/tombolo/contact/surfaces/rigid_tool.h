@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/surfaces/rigid_motion.h>
 
@@ -29,11 +29,6 @@ namespace tombolo
     }
 
   protected:
-    /** As RigidMotion. Throws InputError. */
-    RigidTool(const Section &section, const dealii::Tensor<1, dim> &axis)
-        : rigid_motion(section, axis)
-    {}
-
     RigidMotion<dim> rigid_motion;
   };
 } // namespace tombolo

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/clock.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 
 #include <optional>
 
@@ -25,14 +24,11 @@ namespace tombolo
   class RigidTranslation
   {
   public:
-    /** "Displacement", "Mass", "Force", "Initial velocity", "Directions". */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Of a body that stays. */
     RigidTranslation() = default;
 
-    /** Throws InputError. */
-    explicit RigidTranslation(const Section &section);
+    /** "Displacement", "Mass", "Force", "Initial velocity", "Directions". */
+    explicit RigidTranslation(const Entries &e);
 
     /** [L]. Of a mass it is known at t_n and t_{n-1}, and given for the nearer of the two. */
     dealii::Tensor<1, dim> displacement(double time) const;

@@ -34,8 +34,8 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       CellIntegration<dim, Element>::declare_parameters(handler);
-      ErosionCriterion::declare_parameters(handler);
-      ConversionCriterion::declare_parameters(handler);
+      declare<ErosionCriterion>(handler);
+      declare<ConversionCriterion>(handler);
     }
 
     explicit CellFormulation(const Section &section)

@@ -41,7 +41,7 @@ namespace tombolo
     {
       Element::declare_parameters(handler);
       declare_strain_measure(handler, Element::measure);
-      BulkViscosity::declare_parameters(handler);
+      declare<BulkViscosity>(handler);
     }
 
     explicit CellIntegration(const Section &section)

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/state/material_points.h>
 
 #include <optional>
@@ -19,9 +17,7 @@ namespace tombolo
   public:
     /** None. */
     ConversionCriterion() = default;
-    explicit ConversionCriterion(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit ConversionCriterion(const Entries &e);
     bool is_on() const
     {
       return section.has_value();

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
-
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/state/material_points.h>
 
 #include <optional>
@@ -27,9 +25,7 @@ namespace tombolo
 
     /** None. */
     ErosionCriterion() = default;
-    explicit ErosionCriterion(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit ErosionCriterion(const Entries &e);
     bool is_on() const
     {
       return section.has_value();

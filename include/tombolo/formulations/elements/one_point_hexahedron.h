@@ -3,6 +3,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
@@ -45,7 +46,7 @@ namespace tombolo
       Lanes inverse_volume;
     };
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
     explicit OnePointHexahedron(const Section &section);
     /** Without a limit. */
     explicit OnePointHexahedron(double coefficient);

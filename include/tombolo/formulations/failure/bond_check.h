@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/failure/bond_failure.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
@@ -23,9 +23,7 @@ namespace tombolo
   class BondCheck
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    explicit BondCheck(const Section &section);
+    explicit BondCheck(const Entries &e);
 
     const std::string &criterion_name() const;
     bool needs_deformation() const;

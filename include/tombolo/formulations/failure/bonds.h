@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/neighbourhoods.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/failure/bond_check.h>
 #include <tombolo/formulations/failure/neighbour_partners.h>
 #include <tombolo/formulations/failure/partner_lists.h>
@@ -46,10 +46,8 @@ namespace tombolo
      */
     static constexpr double largest_gradient_growth = 3.;
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Null where the section of the formulation wants no bond failure. Throws InputError. */
-    static std::unique_ptr<Bonds> create(const Section &section);
+    static std::unique_ptr<Bonds> create(const Entries &e);
 
     /** What points must hold. */
     std::vector<FieldDescription> variables() const;
@@ -154,7 +152,7 @@ namespace tombolo
     void list(Records &records);
 
   private:
-    explicit Bonds(const Section &section);
+    explicit Bonds(const Entries &e);
 
     /** Breaks the bond at an entry of the rows; its other end goes to @p messages. */
     void break_entry(unsigned int row, std::size_t entry, const Neighbourhoods<dim> &neighbourhoods,

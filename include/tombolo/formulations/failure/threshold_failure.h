@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/failure/bond_failure.h>
 
 #include <string>
@@ -18,12 +18,9 @@ namespace tombolo
                std::uint8_t *breaks) const override;
 
   protected:
-    /** `Limit` of the measure (mandatory, documented by @p limit_documentation), `Stretch` and
-     * `Combination`. */
-    static void declare_threshold(dealii::ParameterHandler &handler,
-                                  const std::string &limit_documentation);
-    /** Throws InputError for limits that are not positive. */
-    explicit ThresholdFailure(const Section &section);
+    /** `Limit` of the measure, with its unit and documentation, `Stretch` and `Combination`. */
+    ThresholdFailure(const Entries &e, const std::string &unit,
+                     const std::string &documentation_of_limit);
 
     Section section;
 

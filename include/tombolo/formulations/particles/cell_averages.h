@@ -3,7 +3,7 @@
 
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/cell_integrals.h>
 #include <tombolo/formulations/particles/particle_set.h>
 
@@ -42,11 +42,8 @@ namespace tombolo
   class CellAverages
   {
   public:
-    /** `Shape functions`. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     CellAverages() = default;
-    explicit CellAverages(const Section &section);
+    explicit CellAverages(const Entries &e);
 
     /** Decides whether the particles of this part have these functions. Throws the InputError of
      * what they do not have, where they are asked for. */

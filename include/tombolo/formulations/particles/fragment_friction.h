@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/materials/temperature_table.h>
 #include <tombolo/state/nodal_source.h>
@@ -84,11 +83,8 @@ namespace tombolo
   class FragmentFriction
   {
   public:
-    /** "Self-contact friction", "Self-contact conductance" in the section of a formulation. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Null where fragments neither rub nor conduct. Throws InputError. */
-    static std::unique_ptr<FragmentFriction> create(const Section &section);
+    static std::unique_ptr<FragmentFriction> create(const Entries &e);
 
     /** Throws the InputError of @p section of what has no meaning without heat. */
     static void refuse_without_heat(const Section &section);

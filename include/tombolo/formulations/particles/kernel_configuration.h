@@ -3,7 +3,7 @@
 
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/state/records.h>
 
@@ -27,12 +27,9 @@ namespace tombolo
   class KernelConfiguration
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler,
-                                   const std::string &default_kind);
-
     KernelConfiguration() = default;
     /** Throws InputError where an updated Lagrangian configuration has no criterion. */
-    explicit KernelConfiguration(const Section &section);
+    KernelConfiguration(const Entries &e, const std::string &default_kind = "current");
 
     bool is_total_lagrangian() const;
     bool is_current() const; ///< renewed at each step

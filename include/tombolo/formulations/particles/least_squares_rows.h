@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/moving_least_squares.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/cell_averages.h>
 #include <tombolo/formulations/particles/particle_rows.h>
 
@@ -16,7 +17,7 @@ namespace tombolo
   {
   public:
     /** `Kernel`, `Dilation`, and those of averages. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Throws InputError. */
     explicit LeastSquaresRows(const Section &section);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/particle_method.h>
 
 namespace tombolo
@@ -15,7 +16,7 @@ namespace tombolo
   {
   public:
     explicit MomentumConsistentParticle(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     double cost_per_cell(const Material &material, double box_ratio) const override;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/row_pairs.h>
 #include <tombolo/materials/temperature_table.h>
 
@@ -32,9 +32,7 @@ namespace tombolo
     /** None: heat is conducted by the gradients of the rows. */
     PairConduction() = default;
     /** Reads the section of a formulation. */
-    explicit PairConduction(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit PairConduction(const Entries &e);
     bool is_on() const
     {
       return method != Method::gradients;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/radial_table.h>
 #include <tombolo/formulations/particles/row_pairs.h>
 #include <tombolo/materials/material.h>
@@ -43,9 +43,7 @@ namespace tombolo
     /** None. */
     PairTerms() = default;
     /** Reads the section of a formulation, where `Configuration` stands too. Throws InputError. */
-    explicit PairTerms(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit PairTerms(const Entries &e);
     /** Lengths and moduli: @p kernel is W over the distance, normalized, for the smoothing length
      * h, zero beyond @p radius; @p spacing is dp. */
     void initialize(const Material &material, const std::function<double(double)> &kernel,

@@ -65,7 +65,7 @@ namespace tombolo
 
   protected:
     /** The entries of what is shared. */
-    static void declare_shared_parameters(dealii::ParameterHandler &handler,
+    static void declare_shared_parameters(const Entries &e,
                                           const std::string &default_configuration);
 
     /** Takes @p rows, which have no particles yet. Throws InputError. */

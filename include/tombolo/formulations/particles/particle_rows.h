@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/neighbourhoods.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test.h>
@@ -29,7 +29,7 @@ namespace tombolo
   {
   public:
     /** `Kernels across gaps`. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     virtual ~ParticleRows() = default;
     ParticleRows(const ParticleRows &) = delete;

@@ -6,7 +6,7 @@
 namespace tombolo
 {
   /** Declares `Strain measure` of particles, whose default follows `Smoothing`. */
-  void declare_particle_strain_measure(dealii::ParameterHandler &handler);
+  void declare_particle_strain_measure(const Entries &e);
 
   /** Reads it. Throws the InputError of a logarithmic measure with a smoothing by which positions
    * do not move with the velocity that strains. */

@@ -3,7 +3,7 @@
 
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/energy_accounts.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/fragment_friction.h>
 #include <tombolo/state/material_points.h>
@@ -48,10 +48,8 @@ namespace tombolo
   class SelfContact
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Null where the section of the formulation does not want it. Throws InputError. */
-    static std::unique_ptr<SelfContact> create(const Section &section);
+    static std::unique_ptr<SelfContact> create(const Entries &e);
 
     /** What points must hold. */
     std::vector<FieldDescription> variables() const;
@@ -103,7 +101,7 @@ namespace tombolo
     void list(Records &records);
 
   private:
-    explicit SelfContact(const Section &section);
+    explicit SelfContact(const Entries &e);
 
     /** Finds fragments and the pairs of different ones. Collective. */
     void find_pairs(const NodalVector &position, const NodalVector &element_mass,

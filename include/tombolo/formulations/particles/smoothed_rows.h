@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/radial_rows.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/particle_rows.h>
 
 #include <memory>
@@ -22,7 +23,7 @@ namespace tombolo
   {
   public:
     /** `Kernel`, `Smoothing length`, `Gradient` and `Correction limit`. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Throws InputError. */
     explicit SmoothedRows(const Section &section);

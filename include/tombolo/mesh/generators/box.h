@@ -4,7 +4,7 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 #include <tombolo/mesh/mesh_source.h>
 
@@ -25,10 +25,8 @@ namespace tombolo
   class Box : public MeshSource<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError where an entry makes no box. */
-    explicit Box(const Section &section);
+    explicit Box(const Entries &e);
 
     void create(Mesh<dim> &mesh) const override;
 
@@ -38,8 +36,7 @@ namespace tombolo
   private:
     double number_of_coarse_cells() const;
     void check_counts() const;
-    void read_disorder();
-    void read_rotation();
+    void set_rotation(double degrees, const std::vector<double> &direction);
 
     /** The coordinates of the coarse vertices along each axis. */
     std::array<std::vector<double>, dim> coarse_coordinates() const;

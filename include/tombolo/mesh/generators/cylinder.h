@@ -31,16 +31,13 @@ namespace tombolo
       const char *upper_boundary;
     };
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError where the entries make no cylinder. */
-    explicit Cylinder(const Section &section);
+    explicit Cylinder(const Entries &e);
 
     void create(Mesh<3> &mesh) const override;
 
   protected:
-    Cylinder(const Section &section, const Words &words);
-    static void declare_parameters(dealii::ParameterHandler &handler, const Words &words);
+    Cylinder(const Entries &e, const Words &words);
 
   private:
     Words words;

@@ -15,10 +15,8 @@ namespace tombolo
   class Disc<2> : public MeshSource<2>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError where the entries make no disc. */
-    explicit Disc(const Section &section);
+    explicit Disc(const Entries &e);
 
     void create(Mesh<2> &mesh) const override;
 
@@ -32,9 +30,7 @@ namespace tombolo
   class Disc<3> : public Cylinder
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError where the entries make no disc. */
-    explicit Disc(const Section &section);
+    explicit Disc(const Entries &e);
   };
 } // namespace tombolo

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/point.h>
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 
 #include <array>
@@ -34,11 +34,9 @@ namespace tombolo
       bool is_at_rim = false;
     };
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** @p axes are the names of the two axes of the section, @p whole the name of the body for
      * messages. Throws InputError where the entries make no section. */
-    RoundSection(const Section &section, const std::array<char, 2> &axes, const std::string &whole);
+    RoundSection(const Entries &e, const std::array<char, 2> &axes, const std::string &whole);
 
     /** The vertices of the cells() in the order of the full section: core, then ring by ring. */
     const std::vector<Vertex> &vertices() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 #include <tombolo/mesh/mesh_source.h>
 
@@ -17,10 +18,8 @@ namespace tombolo
   class SphericalShell : public MeshSource<3>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError where the entries make no shell. */
-    explicit SphericalShell(const Section &section);
+    explicit SphericalShell(const Entries &e);
 
     void create(Mesh<3> &mesh) const override;
 

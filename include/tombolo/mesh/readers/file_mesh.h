@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/mesh_source.h>
 
 #include <string>
@@ -18,9 +18,7 @@ namespace tombolo
   class FileMesh : public MeshSource<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    explicit FileMesh(const Section &section);
+    explicit FileMesh(const Entries &e);
 
     /** Throws InputError on every rank where the file cannot be read or makes no mesh. */
     void create(Mesh<dim> &mesh) const override;

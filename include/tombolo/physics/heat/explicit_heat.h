@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/physics/heat/growing_rates.h>
 #include <tombolo/physics/heat/heat_integrator.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
@@ -13,8 +14,7 @@ namespace tombolo
   class ExplicitHeat : public HeatIntegrator<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    explicit ExplicitHeat(const Section &section);
+    explicit ExplicitHeat(const Entries &e);
 
     double allowed_step(Model<dim> &model, double time) override;
     void advance(Model<dim> &model, double time, double time_step,

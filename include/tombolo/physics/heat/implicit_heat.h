@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/physics/heat/heat_integrator.h>
 
 #include <deal.II/lac/la_parallel_vector.h>
@@ -29,9 +30,8 @@ namespace tombolo
   class ImplicitHeat : public HeatIntegrator<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
     /** @p weight is w. */
-    ImplicitHeat(const Section &section, double weight);
+    ImplicitHeat(const Entries &e, double weight);
     ~ImplicitHeat() override;
 
     double allowed_step(Model<dim> &model, double time) override;
@@ -84,7 +84,7 @@ namespace tombolo
   class BackwardEulerHeat : public ImplicitHeat<dim>
   {
   public:
-    explicit BackwardEulerHeat(const Section &section) : ImplicitHeat<dim>(section, 1.) {}
+    explicit BackwardEulerHeat(const Entries &e) : ImplicitHeat<dim>(e, 1.) {}
   };
 
   /** w = ½. */
@@ -92,6 +92,6 @@ namespace tombolo
   class CrankNicolsonHeat : public ImplicitHeat<dim>
   {
   public:
-    explicit CrankNicolsonHeat(const Section &section) : ImplicitHeat<dim>(section, 0.5) {}
+    explicit CrankNicolsonHeat(const Entries &e) : ImplicitHeat<dim>(e, 0.5) {}
   };
 } // namespace tombolo

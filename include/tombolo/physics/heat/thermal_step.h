@@ -26,11 +26,8 @@ namespace tombolo
   class ThermalStep
   {
   public:
-    /** Declares entries of section "Heat". */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    /** Reads them. Throws InputError. */
-    explicit ThermalStep(const Section &heat);
+    /** Of section "Heat". */
+    explicit ThermalStep(const Entries &e);
 
     /** Makes the fields at the time of the beginning. Collective. */
     void start(Model<dim> &model, double time);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/load_sum.h>
 #include <tombolo/model/part.h>
 #include <tombolo/state/nodal_vector.h>
@@ -40,11 +40,8 @@ namespace tombolo
   class BodySection
   {
   public:
-    /** Declares the entries of a section "Section: NAME"; the handler is in it. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    /** Reads the section. Throws InputError. */
-    BodySection(const Section &section, const std::vector<Part<dim>> &parts);
+    /** Of a section "Section: NAME". */
+    BodySection(const Entries &e, const std::vector<Part<dim>> &parts);
 
     /** Finds the side of a cut, and refuses one that divides nothing. Throws InputError.
      * Collective. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/model/process.h>
 
 #include <mpi.h>
@@ -19,13 +19,10 @@ namespace tombolo
    */
   struct ScalingSettings
   {
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Nothing scaled. */
     ScalingSettings() = default;
 
-    /** Reads the section. Throws InputError. */
-    explicit ScalingSettings(const Section &section);
+    explicit ScalingSettings(const Entries &e);
 
     /** Of the density of all materials. */
     double inertia_factor() const;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 
 #include <optional>
 
@@ -30,10 +29,8 @@ namespace tombolo
   {
     using Vector = dealii::Tensor<1, 3>;
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError. */
-    explicit RigidBodySettings(const Section &section);
+    explicit RigidBodySettings(const Entries &e);
 
     /** Whether forces move the reference point along an axis of coordinates. */
     bool is_free(unsigned int component) const;
@@ -53,10 +50,7 @@ namespace tombolo
     std::optional<Vector> initial_velocity, initial_spin;
 
   private:
-    void read_displacement(const Section &section);
-    void read_rotation(const Section &section);
-    void read_forces(const Section &section);
-    void read_initial_motion(const Section &section);
+    void read_initial_motion(const Entries &e);
 
     std::optional<Expression<dim>> displacement, angle, force, moment;
   };

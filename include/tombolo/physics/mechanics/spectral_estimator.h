@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
@@ -23,9 +23,7 @@ namespace tombolo
   class SpectralEstimator
   {
   public:
-    explicit SpectralEstimator(const Section &section);
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
+    explicit SpectralEstimator(const Entries &e);
     /** The largest stable step at the present configuration, before any safety factor, the same on
      * all ranks, with the entity that limits it. Keeps information for later calls. Collective. */
     StepLimit estimate(Model<dim> &model);

@@ -15,10 +15,8 @@ namespace tombolo
   class StepSize
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    /** Reads section "Time step". */
-    explicit StepSize(const Parameters &parameters);
+    /** Of section "Time step". */
+    explicit StepSize(const Entries &e);
 
     /** The step from the clock's time towards @p target, not beyond it. Estimates the limit again
      * where the configuration has changed by more than the threshold. Collective. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/physics/statics/static_solver.h>
 #include <tombolo/physics/statics/tangent_matrix.h>
 
@@ -19,8 +20,7 @@ namespace tombolo
   class NewtonKrylov : public StaticSolver<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-    explicit NewtonKrylov(const Section &section);
+    explicit NewtonKrylov(const Entries &e);
 
     StaticSolution solve(StaticProblem<dim> &problem, double tolerance) override;
     bool was_easy(const StaticSolution &solution) const override;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/json.h>
 #include <tombolo/base/log.h>
 #include <tombolo/output/time_table.h>
@@ -26,7 +27,7 @@ namespace tombolo
   {
   public:
     /** Declares `Time integration` and the section "Statics". */
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Whether the scene has such steps. */
     static bool are_chosen(const Parameters &parameters);

@@ -70,7 +70,7 @@ namespace tombolo
       registry.declare_all(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.handler().enter_subsection("elastic");
-      LinearElastic::declare_parameters(parameters.handler());
+      declare<LinearElastic>(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.assign();
       material = std::make_shared<LinearElastic>(parameters.section("elastic"));

@@ -22,7 +22,7 @@ namespace
     Parameters parameters(MPI_COMM_SELF);
     parameters.read_text("subsection s\nset Conduction = " + method + "\nend\n", "test.prm");
     parameters.handler().enter_subsection("s");
-    PairConduction<dim>::declare_parameters(parameters.handler());
+    declare<PairConduction<dim>>(parameters.handler());
     parameters.handler().declare_entry("Configuration", "current");
     parameters.handler().leave_subsection();
     parameters.assign();
@@ -253,7 +253,7 @@ TEST(PairConduction, is_refused_where_the_kernel_keeps_its_reference)
   Parameters parameters(MPI_COMM_SELF);
   parameters.read_text("subsection s\nset Conduction = paper\nend\n", "test.prm");
   parameters.handler().enter_subsection("s");
-  PairConduction<2>::declare_parameters(parameters.handler());
+  declare<PairConduction<2>>(parameters.handler());
   parameters.handler().declare_entry("Configuration", "total Lagrangian");
   parameters.handler().leave_subsection();
   parameters.assign();

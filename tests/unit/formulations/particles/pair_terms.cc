@@ -40,7 +40,7 @@ namespace
     Parameters parameters(MPI_COMM_SELF);
     parameters.read_text("subsection s\n" + entries + "\nend\n", "test.prm");
     parameters.handler().enter_subsection("s");
-    PairTerms<dim>::declare_parameters(parameters.handler());
+    declare<PairTerms<dim>>(parameters.handler());
     parameters.handler().declare_entry("Configuration", configuration);
     parameters.handler().leave_subsection();
     parameters.assign();

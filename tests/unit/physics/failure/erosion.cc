@@ -89,7 +89,7 @@ namespace tombolo
         parameters.read_text(text_of(words), "test.prm");
         Model<3>::declare_parameters(parameters);
         parameters.handler().enter_subsection("Time step");
-        StepSize<3>::declare_parameters(parameters.handler());
+        declare<StepSize<3>>(parameters.handler());
         parameters.handler().leave_subsection();
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);

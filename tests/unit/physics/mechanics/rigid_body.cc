@@ -56,7 +56,7 @@ namespace tombolo
         static std::vector<std::unique_ptr<Parameters>> kept;
         Parameters &parameters = *kept.emplace_back(std::make_unique<Parameters>(MPI_COMM_SELF));
         parameters.read_text(entries, "test.prm");
-        RigidBodySettings<dim>::declare_parameters(parameters.handler());
+        declare<RigidBodySettings<dim>>(parameters.handler());
         parameters.assign();
         RigidBody<dim> body("body", RigidBodySettings<dim>(parameters.section("")), inertia);
         parameters.refuse_unused();

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/entries.h>
+
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void Range::check(const Section &section, const std::string &entry, const double value) const
+  {
+    if (is_positive && !(value > 0.))
+      section.fail(entry, "allowed is a number larger than zero.");
+    if (!(value >= lower && value <= upper))
+      section.fail(entry, "allowed is " + words);
+  }
+
+  Range any_number()
+  {
+    return {};
+  }
+
+  Range at_least(const double smallest)
+  {
+    return between(smallest, Range::infinite);
+  }
+
+  Range between(const double smallest, const double largest)
+  {
+    Range result;
+    result.smallest = smallest;
+    result.largest = largest;
+    return result;
+  }
+
+  Range positive(const double smallest)
+  {
+    Range result = at_least(smallest);
+    result.is_positive = true;
+    return result;
+  }
+
+  Range zero_or_positive()
+  {
+    return {-Range::infinite, Range::infinite, 0.,
+            Range::infinite,  false,           "zero or a positive number."};
+  }
+
+  Range from_to(const double lower, const double upper)
+  {
+    std::ostringstream words;
+    words << "a number from " << lower << " to " << upper << ".";
+    return {-Range::infinite, Range::infinite, lower, upper, false, words.str()};
+  }
+
+  Range positive_up_to(const double upper, const std::string &reason)
+  {
+    std::ostringstream words;
+    words << "a number above 0 and up to " << upper << reason;
+    return {-Range::infinite, Range::infinite, 0., upper, true, words.str()};
+  }
+
+  Entries::Entries(ParameterHandler &handler) : handler(&handler) {}
+
+  Entries::Entries(const Section &section) : read_section(section) {}
+
+  Entries Entries::subsection(const std::string &name) const
+  {
+    if (!declares())
+      return section().subsection(name);
+    Entries result = *this;
+    result.path.push_back(name);
+    result.within([](ParameterHandler &) {}); // it is there, also without entries
+    return result;
+  }
+
+  std::string Entries::entry(const std::string &name, const Default &by_default,
+                             const Patterns::PatternBase &pattern, const std::string &unit,
+                             const std::string &documentation) const
+  {
+    if (!declares())
+      return section().get(name);
+    const std::string text = documentation + (unit.empty() ? "" : " Units: " + unit + ".");
+    within(
+        [&](ParameterHandler &of_section)
+        {
+          if (by_default)
+            of_section.declare_entry(name, *by_default, pattern, text);
+          else
+            Parameters::declare_mandatory(of_section, name, pattern, text);
+        });
+    return by_default.value_or("");
+  }
+
+  double Entries::number(const std::string &name, const Default &by_default, const Range &range,
+                         const std::string &unit, const std::string &documentation) const
+  {
+    entry(name, by_default, Patterns::Double(range.smallest, range.largest), unit, documentation);
+    return checked_number(name, range);
+  }
+
+  std::optional<double> Entries::optional_number(const std::string &name, const Range &range,
+                                                 const std::string &unit,
+                                                 const std::string &documentation) const
+  {
+    if (text(name, "", unit, documentation).empty())
+      return {};
+    return checked_number(name, range);
+  }
+
+  double Entries::checked_number(const std::string &name, const Range &range) const
+  {
+    if (declares())
+      return 0.;
+    const double value = section().get_double(name);
+    range.check(section(), name, value);
+    return value;
+  }
+
+  unsigned int Entries::integer(const std::string &name, const Default &by_default,
+                                const Range &range, const std::string &documentation) const
+  {
+    constexpr int most = std::numeric_limits<int>::max();
+    const int largest = range.largest < most ? static_cast<int>(range.largest) : most;
+    entry(name, by_default, Patterns::Integer(static_cast<int>(range.smallest), largest), "",
+          documentation);
+    return declares() ? 0 : section().get_unsigned(name);
+  }
+
+  void Entries::within(const std::function<void(ParameterHandler &)> &function) const
+  {
+    for (const std::string &name : path)
+      handler->enter_subsection(name);
+    function(*handler);
+    for (std::size_t i = 0; i < path.size(); ++i)
+      handler->leave_subsection();
+  }
+} // namespace tombolo
