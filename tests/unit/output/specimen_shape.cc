@@ -194,6 +194,17 @@ TEST(SpecimenShape, surfaces_are_chosen_by_predicates_too)
   EXPECT_NEAR(dimensions.bulge_diameter, expected.bulge_diameter, 1e-14);
 }
 
+TEST(SpecimenShape, surfaces_have_the_names_that_entries_give)
+{
+  Body body(bar);
+  Specimen turned(body, "set Foot = rear\nset Rear = foot\n");
+  const auto dimensions = turned.shape.measure(body.view(impact, 1, 1));
+  EXPECT_NEAR(dimensions.length, 0.65 * length, 1e-12);
+  EXPECT_NEAR(dimensions.foot_diameter, 2 * radius, 1e-12);
+  for (const std::string entry : {"Foot", "Side", "Rear"})
+    EXPECT_TRUE(contains(error_of("set " + entry + " = nowhere\n"), entry + "\" = \"nowhere\""));
+}
+
 TEST(SpecimenShape, mean_error_is_that_of_the_paper)
 {
   // Table 1 of the paper: (16.3, 14.6, 9.83) against the test's (16.2, 13.5, 10.1) is 0.038.

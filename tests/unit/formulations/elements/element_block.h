@@ -5,8 +5,9 @@
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/materials/linear_elastic.h>
+#include <tombolo/materials/material.h>
 
 #include <cmath>
 #include <functional>
@@ -47,6 +48,7 @@ namespace tombolo
     double density = 7.;
     unsigned int n_cells = 3; ///< along each axis
     double distortion = 0.2;  ///< of the vertices, in edge lengths
+    double yield_stress = 0.; ///< zero: the material is elastic
     MPI_Comm communicator = MPI_COMM_WORLD;
   };
 
@@ -59,21 +61,29 @@ namespace tombolo
           communicator(settings.communicator), mesh(settings.communicator)
     {
       Parameters parameters(communicator);
+      const bool is_plastic = settings.yield_stress > 0.;
+      const std::string model = is_plastic ? "j2 plasticity" : "elastic";
       parameters.read_text(
           "subsection formulation\nsubsection " + choice.name + "\n" + choice.entries +
-              "\nend\nend\nsubsection elastic\nset Density = " + number(settings.density) +
-              "\nset Young's modulus = " + number(settings.young) +
-              "\nset Poisson's ratio = " + number(settings.poisson) + "\nend\n",
+              "\nend\nend\nsubsection material\nsubsection " + model + "\nset Density = " +
+              number(settings.density) + "\nset Young's modulus = " + number(settings.young) +
+              "\nset Poisson's ratio = " + number(settings.poisson) +
+              (is_plastic ? "\nset Flow stress = linear hardening\nsubsection linear hardening\n"
+                            "set Yield stress = " +
+                                number(settings.yield_stress) + "\nend\n"
+                          : "\n") +
+              "end\nend\n",
           "block.prm");
       auto &registry = Registry<Formulation<dim>>::instance();
       parameters.handler().enter_subsection("formulation");
       registry.declare_all(parameters.handler());
       parameters.handler().leave_subsection();
-      parameters.handler().enter_subsection("elastic");
-      declare<LinearElastic>(parameters.handler());
+      parameters.handler().enter_subsection("material");
+      Registry<Material>::instance().declare_all(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.assign();
-      material = std::make_shared<LinearElastic>(parameters.section("elastic"));
+      material =
+          Registry<Material>::instance().create(model, parameters.section("material/" + model));
       formulation = registry.create(choice.name, parameters.section("formulation/" + choice.name));
 
       dealii::GridGenerator::subdivided_hyper_cube(mesh.triangulation, settings.n_cells, 0.,

@@ -602,5 +602,43 @@ namespace tombolo
           },
           regular);
     }
+
+    /** Elastic energy of the hourglass forces of a cell that is sheared beyond its yield stress. */
+    double hourglass_energy(const std::string &limit)
+    {
+      BlockSettings settings;
+      settings.n_cells = 1;
+      settings.distortion = 0.;
+      settings.yield_stress = 0.1;
+      ElementBlock<3> block({"hexahedron", "set Hourglass limit = " + limit}, settings);
+      const auto bend_and_shear = [](const Vector3 &x)
+      { return Vector3(x[1] + 4. * (x[1] - 0.5) * (x[2] - 0.5)); };
+      constexpr double step = 0.01;
+      block.set(block.velocity, bend_and_shear);
+      block.set(block.position, [&](const Vector3 &x)
+                { return Vector3(x[0] + step * bend_and_shear(x)[0], x[1], x[2]); });
+      block.compute_force(step);
+      const MaterialPoints &points = block.formulation->points();
+      const auto value = [&](const std::string &field, const unsigned int c, const unsigned int i)
+      { return points.component(points.find_field(field), c)[i]; };
+      double energy = 0;
+      for (const unsigned int i : block.point_numbers())
+        for (unsigned int mode = 1; mode <= 4; ++mode)
+          for (unsigned int c = 0; c < 3; ++c)
+            energy += 0.5 * std::pow(value("hourglass force " + std::to_string(mode), c, i), 2) /
+                      value("hourglass stiffness", 0, i);
+      return dealii::Utilities::MPI::sum(energy, block.communicator);
+    }
+
+    TEST(OnePointHexahedron, hourglass_energy_of_a_cell_that_flows_ends_at_the_limit)
+    {
+      const double most = hourglass_energy("0.2");
+      EXPECT_GT(most, 0.);
+      EXPECT_NEAR(hourglass_energy("0.4") / most, 4., 1e-9);
+      EXPECT_GT(hourglass_energy("0"), 4. * most);
+      // At most l² κ σ²/(6G) V, and the yield stress has not hardened.
+      const double shear_modulus = 200. / 2.6;
+      EXPECT_NEAR(most, 0.2 * 0.2 * 0.05 * 0.1 * 0.1 / (6. * shear_modulus), 1e-3 * most);
+    }
   } // namespace
 } // namespace tombolo

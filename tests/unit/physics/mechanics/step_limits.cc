@@ -31,6 +31,30 @@ INSTANTIATE_TEST_SUITE_P(
                            {4, 4, 3}),
                       with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
 
+TEST(StepSize, is_estimated_again_where_cells_have_changed_by_the_threshold)
+{
+  const auto n_estimates = [](const std::string &threshold)
+  {
+    FrozenBody<3> body(parameters_of(with(elements("hexahedron", "", 0.3), "", "", {2, 2, 2})) +
+                       "subsection Time step\nset Check interval = 1\n"
+                       "set Re-estimation threshold = " +
+                       threshold + "\nend\n");
+    Model<3> &model = *body.model;
+    StepSize<3> step_size(body.parameters.section("Time step"));
+    Clock clock;
+    for (clock.step = 0; clock.step <= 20; ++clock.step)
+    {
+      step_size.next(model, clock, 1e6, false);
+      for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
+        for (unsigned int d = 0; d < 3; ++d)
+          model.state.position.node(i)[d] *= 0.995;
+    }
+    return step_size.n_estimates();
+  };
+  EXPECT_EQ(n_estimates("0.01"), 7u); // 0.995^3 is below 0.99
+  EXPECT_EQ(n_estimates("0.05"), 2u); // 0.995^11 is below 0.95
+}
+
 TEST(CourantLimit, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
 {
   FrozenBody<3> body(particles("1.8", "paper", 0.49));
