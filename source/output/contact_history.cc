@@ -31,8 +31,6 @@ namespace tombolo
       this->records.value("time of work", time_of_work);
     }
 
-    }
-
   private:
     std::vector<ContactBalance> balances(const OutputView<dim> &view) const override
     {

@@ -19,49 +19,45 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void RefillSettings::declare_parameters(ParameterHandler &handler)
+  void RefillSettings::declare_parameters(const Entries &e)
   {
-    handler.declare_entry(
-        stretch_entry, "", Patterns::Anything(),
-        "The part is refilled where the ratio of the largest to the smallest principal stretch of "
-        "a point since the last refill is above this: inner nodes go back to places like those of "
-        "the initial mesh, and the present configuration becomes the reference of the functions. "
-        "1.8 is a good value. It is refilled as well where a point has less than a fifth of its "
-        "volume at the last refill. Empty: never. Units: 1.");
-    handler.declare_entry(refill_layers_entry, "2", Patterns::Integer(0, 1000000),
-                          "With a cell beyond a limit, the inner nodes of so many layers of cells "
-                          "around it are placed anew. Nodes elsewhere stay.");
-    handler.declare_entry(
-        surface_entry, "held", Patterns::Selection("held|sliding"),
+    e.text(stretch_entry, "", "1",
+           "The part is refilled where the ratio of the largest to the smallest principal stretch "
+           "of a point since the last refill is above this: inner nodes go back to places like "
+           "those of the initial mesh, and the present configuration becomes the reference of the "
+           "functions. 1.8 is a good value. It is refilled as well where a point has less than a "
+           "fifth of its volume at the last refill. Empty: never.");
+    e.integer(refill_layers_entry, "2", between(0, 1000000),
+              "With a cell beyond a limit, the inner nodes of so many layers of cells around it "
+              "are placed anew. Nodes elsewhere stay.");
+    e.choice(
+        surface_entry, "held", "held|sliding",
         "What a refill does with nodes on the surface of the part: held, they stay; sliding, those "
         "on smooth sides of the body move along the surface to places like those of the initial "
         "mesh, and keep the volume. Nodes at edges of the body, where names of boundaries meet, "
         "beside other parts, on planes of symmetry and with prescribed components stay.");
-    handler.declare_entry(
-        motion_entry, "", Patterns::Anything(),
-        "The displacement of the mesh to whose places a refill takes nodes, a function of the "
-        "initial x, y, z and of t, components separated by ';'. Material flows through a mesh that "
-        "moves. For a tool that goes far into or along a part: its way times a weight that is 1 "
-        "around the tool and 0 at the nodes that stay. Empty: the initial mesh. Only where the "
-        "surface is sliding. Units: L.");
-    handler.declare_entry(
-        void_entry, "", Patterns::Anything(),
-        "A predicate of the place of cells that are void at the start: without material, such as "
-        "those above a plate into which metal is pushed. With it refills fill cells and empty "
-        "others, so that surfaces that meet become one: a cell is full where the body has at least "
-        "half of it. Never true (`0`): all cells are full at the start. Empty: cells stay full. "
-        "Only where the surface is sliding.");
+    e.text(motion_entry, "", "L",
+           "The displacement of the mesh to whose places a refill takes nodes, a function of the "
+           "initial x, y, z and of t, components separated by ';'. Material flows through a mesh "
+           "that moves. For a tool that goes far into or along a part: its way times a weight that "
+           "is 1 around the tool and 0 at the nodes that stay. Empty: the initial mesh. Only where "
+           "the surface is sliding.");
+    e.text(void_entry, "", "",
+           "A predicate of the place of cells that are void at the start: without material, such "
+           "as those above a plate into which metal is pushed. With it refills fill cells and "
+           "empty others, so that surfaces that meet become one: a cell is full where the body has "
+           "at least half of it. Never true (`0`): all cells are full at the start. Empty: cells "
+           "stay full. Only where the surface is sliding.");
     std::string remaps = conservative;
     for (const std::string &name : Registry<ValueRemap<dim>>::instance().names())
       remaps += "|" + name;
-    handler.declare_entry(
-        remap_entry, conservative, Patterns::Selection(remaps),
-        "How a refill carries fields over: conservative, by integrals over the overlap of old and "
-        "new cells, which keep mass, momentum and enthalpy, and lose little; or the name of a "
-        "plug-in that gives values at the new places and keeps the mass alone.");
-    Registry<ValueRemap<dim>>::instance().declare_all(handler);
-    handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
-                          "Cells are compared with the limits of refills every so many steps.");
+    e.choice(remap_entry, conservative, remaps,
+             "How a refill carries fields over: conservative, by integrals over the overlap of old "
+             "and new cells, which keep mass, momentum and enthalpy, and lose little; or the name "
+             "of a plug-in that gives values at the new places and keeps the mass alone.");
+    e.plugins<ValueRemap<dim>>();
+    e.integer(looks_entry, "20", between(1, 1000000),
+              "Cells are compared with the limits of refills every so many steps.");
   }
 
   RefillSettings::RefillSettings(const Section &of_part)
@@ -138,8 +134,8 @@ namespace tombolo
     section->fail(void_entry, message);
   }
 
-  template void RefillSettings::declare_parameters<2>(ParameterHandler &);
-  template void RefillSettings::declare_parameters<3>(ParameterHandler &);
+  template void RefillSettings::declare_parameters<2>(const Entries &);
+  template void RefillSettings::declare_parameters<3>(const Entries &);
   template std::unique_ptr<ValueRemap<2>> RefillSettings::value_remap() const;
   template std::unique_ptr<ValueRemap<3>> RefillSettings::value_remap() const;
   template std::optional<Predicate<2>> RefillSettings::void_cells() const;

@@ -38,7 +38,7 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::declare_parameters(ParameterHandler &handler)
   {
-    SmoothedGradients<dim>::declare_parameters(handler);
+    declare<SmoothedGradients<dim>>(handler);
     SmoothedIntegration<dim>::declare_parameters(handler);
     RefillSettings::declare_parameters<dim>(handler);
     declare<ConversionCriterion>(handler);

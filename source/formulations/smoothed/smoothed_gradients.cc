@@ -16,33 +16,26 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void SmoothedGradients<dim>::declare_parameters(ParameterHandler &handler)
+  SmoothedGradients<dim>::SmoothedGradients(const Entries &e)
   {
-    handler.declare_entry("Kernel", "cubic spline",
-                          Patterns::Selection(Registry<Kernel>::instance().selection()),
-                          "The kernel of the convex approximation.");
-    handler.declare_entry(
-        "Dilation", "1.1", Patterns::Double(),
-        "Half width of a support over the largest distance to a neighbouring node, axis by axis; "
-        "1.05 to 2. 1.1 has the waves of elements; 1.5 halves static errors and has longer steps, "
-        "at three times the cost.");
-    handler.declare_entry(
-        "Integration", "smoothed", Patterns::Selection("smoothed|one point"),
-        "smoothed: four sub-cells a cell, with gradients from the functions on their facets, which "
-        "pass the patch test in every mesh; one point: the gradients at the middle of the cell, as "
-        "in Wu et al. 2015, which are exact on lattices only.");
-  }
-
-  template <int dim>
-  SmoothedGradients<dim>::SmoothedGradients(const Section &section)
-      : dilation(section.get_double("Dilation")),
-        rule(smoothed_integration_rule(section.get("Integration"))),
-        kernel(Registry<Kernel>::instance().create(section.get("Kernel"), section)),
-        shares_of_points(corner_shares_of_points<dim>(rule))
-  {
-    if (!(dilation >= 1.05 && dilation <= 2.))
-      section.fail("Dilation", "allowed is a number from 1.05 to 2; below, cells have points that "
-                               "no support reaches, and above, weak modes appear");
+    const std::string name =
+        e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),
+                 "The kernel of the convex approximation.");
+    if (!e.declares())
+      kernel = Registry<Kernel>::instance().create(name, e.section());
+    dilation = e.number("Dilation", "1.1", any_number(), "",
+                        "Half width of a support over the largest distance to a neighbouring node, "
+                        "axis by axis; 1.05 to 2. 1.1 has the waves of elements; 1.5 halves static "
+                        "errors and has longer steps, at three times the cost.");
+    e.refuse(!(dilation >= 1.05 && dilation <= 2.), "Dilation",
+             "allowed is a number from 1.05 to 2; below, cells have points that no support "
+             "reaches, and above, weak modes appear");
+    rule = smoothed_integration_rule(
+        e.choice("Integration", "smoothed", "smoothed|one point",
+                 "smoothed: four sub-cells a cell, with gradients from the functions on their "
+                 "facets, which pass the patch test in every mesh; one point: the gradients at the "
+                 "middle of the cell, as in Wu et al. 2015, which are exact on lattices only."));
+    shares_of_points = corner_shares_of_points<dim>(rule);
   }
 
   template <int dim>

@@ -30,14 +30,6 @@ namespace tombolo
     const char *const adaptive_path = "Mesh/Adaptive refinement";
     const char *const no_criterion = "none";
 
-    double value_to_refine_above(const Section &section)
-    {
-      if (section.get("Refine above").empty())
-        section.fail("Criterion", "the value above which cells are to be fine is missing: set "
-                                  "\"Refine above\".");
-      return section.get_positive("Refine above");
-    }
-
     /** How often a cell was divided beyond the mesh of the file. */
     template <int dim>
     unsigned int levels_beyond(std::uint64_t id, const int level, const CellDivisions &source)
@@ -51,61 +43,45 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void AdaptiveRefinement<dim>::declare_parameters(ParameterHandler &handler)
+  AdaptiveRefinement<dim>::AdaptiveRefinement(const Entries &e) : section(e.section())
   {
-    handler.declare_entry(
+    criterion = e.plugin<RefinementCriterion<dim>>(
         "Criterion", no_criterion,
-        Patterns::Selection(std::string(no_criterion) + "|" +
-                            Registry<RefinementCriterion<dim>>::instance().selection()),
         "What makes cells fine while the run goes on: the largest `plastic strain` in the cell, or "
-        "the gradient of temperature or stress in it. `none`: the mesh stays as it is.");
-    handler.declare_entry("Refine above", "", Patterns::Anything(),
-                          "Cells in which the criterion is above this value become fine. Units: of "
-                          "the criterion (1, temperature/L, M/(L^2 T^2)).");
-    handler.declare_entry("Coarsen below", "", Patterns::Anything(),
-                          "Cells that were divided in the run are joined again where the criterion "
-                          "is below this value in all of them, smaller than `Refine above`. Empty: "
-                          "never.");
-    handler.declare_entry(
-        "Levels", "1", Patterns::Integer(1, 12),
-        "How often the largest cells of the mesh of the file are halved along each "
-        "axis, at most, those of `Refine where` among them. A cell is halved once in "
-        "a check.");
-    handler.declare_entry("Steps between checks", "20", Patterns::Integer(1, 1000000000),
-                          "The criterion is evaluated every so many steps.");
-    handler.declare_entry("Layers", "1", Patterns::Integer(0, 1000),
-                          "So many layers of cells around those that the criterion names become "
-                          "fine, too, so that what moves stays among fine cells until the next "
-                          "check.");
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "Cells are divided only where this predicate of their initial centre is "
-                          "true, such as `x < 5`, and for neighbours that are. Empty: everywhere.");
-    Registry<RefinementCriterion<dim>>::instance().declare_all(handler);
-  }
-
-  template <int dim>
-  AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters)
-      : section(parameters.section(adaptive_path)),
-        criterion(create_selected<RefinementCriterion<dim>>(section, "Criterion")),
-        refine_above(value_to_refine_above(section)), most_levels(section.get_unsigned("Levels")),
-        layers(section.get_unsigned("Layers")),
-        interval(section.get_unsigned("Steps between checks"))
-  {
-    if (!section.get("Coarsen below").empty())
-    {
-      coarsen_below = section.get_positive("Coarsen below");
-      if (!(*coarsen_below < refine_above))
-        section.fail("Coarsen below", "allowed is a value below \"Refine above\", which is " +
-                                          section.get("Refine above") +
-                                          ": cells would be divided and joined in turn.");
-    }
-    if (!section.get("Where").empty())
-      where = std::make_unique<Predicate<dim>>(section, "Where");
+        "the gradient of temperature or stress in it. `none`: the mesh stays as it is.",
+        no_criterion);
+    const std::optional<double> above = e.optional_number(
+        "Refine above", positive(), "of the criterion (1, temperature/L, M/(L^2 T^2))",
+        "Cells in which the criterion is above this value become fine.");
+    e.refuse(!above, "Criterion",
+             "the value above which cells are to be fine is missing: set \"Refine above\".");
+    refine_above = above.value_or(0.);
+    coarsen_below = e.optional_number(
+        "Coarsen below", positive(), "",
+        "Cells that were divided in the run are joined again where the criterion is below this "
+        "value in all of them, smaller than `Refine above`. Empty: never.");
+    e.refuse(coarsen_below && !(*coarsen_below < refine_above), "Coarsen below",
+             "allowed is a value below \"Refine above\", which is " + e.given("Refine above") +
+                 ": cells would be divided and joined in turn.");
+    most_levels =
+        e.integer("Levels", "1", between(1, 12),
+                  "How often the largest cells of the mesh of the file are halved along each axis, "
+                  "at most, those of `Refine where` among them. A cell is halved once in a check.");
+    interval = e.integer("Steps between checks", "20", between(1, 1000000000),
+                         "The criterion is evaluated every so many steps.");
+    layers = e.integer("Layers", "1", between(0, 1000),
+                       "So many layers of cells around those that the criterion names become fine, "
+                       "too, so that what moves stays among fine cells until the next check.");
+    where = e.optional<Predicate<dim>>(
+        "Where", "",
+        "Cells are divided only where this predicate of their initial centre is true, such as `x < "
+        "5`, and for neighbours that are. Empty: everywhere.");
+    e.plugins<RefinementCriterion<dim>>();
   }
 
   template <int dim>
   AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model)
-      : AdaptiveRefinement(parameters)
+      : AdaptiveRefinement(parameters.section(adaptive_path))
   {
     of_file = model.mesh.of_file ? *model.mesh.of_file : divided_cells(model.mesh);
     Records &all = this->records.group("adaptive refinement");
@@ -256,7 +232,7 @@ namespace tombolo
                                        (layer == 0 && values[p][number] > refine_above);
                   try
                   {
-                    result[p][number] = is_fine && (where == nullptr || (*where)(cell->center()));
+                    result[p][number] = is_fine && (!where || (*where)(cell->center()));
                   }
                   catch (const std::exception &exception)
                   {
@@ -401,15 +377,10 @@ namespace tombolo
     template <int dim>
     class AdaptiveRefinementKind : public ProcessKind<dim>
     {
-    public:
       void declare_parameters(Parameters &parameters) const override
       {
-        ParameterHandler &handler = parameters.handler();
-        handler.enter_subsection("Mesh");
-        handler.enter_subsection(adaptive_section);
-        AdaptiveRefinement<dim>::declare_parameters(handler);
-        handler.leave_subsection();
-        handler.leave_subsection();
+        declare<AdaptiveRefinement<dim>>(
+            Entries(parameters.handler()).subsection("Mesh").subsection(adaptive_section));
       }
 
       void validate(const Parameters &parameters,
@@ -417,7 +388,7 @@ namespace tombolo
       {
         if (!divides_cells_in_run(parameters))
           return;
-        const AdaptiveRefinement<dim> refinement(parameters);
+        const AdaptiveRefinement<dim> refinement(parameters.section(adaptive_path));
         if (std::all_of(parts.begin(), parts.end(),
                         [](const Part<dim> &part) { return part.formulation != nullptr; }))
           refinement.validate(parts);

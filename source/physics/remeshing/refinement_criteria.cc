@@ -65,9 +65,6 @@ namespace tombolo
   class PlasticStrainCriterion : public RefinementCriterion<dim>
   {
   public:
-    static void declare_parameters(ParameterHandler &) {}
-    explicit PlasticStrainCriterion(const Section &) {}
-
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
       std::vector<std::vector<double>> result = zero_for_cells(model);
@@ -103,9 +100,6 @@ namespace tombolo
   class TemperatureGradientCriterion : public RefinementCriterion<dim>
   {
   public:
-    static void declare_parameters(ParameterHandler &) {}
-    explicit TemperatureGradientCriterion(const Section &) {}
-
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
       std::vector<std::vector<double>> result = zero_for_cells(model);
@@ -142,9 +136,6 @@ namespace tombolo
   class StressGradientCriterion : public RefinementCriterion<dim>
   {
   public:
-    static void declare_parameters(ParameterHandler &) {}
-    explicit StressGradientCriterion(const Section &) {}
-
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
       std::vector<unsigned int> parts(model.parts.size());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/smoothed/value_remap.h>
 
 #include <memory>
@@ -17,7 +17,7 @@ namespace tombolo
   {
   public:
     template <int dim>
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(const Entries &e);
 
     /** Throws InputError. */
     explicit RefillSettings(const Section &section);

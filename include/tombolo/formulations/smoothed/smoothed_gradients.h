@@ -3,7 +3,7 @@
 
 #include <tombolo/approximation/convex_approximation.h>
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/sub_cells.h>
@@ -45,11 +45,8 @@ namespace tombolo
   class SmoothedGradients
   {
   public:
-    /** `Dilation`, `Integration` and `Kernel`. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError. */
-    explicit SmoothedGradients(const Section &section);
+    explicit SmoothedGradients(const Entries &e);
 
     SmoothedIntegrationRule integration_rule() const
     {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/remeshing/model_content.h>
@@ -27,10 +27,8 @@ namespace tombolo
   class AdaptiveRefinement : public Process<dim>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Throws InputError. */
-    explicit AdaptiveRefinement(const Parameters &parameters);
+    explicit AdaptiveRefinement(const Entries &e);
 
     AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model);
 
@@ -73,7 +71,7 @@ namespace tombolo
 
     Section section;
     std::unique_ptr<RefinementCriterion<dim>> criterion;
-    std::unique_ptr<Predicate<dim>> where; ///< null: everywhere
+    std::optional<Predicate<dim>> where; ///< none: everywhere
     double refine_above;
     std::optional<double> coarsen_below;
     unsigned int most_levels, layers, interval;
