@@ -5,8 +5,8 @@ namespace tombolo
 {
   Records::Record &Records::Record::continues(const std::string &other)
   {
-    continue_from = [read = serialize,
-                     condition = other.empty() ? name : other](StateArchive &archive)
+    continue_from =
+        [read = serialize, condition = other.empty() ? name : other](StateArchive &archive)
     {
       if (archive.has(condition))
         read(archive);

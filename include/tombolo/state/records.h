@@ -22,7 +22,10 @@ namespace tombolo
   {
     std::vector<double *> result;
     for (unsigned int d = 0; d < n; ++d)
-      result.insert(result.end(), {&first[d], &second[d]});
+    {
+      result.push_back(&first[d]);
+      result.push_back(&second[d]);
+    }
     return result;
   }
 

@@ -8,6 +8,7 @@
 
 namespace tombolo
 {
+  class Records;
   template <int dim>
   class Model;
 
