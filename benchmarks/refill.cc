@@ -89,8 +89,7 @@ namespace tombolo
       /** The cells before and after a refill. */
       Cells moved_cells()
       {
-        NodalVector after;
-        after.reinit(model->state.partition());
+        NodalVector after(model->state.partition());
         after.copy_from(model->state.position);
         disturb();
         Cells result;
@@ -117,8 +116,7 @@ namespace tombolo
       /** The masses of nodes that the integrals over these cells have. */
       NodalVector nodal_mass(const Cells &before) const
       {
-        NodalVector result;
-        result.reinit(model->state.partition(), Quantity::scalar);
+        NodalVector result(model->state.partition(), Quantity::scalar);
         for (const RemapCell<3> &cell : before)
         {
           const auto of_corners = masses_of_corners<3>(cell.before, cell.mass.data());
@@ -221,8 +219,7 @@ namespace tombolo
       const CellOverlap<3> overlap(cells, {&field}, MPI_COMM_SELF);
       for (auto _ : state)
       {
-        NodalVector projected;
-        projected.reinit(field.partition());
+        NodalVector projected(field.partition());
         projected.copy_from(field);
         project_nodal_field(overlap, 0, mass, mass, projected);
       }

@@ -109,8 +109,7 @@ namespace tombolo
 
       NodalVector vector(const Quantity quantity = Quantity::scalars) const
       {
-        NodalVector result;
-        result.reinit(model->state.partition(), quantity);
+        NodalVector result(model->state.partition(), quantity);
         return result;
       }
 

@@ -37,8 +37,7 @@ namespace tombolo
       const unsigned int n_owned = model.state.partition()->n_owned();
       const auto make = [&]
       {
-        NodalVector vector;
-        vector.reinit(model.state.partition(), Quantity::scalars);
+        NodalVector vector(model.state.partition(), Quantity::scalars);
         return vector;
       };
       const auto place = [&](const unsigned int i)

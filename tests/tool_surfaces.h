@@ -32,8 +32,7 @@ namespace tombolo
       const auto n = static_cast<unsigned int>(points.size());
       const auto partition = std::make_shared<const NodePartition>(
           dealii::complete_index_set(n), dealii::IndexSet(n), MPI_COMM_SELF);
-      NodalVector position;
-      position.reinit(partition);
+      NodalVector position(partition);
       std::vector<unsigned int> nodes;
       for (unsigned int i = 0; i < n; ++i)
       {

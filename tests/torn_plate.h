@@ -162,8 +162,7 @@ namespace tombolo
       /** A field without any order. */
       NodalVector noise(const unsigned int seed) const
       {
-        NodalVector field;
-        field.reinit(model->state.partition());
+        NodalVector field(model->state.partition());
         for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
         {
           const double *const x = model->state.initial_position.node(i);

@@ -27,20 +27,6 @@ namespace tombolo
       return BoundingBox<dim>(std::vector<Point<dim>>(corners.begin(), corners.end()));
     }
 
-    /** The volumes of the sub-cells without simplices that are turned over. */
-    template <int dim>
-    std::array<double, SubCells<dim>::n_sub_cells>
-    positive_volumes(const typename SubCells<dim>::Corners &corners)
-    {
-      const auto &sub_cell = SimplexPoints<dim>::instance().sub_cell;
-      double volumes[SimplexLanes<dim>::n_padded];
-      SimplexLanes<dim>(corners).find_volumes(volumes);
-      std::array<double, SubCells<dim>::n_sub_cells> result{};
-      for (unsigned int s = 0; s < sub_cell.size(); ++s)
-        result[sub_cell[s]] += std::max(0., volumes[s]);
-      return result;
-    }
-
     /** The fields at the corners of a cell, by corner, field and slot. */
     template <int dim>
     std::vector<double> values_at_corners(const RemapCell<dim> &cell,
@@ -51,17 +37,6 @@ namespace tombolo
         for (const NodalVector *const field : fields)
           result.insert(result.end(), field->node(node), field->node(node) + node_stride);
       return result;
-    }
-
-    template <int dim>
-    std::string without_taker(const RemapCell<dim> &cell)
-    {
-      Point<dim> centre;
-      for (const Point<dim> &corner : cell.before)
-        centre += corner / static_cast<double>(cell.before.size());
-      std::ostringstream text;
-      text << "A refill finds no cell to put the mass of the cell around (" << centre << ") into.";
-      return text.str();
     }
   } // namespace
 
@@ -173,7 +148,7 @@ namespace tombolo
       std::vector<double> data;
       for (const Point<dim> &corner : cell.before)
         data.insert(data.end(), &corner[0], &corner[0] + dim);
-      const auto volume = positive_volumes<dim>(cell.before);
+      const auto volume = CellSimplices<dim>::volumes(cell.before, true);
       for (unsigned int q = 0; q < n_sub_cells; ++q)
         data.push_back(volume[q] > 0. ? cell.mass[q] / volume[q] : 0.);
       data.push_back(cell.is_cut ? 1. : 0.);
@@ -240,7 +215,7 @@ namespace tombolo
       mass.insert(mass.end(), cells[cell].mass.begin(), cells[cell].mass.end());
       if (!is_source(cell))
         continue;
-      const auto volumes = positive_volumes<dim>(cells[cell].before);
+      const auto volumes = CellSimplices<dim>::volumes(cells[cell].before, true);
       for (unsigned int q = 0; q < n_sub_cells; ++q)
       {
         const std::size_t i = cell * n_sub_cells + q;
@@ -340,7 +315,12 @@ namespace tombolo
       if (n_nodes > 0.)
         share[i] = 1. / n_nodes;
       else if (failure.empty())
-        failure = without_taker(cells[i / n_sub_cells]);
+      {
+        std::ostringstream text;
+        text << "A refill finds no cell to put the mass of the cell around ("
+             << SubCells<dim>::centre(cells[i / n_sub_cells].before) << ") into.";
+        failure = text.str();
+      }
     }
     throw_on_all_ranks<RunError>(failure, communicator);
 

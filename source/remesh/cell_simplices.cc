@@ -80,14 +80,15 @@ namespace tombolo
 
   template <int dim>
   std::array<double, SubCells<dim>::n_sub_cells>
-  CellSimplices<dim>::volumes(const typename SubCells<dim>::Corners &corners)
+  CellSimplices<dim>::volumes(const typename SubCells<dim>::Corners &corners,
+                              const bool positive_ones)
   {
     const auto &sub_cell = SimplexPoints<dim>::instance().sub_cell;
     double of_simplices[SimplexLanes<dim>::n_padded];
     SimplexLanes<dim>(corners).find_volumes(of_simplices);
     std::array<double, SubCells<dim>::n_sub_cells> result{};
     for (unsigned int s = 0; s < sub_cell.size(); ++s)
-      result[sub_cell[s]] += of_simplices[s];
+      result[sub_cell[s]] += positive_ones ? std::max(0., of_simplices[s]) : of_simplices[s];
     return result;
   }
 
@@ -114,17 +115,6 @@ namespace tombolo
       coordinates[k + 1] = of_others[k];
       coordinates[0] -= of_others[k];
     }
-  }
-
-  template <int dim>
-  Tensor<1, dim> BarycentricCoordinates<dim>::gradient(const unsigned int k) const
-  {
-    if (k > 0)
-      return inverse[k - 1];
-    Tensor<1, dim> result;
-    for (unsigned int j = 0; j < dim; ++j)
-      result -= inverse[j];
-    return result;
   }
 
   template <int dim>

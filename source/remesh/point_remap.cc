@@ -20,15 +20,6 @@ namespace tombolo
     template <int dim>
     constexpr unsigned int n_of_cell = SubCells<dim>::n_sub_cells;
 
-    template <int dim>
-    Point<dim> mean_of_corners(const typename SubCells<dim>::Corners &corners)
-    {
-      Point<dim> result;
-      for (const Point<dim> &corner : corners)
-        result += corner / static_cast<double>(corners.size());
-      return result;
-    }
-
     /** The centres of the sub-cells of before. */
     template <int dim>
     std::array<Point<dim>, n_of_cell<dim>> centres(const typename SubCells<dim>::Corners &corners)
@@ -91,7 +82,7 @@ namespace tombolo
       /** By component. */
       std::vector<Tensor<1, dim>> of_cell(const std::size_t c) const
       {
-        const Point<dim> centre = mean_of_corners<dim>(cells[c].before);
+        const Point<dim> centre = SubCells<dim>::centre(cells[c].before);
         double weight = 0;
         Tensor<1, dim> first;
         SymmetricTensor<2, dim> second;
@@ -302,7 +293,7 @@ namespace tombolo
           continue;
         std::ostringstream text;
         text << "A refill finds no mass for the cell around ("
-             << mean_of_corners<dim>(overlap.cells[c].after) << ").";
+             << SubCells<dim>::centre(overlap.cells[c].after) << ").";
         empty = text.str();
       }
       throw_on_all_ranks<RunError>(empty, overlap.communicator);

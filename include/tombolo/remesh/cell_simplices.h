@@ -44,9 +44,10 @@ namespace tombolo
     /** Whether no simplex of a cell is turned over or flat. */
     static bool are_positive(const typename SubCells<dim>::Corners &corners);
 
-    /** The volumes of the sub-cells [L^dim]. */
+    /** The volumes of the sub-cells [L^dim]; with @p positive_ones without simplices that are
+     * turned over. */
     static std::array<double, SubCells<dim>::n_sub_cells>
-    volumes(const typename SubCells<dim>::Corners &corners);
+    volumes(const typename SubCells<dim>::Corners &corners, bool positive_ones = false);
   };
 
   /** The barycentric coordinates of a simplex as functions of the place. */
@@ -58,9 +59,6 @@ namespace tombolo
     explicit BarycentricCoordinates(const typename CellSimplices<dim>::Vertices &vertices);
 
     void evaluate(const dealii::Point<dim> &place, double (&coordinates)[dim + 1]) const;
-
-    /** The gradient of coordinate @p k [1/L]. */
-    dealii::Tensor<1, dim> gradient(const unsigned int k) const;
 
   private:
     dealii::Point<dim> origin;

@@ -144,8 +144,7 @@ namespace tombolo
       for (const auto &[node, index] : seen.index_of_node)
         if (nodes.owned().is_element(node))
           *masses.node(partition->local_index(node)) = seen.masses[index];
-      before.reinit_like(masses);
-      before.copy_from(masses);
+      before = masses.copy();
       before.update_ghosts();
       const NodePartition::DependentNodes &dependent = partition->dependent_nodes();
       std::string failure;

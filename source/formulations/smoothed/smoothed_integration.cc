@@ -209,63 +209,66 @@ namespace tombolo
   {
     failure_message.clear();
     with_points(
-        [&](const auto number)
-        {
-          constexpr unsigned int n_points = decltype(number)::value,
-                                 batch_size = n_points * n_lanes;
-          const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-          BatchMotion<n_points> motion;
-          alignas(64) double nodal_temperature[batch_size], temperature_increment[batch_size];
-          MaterialBatch material_batch;
-          material_batch.n = batch_size;
-          material_batch.time_increment = input.time_increment;
-          material_batch.measure = measure;
-          material_batch.internal_variables.resize(material_variables.size());
-          for (unsigned int c = 0; c < 6; ++c)
-            material_batch.strain_increment[c] = motion.strain[c];
-          for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
-          {
-            advance_motion(batch, input, motion);
-            const std::size_t first = std::size_t(batch) * batch_size;
-            for (unsigned int c = 0; c < 6; ++c)
-              material_batch.stress[c] =
-                  material_points.component(MaterialPoints::stress, c) + first;
-            material_batch.relative_volume =
-                material_points.component(MaterialPoints::volume_ratio, 0) + first;
-            material_batch.volume_ratio =
-                is_logarithmic ? motion.factor : material_batch.relative_volume;
-            for (std::size_t c = 0; c < material_variables.size(); ++c)
-              material_batch.internal_variables[c] = material_variables[c] + first;
-            if (plastic_heating.is_on())
-            {
-              rows->interpolate(cells->nodes(batch), *input.temperature, nodal_temperature);
-              plastic_heating.advance(material_points, first, batch_size, nodal_temperature,
-                                      input.time_increment == 0., temperature_increment);
-              material_batch.temperature = plastic_heating.temperature(material_points) + first;
-              material_batch.temperature_increment = temperature_increment;
-            }
-            part_material->update_stress(material_batch);
-            if (is_logarithmic)
-              LogarithmicPoints::complete(material_points, first, batch_size);
-            if (bulk_viscosity.is_on())
-              bulk_viscosity.advance(material_points, first, batch_size,
-                                     material_batch.strain_increment, input.time_increment);
-            Lanes stress[n_points][6];
-            for (unsigned int q = 0; q < n_points; ++q)
-            {
-              const std::size_t i = first + q * n_lanes;
-              const Lanes volume =
-                  load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
-              for (unsigned int c = 0; c < 6; ++c)
-                stress[q][c] =
-                    volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
-              if (bulk_viscosity.is_on())
-                for (unsigned int c = 0; c < 3; ++c)
-                  stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
-            }
-            scatter(batch, stress, motion, force);
-          }
+        [&](const auto n_points) {
+          this->template add_force_of_points<std::decay_t<decltype(n_points)>::value>(input, force);
         });
+  }
+
+  template <int dim>
+  template <unsigned int n_points>
+  void SmoothedIntegration<dim>::add_force_of_points(const MechanicalInput &input,
+                                                     NodalVector &force)
+  {
+    constexpr unsigned int batch_size = n_points * n_lanes;
+    const bool is_logarithmic = measure == StrainMeasure::logarithmic;
+    BatchMotion<n_points> motion;
+    alignas(64) double nodal_temperature[batch_size], temperature_increment[batch_size];
+    MaterialBatch material_batch;
+    material_batch.n = batch_size;
+    material_batch.time_increment = input.time_increment;
+    material_batch.measure = measure;
+    material_batch.internal_variables.resize(material_variables.size());
+    for (unsigned int c = 0; c < 6; ++c)
+      material_batch.strain_increment[c] = motion.strain[c];
+    for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
+    {
+      advance_motion(batch, input, motion);
+      const std::size_t first = std::size_t(batch) * batch_size;
+      for (unsigned int c = 0; c < 6; ++c)
+        material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
+      material_batch.relative_volume =
+          material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      material_batch.volume_ratio = is_logarithmic ? motion.factor : material_batch.relative_volume;
+      for (std::size_t c = 0; c < material_variables.size(); ++c)
+        material_batch.internal_variables[c] = material_variables[c] + first;
+      if (plastic_heating.is_on())
+      {
+        rows->interpolate(cells->nodes(batch), *input.temperature, nodal_temperature);
+        plastic_heating.advance(material_points, first, batch_size, nodal_temperature,
+                                input.time_increment == 0., temperature_increment);
+        material_batch.temperature = plastic_heating.temperature(material_points) + first;
+        material_batch.temperature_increment = temperature_increment;
+      }
+      part_material->update_stress(material_batch);
+      if (is_logarithmic)
+        LogarithmicPoints::complete(material_points, first, batch_size);
+      if (bulk_viscosity.is_on())
+        bulk_viscosity.advance(material_points, first, batch_size, material_batch.strain_increment,
+                               input.time_increment);
+      Lanes stress[n_points][6];
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const std::size_t i = first + q * n_lanes;
+        const Lanes volume = load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
+        for (unsigned int c = 0; c < 6; ++c)
+          stress[q][c] =
+              volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
+        if (bulk_viscosity.is_on())
+          for (unsigned int c = 0; c < 3; ++c)
+            stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
+      }
+      scatter(batch, stress, motion, force);
+    }
   }
 
   template <int dim>
@@ -323,30 +326,39 @@ namespace tombolo
                                                          NodalVector &force) const
   {
     with_points(
-        [&](const auto number)
+        [&](const auto n_points)
         {
-          constexpr unsigned int n_points = decltype(number)::value;
-          const PointStiffness stiffness(*part_material, material_points, measure);
-          BatchMotion<n_points> motion;
-          for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
-          {
-            find_motion(batch, position, velocity, motion);
-            Lanes stress[n_points][6];
-            for (unsigned int q = 0; q < n_points; ++q)
-            {
-              const std::size_t i = (std::size_t(batch) * n_points + q) * n_lanes;
-              Lanes volume = -motion.volume[q];          // scatter() subtracts
-              if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
-                volume /=
-                    load_lanes(material_points.component(MaterialPoints::volume_ratio, 0) + i);
-              Lanes modulus = stiffness.lambda(i);
-              if (bulk_viscosity.is_on())
-                modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(material_points) + i);
-              stiffness.find_stress(motion.gradient[q], volume, modulus, stress[q]);
-            }
-            scatter(batch, stress, motion, force);
-          }
+          this->template apply_stiffness_of_points<std::decay_t<decltype(n_points)>::value>(
+              position, velocity, time_step, force);
         });
+  }
+
+  template <int dim>
+  template <unsigned int n_points>
+  void SmoothedIntegration<dim>::apply_stiffness_of_points(const NodalVector &position,
+                                                           const NodalVector &velocity,
+                                                           const double time_step,
+                                                           NodalVector &force) const
+  {
+    const PointStiffness stiffness(*part_material, material_points, measure);
+    BatchMotion<n_points> motion;
+    for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
+    {
+      find_motion(batch, position, velocity, motion);
+      Lanes stress[n_points][6];
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const std::size_t i = (std::size_t(batch) * n_points + q) * n_lanes;
+        Lanes volume = -motion.volume[q];          // scatter() subtracts
+        if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
+          volume /= load_lanes(material_points.component(MaterialPoints::volume_ratio, 0) + i);
+        Lanes modulus = stiffness.lambda(i);
+        if (bulk_viscosity.is_on())
+          modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(material_points) + i);
+        stiffness.find_stress(motion.gradient[q], volume, modulus, stress[q]);
+      }
+      scatter(batch, stress, motion, force);
+    }
   }
 
   template <int dim>

@@ -174,8 +174,9 @@ namespace tombolo
     return result;
   }
 
+  // Not inlined, so that round-off does not depend on the sources that are compiled together.
   template <int dim>
-  Point<dim> SubCells<dim>::point_at(const Shares &shares, const Corners &corners)
+  [[gnu::noinline]] Point<dim> SubCells<dim>::point_at(const Shares &shares, const Corners &corners)
   {
     Point<dim> result;
     for (unsigned int corner = 0; corner < n_corners; ++corner)
@@ -184,7 +185,7 @@ namespace tombolo
   }
 
   template <int dim>
-  Tensor<1, dim> SubCells<dim>::area(const Facet &facet, const Corners &corners)
+  [[gnu::noinline]] Tensor<1, dim> SubCells<dim>::area(const Facet &facet, const Corners &corners)
   {
     const Point<dim> first = point_at(facet.vertices[0], corners);
     const Tensor<1, dim> a = point_at(facet.vertices[1], corners) - first;

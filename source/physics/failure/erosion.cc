@@ -32,12 +32,6 @@ namespace tombolo
       }
       return result;
     }
-
-    void copy(const NodalVector &from, NodalVector &to)
-    {
-      to.reinit(from.partition(), Quantity::scalar);
-      to.copy_from(from);
-    }
   } // namespace
 
   template <int dim>
@@ -77,9 +71,7 @@ namespace tombolo
       lost.energy += removed.energy;
       pending_heat += removed.pending_heat;
     }
-    NodalVector old_mass, old_body_mass;
-    copy(model.state.mass, old_mass);
-    copy(model.body_mass(), old_body_mass);
+    const NodalVector old_mass = model.state.mass.copy(), old_body_mass = model.body_mass().copy();
     // Particles beside the cells are smoothed with other masses, and strain at another velocity.
     const double step = clock.previous_step;
     const bool smooths = step > 0. && !model.particle_parts().empty();

@@ -126,10 +126,7 @@ namespace tombolo
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     if (last_position.partition() == nullptr)
-    {
-      last_position.reinit(partition, Quantity::position);
-      last_position.copy_from(model.state.position);
-    }
+      last_position = model.state.position.copy();
     else if (last_position.partition() != partition)
       last_position.move_to(partition);
   }

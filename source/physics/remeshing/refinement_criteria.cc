@@ -84,14 +84,11 @@ namespace tombolo
     }
 
   private:
-    bool can_measure(const Part<dim> &part) const override
+    std::string lack(const Part<dim> &part) const override
     {
-      return remembers(*part.material, plastic_strain_name);
-    }
-
-    std::string lack() const override
-    {
-      return "no material of the scene has plastic strain";
+      return remembers(*part.material, plastic_strain_name)
+                 ? ""
+                 : "no material of the scene has plastic strain";
     }
   };
 
@@ -119,14 +116,9 @@ namespace tombolo
     }
 
   private:
-    bool can_measure(const Part<dim> &part) const override
+    std::string lack(const Part<dim> &part) const override
     {
-      return part.heat != nullptr;
-    }
-
-    std::string lack() const override
-    {
-      return "the scene has no heat";
+      return part.heat != nullptr ? "" : "the scene has no heat";
     }
   };
 
@@ -162,14 +154,9 @@ namespace tombolo
     }
 
   private:
-    bool can_measure(const Part<dim> &part) const override
+    std::string lack(const Part<dim> &part) const override
     {
-      return part.material->has_mechanics();
-    }
-
-    std::string lack() const override
-    {
-      return "the scene has no mechanics";
+      return part.material->has_mechanics() ? "" : "the scene has no mechanics";
     }
   };
 

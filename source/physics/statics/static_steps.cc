@@ -92,8 +92,7 @@ namespace tombolo
       smallest_step = 1e-3 * largest_step;
     step = largest_step;
     refuse_unfit_model(parameters);
-    last_position.reinit(model.state.partition(), Quantity::position);
-    last_position.copy_from(model.state.position);
+    last_position = model.state.position.copy();
     if (model.heat)
       for (NodalVector *const vector : {&last_temperature, &mixed_temperature})
         vector->reinit(model.state.partition(), Quantity::scalars);

@@ -79,8 +79,7 @@ namespace
 
     NodalVector vector(const Quantity quantity = Quantity::vector) const
     {
-      NodalVector result;
-      result.reinit(partition, quantity);
+      NodalVector result(partition, quantity);
       return result;
     }
 

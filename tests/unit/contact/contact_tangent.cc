@@ -122,8 +122,7 @@ namespace tombolo
           evaluate({}, 0., 1.);
           std::map<std::pair<Place, Place>, double> matrix;
           std::set<Place> places;
-          NodalVector bound;
-          bound.reinit(model.state.partition());
+          NodalVector bound(model.state.partition());
           std::vector<ContactStiffness<3>> springs;
           tombolo::Tangent<3> tangent;
           tangent.springs = &springs;

@@ -87,8 +87,7 @@ namespace
       plate.add_forces();
       const double before = plate.stored();
       EXPECT_GT(before, 0.);
-      NodalVector from;
-      from.reinit(plate.state.partition());
+      NodalVector from(plate.state.partition());
       from.copy_from(plate.state.position);
       from.update_ghosts();
       plate.put(first, last);

@@ -663,8 +663,7 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
     constexpr int dim = std::decay_t<decltype(nodes.dof_handler())>::dimension;
     const auto partition = std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
                                                                  nodes.communicator());
-    NodalVector position;
-    position.reinit(partition);
+    NodalVector position(partition);
     for_owned_nodes(nodes,
                     [&](const auto number, const dealii::Point<dim> &place) {
                       std::copy_n(&place[0], dim, position.node(partition->local_index(number)));
@@ -708,8 +707,7 @@ TEST(OutwardAreas, leave_faces_of_isolated_nodes_out)
   const Nodes<2> nodes(*mesh, 1);
   const auto partition =
       std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(), nodes.communicator());
-  NodalVector position;
-  position.reinit(partition);
+  NodalVector position(partition);
   std::vector<dealii::types::global_dof_index> cell_nodes;
   std::vector<dealii::Point<2>> points;
   for (const auto &cell : nodes.dof_handler().active_cell_iterators())

@@ -73,8 +73,7 @@ namespace
   template <int dim>
   NodalVector noise_field(const Model<dim> &model, const unsigned int seed)
   {
-    NodalVector field;
-    field.reinit(model.state.partition());
+    NodalVector field(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         field.node(i)[d] = noise(model.state.initial_position.node(i), seed + d);
@@ -221,8 +220,7 @@ TEST(Bridge, affine_positions_are_the_smoothed_ones_of_what_moves_with_v_hat)
       model->bridge->move_with_smoothed_velocity(state, 0.3 + 0.1 * step);
     }
     state.unsmoothed_position.update_ghosts();
-    NodalVector smoothed;
-    smoothed.reinit(state.partition());
+    NodalVector smoothed(state.partition());
     model->bridge->apply_smoothing(state.unsmoothed_position, smoothed);
     double largest = 0, moved = 0;
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)

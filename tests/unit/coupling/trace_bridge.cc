@@ -30,8 +30,7 @@ namespace tombolo
       /** Without any order, and with current ghosts. */
       NodalVector disordered_velocity(const Model<3> &model)
       {
-        NodalVector velocity;
-        velocity.reinit(model.state.partition());
+        NodalVector velocity(model.state.partition());
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         {
           const double *const x = model.state.initial_position.node(i);
@@ -74,8 +73,7 @@ namespace tombolo
         Model<3> &model = *body.model;
         const NodalVector velocity = disordered_velocity(model);
         const NodalVector &seen = model.bridge->element_velocity(velocity);
-        NodalVector current;
-        current.reinit(velocity.partition());
+        NodalVector current(velocity.partition());
         current.copy_from(seen);
         current.update_ghosts();
         for (unsigned int i = 0; i < velocity.partition()->n_local(); ++i)

@@ -38,8 +38,7 @@ namespace tombolo
           }
         if (body.model->parts[0].particles != nullptr)
           body.model->parts[0].particles->stencils().inverse_deformation_is_current = false;
-        NodalVector force;
-        force.reinit(state.partition());
+        NodalVector force(state.partition());
         body.model->parts[0].formulation->add_internal_force(
             {&state.position, &state.velocity, time_increment}, force);
         force.add_to_owners();

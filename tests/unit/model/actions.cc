@@ -51,8 +51,7 @@ namespace
   /** Noise at the nodes that move, with what follows from it at all others. */
   NodalVector moving_field(const Model<2> &model)
   {
-    NodalVector field;
-    field.reinit(model.state.partition());
+    NodalVector field(model.state.partition());
     for (unsigned int i = 0; i < field.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < 2; ++d)
         field.node(i)[d] = noise(model.state.initial_position.node(i), d);
@@ -84,8 +83,7 @@ namespace
         const NodePartition &partition = *model->state.partition();
         ASSERT_GT(sum(partition.n_images()), 0.);
         const NodalVector velocity = moving_field(*model);
-        NodalVector at_places;
-        at_places.reinit(model->state.partition());
+        NodalVector at_places(model->state.partition());
         if (place == ActsAt::loads || (place == ActsAt::positions && smoothing == "paper"))
           model->bridge->load_transfer().interpolate(velocity, at_places);
         else
@@ -109,8 +107,7 @@ namespace
             }
             action.add_force(i, force);
           }
-          NodalVector total;
-          total.reinit(model->state.partition());
+          NodalVector total(model->state.partition());
           actions.collect(*model->bridge, total);
           EXPECT_NEAR(power(action.nodal_forces(), velocity), sum(given), 1e-12);
           EXPECT_NEAR(total.dot(velocity), sum(given), 1e-12);
@@ -122,9 +119,7 @@ namespace
   {
     const auto model = half_plate("affine");
     const auto &partition = model->state.partition();
-    NodalVector field, pending;
-    for (NodalVector *const vector : {&field, &pending})
-      vector->reinit(partition, Quantity::scalar);
+    NodalVector field(partition, Quantity::scalar), pending(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *field.node(i) = noise(model->state.initial_position.node(i), 3);
     field.distribute();
@@ -185,8 +180,7 @@ namespace
             for (unsigned int d = 0; d < 2; ++d)
               all.at_all_nodes().node(node)[d] += force[d];
           }
-        NodalVector total;
-        total.reinit(model->state.partition());
+        NodalVector total(model->state.partition());
         actions.collect(*model->bridge, total);
         EXPECT_EQ(few.nodal_forces().nodes, all.nodal_forces().nodes);
         EXPECT_LT(few.nodal_forces().nodes.size(), partition.n_owned());
@@ -199,8 +193,7 @@ namespace
   TEST(Actions, works_take_both_ends_of_a_step_and_each_with_the_rows_of_its_time)
   {
     const auto model = half_plate("paper");
-    NodalVector velocity;
-    velocity.reinit(model->state.partition());
+    NodalVector velocity(model->state.partition());
     NodalForces forces;
     forces.nodes = {0};
     forces.forces = {Tensor<1, 3>()};

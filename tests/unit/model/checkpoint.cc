@@ -295,8 +295,7 @@ TEST(StateArchive, nodal_vectors_come_back_with_current_ghosts)
     ids.push_back(first + i);
   for (const bool is_reading : {false, true})
   {
-    NodalVector vector;
-    vector.reinit(partition);
+    NodalVector vector(partition);
     for (unsigned int i = 0; i < n_of_rank && !is_reading; ++i)
       vector.node(i)[1] = 0.3 + first + i;
     StateArchive archive(file, is_reading ? StateArchive::Mode::read : StateArchive::Mode::write,

@@ -208,9 +208,7 @@ namespace
         << name;
     EXPECT_GT(sum_over_ranks(n_without), 4.) << name;
 
-    NodalVector linear, noise, other, result;
-    for (NodalVector *const vector : {&linear, &noise, &other, &result})
-      vector->reinit(partition);
+    NodalVector linear(partition), noise(partition), other(partition), result(partition);
     const double gradient[3][3] = {{0.3, 0.7, -0.2}, {-0.4, 0.1, 0.5}, {0.2, -0.6, 0.4}};
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
@@ -294,9 +292,8 @@ namespace
       const FrozenBody<3> body(coupled_block(3, has_small_particles, "affine", "paper"));
       Model<3> &model = *body.model;
       const NodalVector &places = model.state.initial_position;
-      NodalVector spin, stretch, force;
-      for (NodalVector *const vector : {&spin, &stretch, &force})
-        vector->reinit(model.state.partition());
+      NodalVector spin(model.state.partition()), stretch(model.state.partition()),
+          force(model.state.partition());
       for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
       {
         const double *const x = places.node(i);

@@ -25,8 +25,7 @@ namespace
     body.set_field(rough<dim>);
     body.set_points(rough<dim>);
     const PointValues before = body.points;
-    NodalVector field;
-    field.reinit(body.partition, Quantity::scalars);
+    NodalVector field(body.partition, Quantity::scalars);
     field.copy_from(body.field);
     if (by_interpolation)
       body.interpolate(place);

@@ -93,10 +93,7 @@ namespace tombolo
 
     dealii::Point<dim> centre() const
     {
-      dealii::Point<dim> result;
-      for (const dealii::Point<dim> &corner : corners)
-        result += corner / static_cast<double>(corners.size());
-      return result;
+      return SubCells<dim>::centre(corners);
     }
   };
 

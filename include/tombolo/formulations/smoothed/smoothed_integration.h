@@ -87,6 +87,11 @@ namespace tombolo
     struct BatchMotion;
 
     template <unsigned int n_points>
+    void add_force_of_points(const MechanicalInput &input, NodalVector &force);
+    template <unsigned int n_points>
+    void apply_stiffness_of_points(const NodalVector &position, const NodalVector &velocity,
+                                   double time_step, NodalVector &force) const;
+    template <unsigned int n_points>
     void advance_motion(unsigned int batch, const MechanicalInput &input,
                         BatchMotion<n_points> &motion);
     /** F⁻ᵀ, L and the volumes of the points of a batch, the dilatation shared. */

@@ -3,7 +3,6 @@
 
 #include <tombolo/approximation/convex_approximation.h>
 #include <tombolo/approximation/moved_convex_values.h>
-#include <tombolo/base/place_text.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/smoothed/cell_surroundings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
@@ -12,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -101,28 +101,41 @@ namespace tombolo
       }
     }
 
-    /** Values at a place that was at @p of_start in the initial configuration, and gradients where
-     * there is the derivative @p map of places of the start by present ones. */
-    bool evaluate(const dealii::Point<dim> &of_start, const dealii::Point<dim> &now,
-                  const dealii::Tensor<2, dim> *const map = nullptr)
-    {
-      const auto n = static_cast<unsigned int>(hits.size());
-      dealii::Tensor<1, dim> *const gradient = map != nullptr ? gradients.data() : nullptr;
-      if (position == nullptr)
-        return approximation
-            .evaluate(now, n, positions.data(), supports.data(), values.data(), gradient)
-            .is_inside;
-      return approximation
-          .evaluate_moved(of_start, n, positions.data(), supports.data(), now, present.data(),
-                          values.data(), gradient, map != nullptr ? *map : dealii::Tensor<2, dim>())
-          .is_inside;
-    }
-
     /** Values at a place of the cell. */
     bool evaluate_share(const typename SubCells<dim>::Shares &share, const SmoothedCell<dim> &cell)
     {
-      return evaluate(SubCells<dim>::point_at(share, cell.corners),
-                      SubCells<dim>::point_at(share, corners));
+      const dealii::Point<dim> x = SubCells<dim>::point_at(share, cell.corners);
+      return position == nullptr ? evaluate(x, false)
+                                 : evaluate_moved(x, SubCells<dim>::point_at(share, corners));
+    }
+
+    /** Values at a place that was somewhere else in the initial configuration. */
+    bool evaluate_moved(const dealii::Point<dim> &of_start, const dealii::Point<dim> &now)
+    {
+      return approximation
+          .evaluate_moved(of_start, static_cast<unsigned int>(hits.size()), positions.data(),
+                          supports.data(), now, present.data(), values.data())
+          .is_inside;
+    }
+
+    bool evaluate(const dealii::Point<dim> &x, const bool with_gradients)
+    {
+      return approximation
+          .evaluate(x, static_cast<unsigned int>(hits.size()), positions.data(), supports.data(),
+                    values.data(), with_gradients ? gradients.data() : nullptr)
+          .is_inside;
+    }
+
+    /** Values and gradients at a point that was somewhere else in the initial configuration. */
+    bool evaluate_point(const PointOfCell<dim> &of_start, const PointOfCell<dim> &now)
+    {
+      if (position == nullptr)
+        return evaluate(now.place, true);
+      return approximation
+          .evaluate_moved(of_start.place, static_cast<unsigned int>(hits.size()), positions.data(),
+                          supports.data(), now.place, present.data(), values.data(),
+                          gradients.data(), of_start.jacobian * dealii::invert(now.jacobian))
+          .is_inside;
     }
 
     /** The row of a point whose neighbours have the coefficients @p sums, over @p volume. */
@@ -140,11 +153,22 @@ namespace tombolo
       return row;
     }
 
+    static std::string describe_point(const dealii::Point<dim> &point)
+    {
+      std::ostringstream text;
+      text << "(";
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << point[d];
+      text << ")";
+      return text.str();
+    }
+
     static std::string outside_of_hull(const dealii::Point<dim> &x)
     {
-      return "the point at " + place_text(x) +
+      return "the point at " + describe_point(x) +
              " is outside of the convex hull of the nodes whose supports reach it: the "
-             "approximation does not exist there. A larger `Dilation` may help.";
+             "approximation "
+             "does not exist there. A larger `Dilation` may help.";
     }
 
     static std::string without_volume(const SmoothedCell<dim> &cell, const double volume)
@@ -336,8 +360,9 @@ namespace tombolo
     bool evaluate_facet(const GradedFacet<dim> &facet, const std::size_t f,
                         const SmoothedCell<dim> & /*cell*/)
     {
-      const bool is_inside = evaluate(
-          position == nullptr ? facet.centroid() : graded_of_start[f].centroid(), facet.centroid());
+      const bool is_inside = position == nullptr
+                                 ? evaluate(facet.centroid(), false)
+                                 : evaluate_moved(graded_of_start[f].centroid(), facet.centroid());
       take_values();
       return is_inside;
     }
@@ -448,8 +473,7 @@ namespace tombolo
       const double volume = dealii::determinant(now.jacobian);
       if (!(volume > 0.))
         return without_volume(cell, volume);
-      const dealii::Tensor<2, dim> map = of_start.jacobian * dealii::invert(now.jacobian);
-      if (!evaluate(of_start.place, now.place, &map))
+      if (!evaluate_point(of_start, now))
         return outside_of_hull(now.place);
       rows.push_back(row_of(gradients, 1.));
       rows.back().volume = volume;

@@ -60,6 +60,15 @@ namespace tombolo
 
     static dealii::Point<dim> point_at(const Shares &shares, const Corners &corners);
 
+    /** The mean of the corners of a cell. */
+    static dealii::Point<dim> centre(const Corners &corners)
+    {
+      dealii::Point<dim> result;
+      for (const dealii::Point<dim> &corner : corners)
+        result += corner / static_cast<double>(n_corners);
+      return result;
+    }
+
     /** Area times normal, from `from` to `to` [L^(dim-1)]. */
     static dealii::Tensor<1, dim> area(const Facet &facet, const Corners &corners);
 

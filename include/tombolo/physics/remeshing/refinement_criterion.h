@@ -5,7 +5,6 @@
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -22,21 +21,20 @@ namespace tombolo
     /** What the parts of a scene lack for it; empty: nothing. Parts have no mesh yet. */
     std::string missing(const std::vector<Part<dim>> &parts) const
     {
-      return std::any_of(parts.begin(), parts.end(),
-                         [this](const Part<dim> &part) { return can_measure(part); })
-                 ? ""
-                 : lack();
+      std::string result;
+      for (const Part<dim> &part : parts)
+        if (result = lack(part); result.empty())
+          break;
+      return result;
     }
 
     /** The value in each owned cell of each part, in the order of cells_of_part(). Collective. */
     virtual std::vector<std::vector<double>> values(Model<dim> &model) const = 0;
 
   private:
-    /** Whether cells of a part can have other values than zero. */
-    virtual bool can_measure(const Part<dim> &part) const = 0;
-
-    /** What a scene without such a part lacks, as a clause. */
-    virtual std::string lack() const = 0;
+    /** What a part lacks whose cells have no other values than zero, as a clause of a scene that
+     * has such parts only; else nothing. */
+    virtual std::string lack(const Part<dim> &part) const = 0;
   };
 
   template <int dim>

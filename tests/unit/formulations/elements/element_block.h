@@ -160,8 +160,7 @@ namespace tombolo
     /** (K + 2/Δt C) v, collected. */
     NodalVector stiffness_action(const NodalVector &v, const double time_step = 1e-2) const
     {
-      NodalVector result;
-      result.reinit(partition);
+      NodalVector result(partition);
       formulation->apply_elastic_stiffness(position, v, time_step, result);
       result.add_to_owners();
       return result;

@@ -146,8 +146,7 @@ namespace tombolo
             block.compute_force(dt);
             block.velocity.set_zero();
             block.compute_force(0.);
-            NodalVector first_force;
-            first_force.reinit(block.partition);
+            NodalVector first_force(block.partition);
             first_force.copy_from(block.force);
             const MaterialPoints &points = block.formulation->points();
             const std::vector<unsigned int> numbers = block.point_numbers();
@@ -321,8 +320,7 @@ namespace tombolo
       this->for_all(
           [](ElementBlock<dim> &block)
           {
-            NodalVector mass;
-            mass.reinit(block.partition, Quantity::scalar);
+            NodalVector mass(block.partition, Quantity::scalar);
             block.formulation->add_mass(mass);
             mass.add_to_owners();
             // So small an amplitude that the block is linear to five digits.
@@ -449,8 +447,7 @@ namespace tombolo
       this->for_all(
           [](ElementBlock<dim> &block)
           {
-            NodalVector mass;
-            mass.reinit(block.partition, Quantity::scalar);
+            NodalVector mass(block.partition, Quantity::scalar);
             block.formulation->add_mass(mass);
             mass.add_to_owners();
             double sum = 0, smallest = 1e300;
@@ -527,8 +524,7 @@ namespace tombolo
         for (const bool together : {false, true})
         {
           ElementBlock<dim> block(choice, together ? BlockSettings() : alone);
-          NodalVector weight;
-          weight.reinit(block.partition);
+          NodalVector weight(block.partition);
           block.set(weight, other_wavy);
           block.set(block.velocity, wavy);
           block.compute_force(0.05);

@@ -128,8 +128,7 @@ namespace
   template <int dim>
   NodalVector noise(const Model<dim> &model, const double seed)
   {
-    NodalVector field;
-    field.reinit(model.state.partition());
+    NodalVector field(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       const double *const x = model.state.initial_position.node(i);
@@ -160,9 +159,8 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
     SCOPED_TRACE(formulation);
     const FrozenBody<3> body(disordered(3, formulation, "affine"));
     Model<3> &model = *body.model;
-    NodalVector one, smoothed, adjoint;
-    for (NodalVector *const vector : {&one, &smoothed, &adjoint})
-      vector->reinit(model.state.partition());
+    NodalVector one(model.state.partition()), smoothed(model.state.partition()),
+        adjoint(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
       std::fill_n(one.node(i), 3, 1.);
     model.bridge->apply_adjoint(one, adjoint);

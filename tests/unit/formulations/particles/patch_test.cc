@@ -75,9 +75,7 @@ namespace
         std::fill_n(formulation.points().component(MaterialPoints::stress, c),
                     formulation.points().padded_size(), c < 3 ? 1. : 0.);
       const auto &partition = model->state.partition();
-      NodalVector force, rest, loads, traction;
-      for (NodalVector *const vector : {&force, &rest, &loads, &traction})
-        vector->reinit(partition);
+      NodalVector force(partition), rest(partition), loads(partition), traction(partition);
       formulation.add_internal_force({&model->state.initial_position, &rest, 0., nullptr}, force);
       force.add_to_owners();
 

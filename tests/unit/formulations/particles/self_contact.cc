@@ -368,8 +368,7 @@ TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)
       body.move(
           [&](const Point<2> &from)
           { return Point<2>(from[0] + (from[0] > 3.5 ? way(n) : 0.), from[1] + 0.1 * way(n)); });
-      NodalVector velocity;
-      velocity.reinit(body.model->state.partition());
+      NodalVector velocity(body.model->state.partition());
       for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
         if (body.model->state.initial_position.node(i)[0] > 3.5 && n > 0)
           velocity.node(i)[0] = (way(n) - way(n - 1)) / time_step;

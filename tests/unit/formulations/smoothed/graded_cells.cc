@@ -118,8 +118,7 @@ namespace
     const Rows<dim> part(body, text);
     const Stencils &stencils = part.rows.stencils();
     const NodalVector &position = model.state.position;
-    NodalVector boundary;
-    boundary.reinit(model.state.partition());
+    NodalVector boundary(model.state.partition());
     RowSums<dim> sums;
     const unsigned int n_points = part.rows.n_points_per_cell();
     for (unsigned int cell = 0; cell < model.parts[0].formulation->n_cells(); ++cell)
@@ -183,8 +182,7 @@ namespace
     Rows<dim> part(body, text, true);
     const auto partition = std::make_shared<const NodePartition>(
         model.nodes->owned(), part.rows.required_nodes(), MPI_COMM_WORLD);
-    NodalVector position;
-    position.reinit(partition);
+    NodalVector position(partition);
     position.copy_from(model.state.position);
     OutwardAreas<dim> areas(*model.nodes, {});
     areas.set_partition(partition);
@@ -210,8 +208,7 @@ namespace
         result[d] = position.node(position.partition()->local_index(node))[d];
       return result;
     };
-    NodalVector force;
-    force.reinit(partition);
+    NodalVector force(partition);
     RowSums<dim> sums;
     double of_volumes = 0, farthest = 0;
     for (unsigned int cell = 0; cell < cells.size(); ++cell)

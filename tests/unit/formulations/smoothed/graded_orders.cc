@@ -117,8 +117,7 @@ namespace
     problem.n_components = 1;
     problem.apply = [&model](const NodalVector &temperature, NodalVector &rate)
     {
-      NodalVector minus;
-      minus.reinit(model.state.partition(), Quantity::scalars);
+      NodalVector minus(model.state.partition(), Quantity::scalars);
       for (const Part<dim> &part : model.parts)
         part.formulation->add_conduction(model.state.position, temperature, temperature, minus);
       for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)

@@ -212,8 +212,7 @@ namespace tombolo
         body.strain(where);
         const double mass = body.mass(), before = energy();
         const double momentum[3] = {body.momentum(0), body.momentum(1), body.momentum(2)};
-        NodalVector masses;
-        masses.reinit(body.model->state.partition(), Quantity::scalar);
+        NodalVector masses(body.model->state.partition(), Quantity::scalar);
         masses.copy_from(body.model->state.mass);
         double lost = 0;
         EXPECT_TRUE(body.convert(&lost));
@@ -404,8 +403,7 @@ namespace tombolo
         Model<3> &model = *body.model;
         const auto copy_of = [&](const NodalVector &mass)
         {
-          NodalVector copy;
-          copy.reinit(model.state.partition(), Quantity::scalar);
+          NodalVector copy(model.state.partition(), Quantity::scalar);
           copy.copy_from(mass);
           return copy;
         };

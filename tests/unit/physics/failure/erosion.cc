@@ -226,10 +226,8 @@ namespace tombolo
 
       NodalVector force()
       {
-        NodalVector result;
-        result.reinit(model->state.partition());
-        NodalVector velocity;
-        velocity.reinit(model->state.partition());
+        NodalVector result(model->state.partition());
+        NodalVector velocity(model->state.partition());
         const NodalVector *temperature =
             model->heat ? &model->heat->state.present_temperature : nullptr;
         part().add_internal_force({&model->state.position, &velocity, 0., temperature}, result);
@@ -413,8 +411,7 @@ namespace tombolo
         body.erode();
         MechanicalStep<3> step(*body.model);
         NodalState &state = body.model->state;
-        NodalVector before;
-        before.reinit(state.partition());
+        NodalVector before(state.partition());
         before.copy_from(state.position);
         Clock clock;
         clock.next_step = clock.stable_step = 1e-3;
@@ -706,8 +703,7 @@ namespace tombolo
             ASSERT_EQ(*heat.state.enthalpy.node(i), 0.);
         }
         // No heat flows to nodes without mass.
-        NodalVector rate;
-        rate.reinit(body.model->state.partition(), Quantity::scalar);
+        NodalVector rate(body.model->state.partition(), Quantity::scalar);
         std::vector<double> of_condition;
         heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
         heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, of_condition);
@@ -735,8 +731,7 @@ namespace tombolo
                       { body.values("plastic work")[i] = 0.2 + 0.1 * x[0]; });
       body.strain();
       body.erode();
-      NodalVector given;
-      given.reinit(body.model->state.partition(), Quantity::scalar);
+      NodalVector given(body.model->state.partition(), Quantity::scalar);
       const double pending = ErodingBody::sum(body.part().pending_plastic_heat());
       EXPECT_GT(pending, 1.);
       body.model->heat->add_plastic_heat(given);

@@ -244,8 +244,7 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
     EXPECT_LT(courant_limit(model).time_step, 0.9 - 0.05);
     EXPECT_FALSE(raise_masses(0));
     EXPECT_FALSE(raise_masses(8));
-    NodalVector before;
-    before.reinit(state.partition(), Quantity::scalar);
+    NodalVector before(state.partition(), Quantity::scalar);
     before.copy_from(model.bridge->mass());
     const double mass_before = sum(state.mass);
     EXPECT_TRUE(raise_masses(14));

@@ -19,8 +19,7 @@ namespace
   template <int dim>
   NodalVector symmetric_noise(const Model<dim> &model, const unsigned int seed)
   {
-    NodalVector field;
-    field.reinit(model.state.partition());
+    NodalVector field(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       const double *const x = model.state.initial_position.node(i);
@@ -82,8 +81,7 @@ TEST_P(SymmetricOperators, are_those_of_the_whole_body)
     Model<3> &model = *body->model;
     deform(model);
     const NodalVector field = symmetric_noise(model, 1);
-    NodalVector result;
-    result.reinit(model.state.partition());
+    NodalVector result(model.state.partition());
     model.bridge->apply_smoothing(field, result);
     smoothed[b] = body->values_at_nodes({&result});
     model.bridge->apply_adjoint(field, result);
@@ -148,8 +146,7 @@ TEST_P(SymmetricOperators, smoothing_keeps_what_is_constant_along_the_planes_and
   if (is_affine)
   {
     // S X = X, which is symmetric in the planes through the origin.
-    NodalVector linear;
-    linear.reinit(model.state.partition());
+    NodalVector linear(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < 3; ++d)
         linear.node(i)[d] = model.state.initial_position.node(i)[d];
@@ -173,8 +170,7 @@ TEST(SymmetricModels, what_images_and_ghosts_give_back_is_the_transpose_of_what_
   const Model<3> &model = *body.model;
   const auto &partition = *model.state.partition();
   const NodalVector known = symmetric_noise(model, 1);
-  NodalVector given;
-  given.reinit(model.state.partition());
+  NodalVector given(model.state.partition());
   double at_all = 0, at_owners = 0, size = 0;
   for (unsigned int i = 0; i < partition.n_local(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
