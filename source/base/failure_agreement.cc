@@ -2,7 +2,6 @@
 #include <tombolo/base/failure_agreement.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -2,15 +2,33 @@
 #include <tombolo/base/memory.h>
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
 #include <limits>
 #include <string>
+#include <unistd.h>
+
+#ifdef __GLIBC__
+#  include <malloc.h>
+#else
+#  include <deal.II/base/utilities.h>
+#endif
 
 namespace tombolo
 {
+  std::size_t allocated_bytes()
+  {
+#ifdef __GLIBC__
+    const auto allocated = mallinfo2();
+    return allocated.uordblks + allocated.hblkhd;
+#else
+    dealii::Utilities::System::MemoryStats memory;
+    dealii::Utilities::System::get_memory_stats(memory);
+    return memory.VmRSS * 1024;
+#endif
+  }
+
   namespace
   {
     constexpr double unlimited = std::numeric_limits<double>::max();

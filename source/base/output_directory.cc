@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/directory_check.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>
 #include <tombolo/base/output_directory.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -1,22 +1,238 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/entries.h>
 #include <tombolo/boundary/thermal_conditions.h>
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/boundary/limited_function.h>
+#include <tombolo/boundary/region.h>
 #include <tombolo/boundary/thermal_condition.h>
-#include <tombolo/boundary/thermal_selection.h>
 #include <tombolo/boundary/tributary_areas.h>
-#include <tombolo/boundary/values_at_nodes.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  /** The nodes and faces that thermal conditions select, at the start of a run. */
+  template <int dim>
+  class ThermalSelection
+  {
+  public:
+    /** Finds them, and adds faces that heat crosses to @p areas, by condition. @p conditions are
+     * those of @p sections and must outlive this, as @p nodes. No heat crosses planes of symmetry.
+     * Throws InputError where a condition selects nothing, or two on one face exclude each other.
+     * Collective. */
+    ThermalSelection(const std::vector<Section> &sections,
+                     const std::vector<ThermalCondition<dim>> &conditions, const Nodes<dim> &nodes,
+                     TributaryAreas<dim> &areas)
+        : conditions(conditions), nodes(nodes), selected_nodes(sections.size()),
+          n_selected(sections.size(), 0), n_conflicts(sections.size() * sections.size(), 0)
+    {
+      // The value of a predicate or a function can be undefined on one rank alone.
+      std::string message;
+      try
+      {
+        find_nodes();
+        find_faces(areas);
+      }
+      catch (const InputError &error)
+      {
+        message = error.what();
+      }
+      throw_on_all_ranks<InputError>(message, nodes.communicator());
+      refuse_what_selects_nothing(sections);
+      refuse_conflicts(sections);
+    }
+
+    /** By condition: owned nodes of a temperature or a source, ascending; none for others. */
+    std::vector<std::vector<dealii::types::global_dof_index>> owned_nodes() const
+    {
+      std::vector<std::vector<types::global_dof_index>> result(selected_nodes.size());
+      for (std::size_t c = 0; c < selected_nodes.size(); ++c)
+        std::copy_if(
+            selected_nodes[c].begin(), selected_nodes[c].end(), std::back_inserter(result[c]),
+            [&](const types::global_dof_index node) { return nodes.owned().is_element(node); });
+      return result;
+    }
+
+  private:
+    void find_nodes()
+    {
+      std::vector<types::global_dof_index> cell_nodes;
+      std::vector<Point<dim>> cell_points;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial())
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        nodes.cell_points(cell, cell_points);
+        const auto select = [&](const unsigned int c, const unsigned int k)
+        {
+          if (conditions[c].place.contains(cell_points[k]))
+            selected_nodes[c].push_back(cell_nodes[k]);
+        };
+        for (unsigned int c = 0; c < conditions.size(); ++c)
+        {
+          const Place<dim> &place = conditions[c].place;
+          if (is_on_faces(conditions[c].type))
+            continue;
+          if (!place.has_boundaries())
+            for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+              select(c, k);
+          else
+            for (const unsigned int f : cell->face_indices())
+              if (cell->face(f)->at_boundary() && place.has_boundary(cell->face(f)->boundary_id()))
+                for (const unsigned int k : nodes.face_places(f))
+                  select(c, k);
+        }
+      }
+      for (unsigned int c = 0; c < conditions.size(); ++c)
+      {
+        std::vector<types::global_dof_index> &selected = selected_nodes[c];
+        std::sort(selected.begin(), selected.end());
+        selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
+        for (const types::global_dof_index node : selected)
+          n_selected[c] += nodes.owned().is_element(node) ? 1 : 0;
+      }
+    }
+
+    void find_faces(TributaryAreas<dim> &areas)
+    {
+      std::vector<types::global_dof_index> cell_nodes, face_nodes;
+      std::vector<Point<dim>> cell_points;
+      std::vector<unsigned int> present;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (!cell->is_locally_owned() || !cell->at_boundary())
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        nodes.cell_points(cell, cell_points);
+        for (const unsigned int f : cell->face_indices())
+        {
+          if (!cell->face(f)->at_boundary())
+            continue;
+          face_nodes.clear();
+          for (const unsigned int k : nodes.face_places(f))
+            face_nodes.push_back(cell_nodes[k]);
+          const bool is_outer = nodes.is_outer_face(cell, f);
+          present.clear();
+          for (unsigned int c = 0; c < conditions.size(); ++c)
+          {
+            const ThermalCondition<dim> &condition = conditions[c];
+            if (condition.type == ThermalConditionType::temperature)
+            {
+              const std::vector<types::global_dof_index> &all = selected_nodes[c];
+              if (std::all_of(face_nodes.begin(), face_nodes.end(),
+                              [&](const types::global_dof_index node)
+                              { return std::binary_search(all.begin(), all.end(), node); }))
+                present.push_back(c);
+              continue;
+            }
+            if (!is_on_faces(condition.type) || (crosses_surface(condition.type) && !is_outer) ||
+                !condition.place.contains_face(cell->face(f)->boundary_id(),
+                                               cell->face(f)->center()))
+              continue;
+            present.push_back(c);
+            ++n_selected[c];
+            if (crosses_surface(condition.type))
+              areas.add_face(c, face_nodes);
+            if (is_film(condition.type))
+              for (const LimitedFunction<dim> *function :
+                   {&*condition.coefficient, &*condition.ambient})
+                if (function->depends_on_place())
+                  for (const unsigned int k : nodes.face_places(f))
+                    function->check_start(cell_points[k]);
+          }
+          for (const unsigned int later : present)
+            for (const unsigned int earlier : present)
+              if (earlier < later &&
+                  !are_compatible(conditions[earlier].type, conditions[later].type))
+                ++n_conflicts[later * conditions.size() + earlier];
+        }
+      }
+    }
+
+    void refuse_what_selects_nothing(const std::vector<Section> &sections) const
+    {
+      for (unsigned int c = 0; c < conditions.size(); ++c)
+        if (Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
+          conditions[c].place.fail_empty(
+              sections[c], is_on_faces(conditions[c].type) ? nodes.outer_face_text() : "node");
+    }
+
+    void refuse_conflicts(const std::vector<Section> &sections) const
+    {
+      std::vector<unsigned int> n_shared(n_conflicts.size());
+      Utilities::MPI::sum(n_conflicts, nodes.communicator(), n_shared);
+      for (unsigned int later = 0; later < conditions.size(); ++later)
+        for (unsigned int earlier = 0; earlier < later; ++earlier)
+        {
+          const unsigned int n = n_shared[later * conditions.size() + earlier];
+          if (n == 0)
+            continue;
+          const bool is_twice = conditions[later].type == conditions[earlier].type;
+          sections[later].fail(
+              "Type", (n == 1 ? "a face" : std::to_string(n) + " faces") +
+                          " of the boundary that the condition selects " +
+                          (n == 1 ? "has" : "have") + " the condition \"" +
+                          conditions[earlier].name + "\" of type \"" +
+                          sections[earlier].get("Type") + "\" already; " +
+                          (is_twice ? "allowed is one condition of a type on a face."
+                                    : "a temperature or an adiabatic surface allows no other "
+                                      "condition on a face."));
+        }
+    }
+
+    const std::vector<ThermalCondition<dim>> &conditions;
+    const Nodes<dim> &nodes;
+    /** By condition: owned and ghost nodes of a temperature or a source, ascending. */
+    std::vector<std::vector<dealii::types::global_dof_index>> selected_nodes;
+    std::vector<unsigned long> n_selected; ///< owned nodes or faces, by condition
+    /** Faces of this rank with two conditions that exclude each other: [later][earlier]. */
+    std::vector<unsigned int> n_conflicts;
+  };
+
+  template class ThermalSelection<2>;
+
+  template class ThermalSelection<3>;
+
+  /** The values of a function at nodes at one time; one without a place is evaluated once. */
+  template <int dim>
+  class ValuesAtNodes
+  {
+  public:
+    ValuesAtNodes(const LimitedFunction<dim> &function, const NodalVector &initial_position,
+                  const double time)
+        : function(function), initial_position(initial_position), time(time)
+    {}
+
+    double operator()(const unsigned int node)
+    {
+      if (!is_known || function.depends_on_place())
+        present = function.value(point_of<dim>(initial_position.node(node)), time);
+      is_known = true;
+      return present;
+    }
+
+  private:
+    const LimitedFunction<dim> &function;
+    const NodalVector &initial_position;
+    double time;
+    double present = 0;
+    bool is_known = false;
+  };
 
   template <int dim>
   struct ThermalConditions<dim>::Implementation
@@ -352,5 +568,6 @@ namespace tombolo
   }
 
   template class ThermalConditions<2>;
+
   template class ThermalConditions<3>;
 } // namespace tombolo

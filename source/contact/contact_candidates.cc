@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_candidates.h>
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/boundary_names.h>
 

@@ -3,7 +3,7 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surfaces/surface_normals.h>
+#include <tombolo/contact/surfaces/closed_surface.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>

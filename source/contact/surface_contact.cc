@@ -7,11 +7,26 @@
 #include <tombolo/contact/surface_section.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  template <int dim>
+  ContactAreas<dim>::ContactAreas(const Nodes<dim> &nodes,
+                                  const std::set<types::boundary_id> &boundaries,
+                                  const std::vector<unsigned int> &candidates,
+                                  const std::vector<double> &volume)
+      : faces(nodes, boundaries)
+  {
+    for (const unsigned int node : candidates)
+      inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));
+  }
+
+  template class ContactAreas<2>;
+  template class ContactAreas<3>;
 
   template <int dim>
   SurfaceContact<dim>::SurfaceContact(const Section &section, const Mesh<dim> &mesh,

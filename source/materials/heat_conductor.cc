@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/materials/heat_conductor.h>
+#include <tombolo/base/input/entries.h>
+#include <tombolo/materials/material.h>
 
 #include <algorithm>
 
@@ -7,30 +8,42 @@ namespace tombolo
 {
   using namespace dealii;
 
-  HeatConductor::HeatConductor(const Entries &e)
-      : initial_density(e.number("Density", mandatory, positive(), "M/L^3",
-                                 "Density in the initial configuration."))
-  {}
-
-  double HeatConductor::density() const
+  /** Has mass and no stress: for scenes of heat alone, which need no elastic constants. */
+  class HeatConductor : public Material
   {
-    return initial_density;
-  }
+  public:
+    explicit HeatConductor(const Entries &e)
+        : initial_density(e.number("Density", mandatory, positive(), "M/L^3",
+                                   "Density in the initial configuration."))
+    {}
 
-  bool HeatConductor::has_mechanics() const
-  {
-    return false;
-  }
+    double density() const override
+    {
+      return initial_density;
+    }
 
-  double HeatConductor::bulk_modulus() const
-  {
-    return 0.;
-  }
+    bool has_mechanics() const override
+    {
+      return false;
+    }
 
-  double HeatConductor::shear_modulus() const
-  {
-    return 0.;
-  }
+    double bulk_modulus() const override
+    {
+      return 0.;
+    }
+
+    double shear_modulus() const override
+    {
+      return 0.;
+    }
+
+    void update_stress(MaterialBatch &batch) const override;
+    void elastic_energy_density(unsigned int n, const double *const stress[6],
+                                const double *temperature, double *energy_density) const override;
+
+  private:
+    double initial_density; // [M/L^3]
+  };
 
   void HeatConductor::update_stress(MaterialBatch & /*batch*/) const {}
 

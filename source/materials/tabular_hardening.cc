@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/materials/tabular_hardening.h>
-
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/flow_stress.h>
 
 #include <deal.II/base/utilities.h>
 
 #include <cmath>
+#include <vector>
 
 namespace tombolo
 {
@@ -43,121 +44,133 @@ namespace tombolo
     }
   } // namespace
 
-  TabularHardening::TabularHardening(const Entries &e)
+  /** A flow stress interpolated linearly in a table over the effective plastic strain and, where
+   * the table has more than one row, the temperature; constant beyond its ends. */
+  class TabularHardening : public FlowStress
   {
-    e.text("Plastic strains", mandatory, "1",
-           "Effective plastic strains of the columns, increasing from 0, separated by commas.");
-    e.text("Temperatures", "", "",
-           "Temperatures of the rows, increasing, separated by commas; empty for a table of one "
-           "row that holds at all temperatures.");
-    e.text("Flow stresses", mandatory, "M/(L T^2)",
-           "The table: flow stresses of a row separated by commas, rows separated by semicolons.");
-    if (e.declares())
-      return;
-    const Section &section = e.section();
-    strains = section.get_doubles("Plastic strains");
-    temperatures = section.get_doubles("Temperatures");
-    if (strains.empty() || strains.front() != 0.)
-      section.fail("Plastic strains", "allowed are numbers that increase from 0.");
-    check_increasing(section, "Plastic strains", strains);
-    check_increasing(section, "Temperatures", temperatures);
-
-    const std::vector<std::vector<double>> rows = read_rows(section, "Flow stresses");
-    const std::size_t n_rows = temperatures.empty() ? 1 : temperatures.size();
-    if (rows.size() != n_rows)
-      section.fail("Flow stresses", "found " + std::to_string(rows.size()) +
-                                        " rows, separated by semicolons; needed are " +
-                                        std::to_string(n_rows) + ", one a temperature.");
-    for (std::size_t r = 0; r < n_rows; ++r)
+  public:
+    explicit TabularHardening(const Entries &e)
     {
-      const std::vector<double> &row = rows[r];
-      if (row.size() != strains.size())
-        section.fail("Flow stresses", "row " + std::to_string(r + 1) + " has " +
-                                          std::to_string(row.size()) + " values; needed are " +
-                                          std::to_string(strains.size()) +
-                                          ", one a plastic strain.");
-      for (const double value : row)
-        if (!(value >= 0. && std::isfinite(value)))
-          section.fail("Flow stresses", "allowed are zero and positive numbers.");
-      values.insert(values.end(), row.begin(), row.end());
-      if (row.size() == 1)
-        values.push_back(row.front());
-    }
-    if (strains.size() == 1)
-      strains.push_back(1.);
-    if (temperatures.size() == 1)
-    {
-      // One row holds at all temperatures.
-      temperatures.clear();
-    }
-  }
+      e.text("Plastic strains", mandatory, "1",
+             "Effective plastic strains of the columns, increasing from 0, separated by commas.");
+      e.text("Temperatures", "", "",
+             "Temperatures of the rows, increasing, separated by commas; empty for a table of one "
+             "row that holds at all temperatures.");
+      e.text(
+          "Flow stresses", mandatory, "M/(L T^2)",
+          "The table: flow stresses of a row separated by commas, rows separated by semicolons.");
+      if (e.declares())
+        return;
+      const Section &section = e.section();
+      strains = section.get_doubles("Plastic strains");
+      temperatures = section.get_doubles("Temperatures");
+      if (strains.empty() || strains.front() != 0.)
+        section.fail("Plastic strains", "allowed are numbers that increase from 0.");
+      check_increasing(section, "Plastic strains", strains);
+      check_increasing(section, "Temperatures", temperatures);
 
-  bool TabularHardening::depends_on_temperature() const
-  {
-    return !temperatures.empty();
-  }
-
-  template <bool with_temperature>
-  void TabularHardening::interpolate(const FlowStressBatch &batch) const
-  {
-    const double *const strain_knots = strains.data();
-    const double *const temperature_knots = temperatures.data();
-    const double *const table = values.data();
-    const auto n_strains = static_cast<int>(strains.size());
-    const auto n_temperatures = static_cast<int>(temperatures.size());
-    for (unsigned int begin = 0; begin < batch.n; begin += n_lanes)
-    {
-      const double *const p = batch.plastic_strain + begin;
-      const double *const t = with_temperature ? batch.temperature + begin : nullptr;
-      // The intervals, found by counting: all lanes walk the table together.
-      long long column[n_lanes] = {}, row[n_lanes] = {};
-      for (int k = 1; k < n_strains - 1; ++k)
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          column[lane] += p[lane] >= strain_knots[k] ? 1 : 0;
-      if constexpr (with_temperature)
-        for (int k = 1; k < n_temperatures - 1; ++k)
-          for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            row[lane] += t[lane] >= temperature_knots[k] ? 1 : 0;
-
-#pragma GCC ivdep
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      const std::vector<std::vector<double>> rows = read_rows(section, "Flow stresses");
+      const std::size_t n_rows = temperatures.empty() ? 1 : temperatures.size();
+      if (rows.size() != n_rows)
+        section.fail("Flow stresses", "found " + std::to_string(rows.size()) +
+                                          " rows, separated by semicolons; needed are " +
+                                          std::to_string(n_rows) + ", one a temperature.");
+      for (std::size_t r = 0; r < n_rows; ++r)
       {
-        const long long j = column[lane];
-        const double width = strain_knots[j + 1] - strain_knots[j];
-        const double w = (p[lane] - strain_knots[j]) / width;
-        const bool is_inside = w < 1.;
-        const double weight = is_inside ? w : 1.;
-        const double slope_factor = is_inside ? 1. / width : 0.;
-        const double *const lower = table + row[lane] * n_strains + j;
-        double value = (1. - weight) * lower[0] + weight * lower[1];
-        double slope = slope_factor * (lower[1] - lower[0]);
-        if constexpr (with_temperature)
-        {
-          const double *const upper = lower + n_strains;
-          const double upper_value = (1. - weight) * upper[0] + weight * upper[1];
-          const double range = temperature_knots[row[lane] + 1] - temperature_knots[row[lane]];
-          const double s = (t[lane] - temperature_knots[row[lane]]) / range;
-          const bool is_between = s > 0. && s < 1.;
-          const double share = s > 0. ? (s < 1. ? s : 1.) : 0.;
-          const double thermal_slope = is_between ? (upper_value - value) / range : 0.;
-          const double upper_slope = slope_factor * (upper[1] - upper[0]);
-          slope = (1. - share) * slope + share * upper_slope +
-                  thermal_slope * batch.temperature_change[begin + lane];
-          value = (1. - share) * value + share * upper_value;
-        }
-        batch.flow_stress[begin + lane] = value;
-        batch.slope[begin + lane] = slope;
+        const std::vector<double> &row = rows[r];
+        if (row.size() != strains.size())
+          section.fail("Flow stresses", "row " + std::to_string(r + 1) + " has " +
+                                            std::to_string(row.size()) + " values; needed are " +
+                                            std::to_string(strains.size()) +
+                                            ", one a plastic strain.");
+        for (const double value : row)
+          if (!(value >= 0. && std::isfinite(value)))
+            section.fail("Flow stresses", "allowed are zero and positive numbers.");
+        values.insert(values.end(), row.begin(), row.end());
+        if (row.size() == 1)
+          values.push_back(row.front());
+      }
+      if (strains.size() == 1)
+        strains.push_back(1.);
+      if (temperatures.size() == 1)
+      {
+        // One row holds at all temperatures.
+        temperatures.clear();
       }
     }
-  }
 
-  void TabularHardening::evaluate(const FlowStressBatch &batch) const
-  {
-    if (temperatures.empty())
-      interpolate<false>(batch);
-    else
-      interpolate<true>(batch);
-  }
+    bool depends_on_temperature() const override
+    {
+      return !temperatures.empty();
+    }
+
+    void evaluate(const FlowStressBatch &batch) const override
+    {
+      if (temperatures.empty())
+        interpolate<false>(batch);
+      else
+        interpolate<true>(batch);
+    }
+
+  private:
+    template <bool with_temperature>
+    void interpolate(const FlowStressBatch &batch) const
+    {
+      const double *const strain_knots = strains.data();
+      const double *const temperature_knots = temperatures.data();
+      const double *const table = values.data();
+      const auto n_strains = static_cast<int>(strains.size());
+      const auto n_temperatures = static_cast<int>(temperatures.size());
+      for (unsigned int begin = 0; begin < batch.n; begin += n_lanes)
+      {
+        const double *const p = batch.plastic_strain + begin;
+        const double *const t = with_temperature ? batch.temperature + begin : nullptr;
+        // The intervals, found by counting: all lanes walk the table together.
+        long long column[n_lanes] = {}, row[n_lanes] = {};
+        for (int k = 1; k < n_strains - 1; ++k)
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            column[lane] += p[lane] >= strain_knots[k] ? 1 : 0;
+        if constexpr (with_temperature)
+          for (int k = 1; k < n_temperatures - 1; ++k)
+            for (unsigned int lane = 0; lane < n_lanes; ++lane)
+              row[lane] += t[lane] >= temperature_knots[k] ? 1 : 0;
+
+#pragma GCC ivdep
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        {
+          const long long j = column[lane];
+          const double width = strain_knots[j + 1] - strain_knots[j];
+          const double w = (p[lane] - strain_knots[j]) / width;
+          const bool is_inside = w < 1.;
+          const double weight = is_inside ? w : 1.;
+          const double slope_factor = is_inside ? 1. / width : 0.;
+          const double *const lower = table + row[lane] * n_strains + j;
+          double value = (1. - weight) * lower[0] + weight * lower[1];
+          double slope = slope_factor * (lower[1] - lower[0]);
+          if constexpr (with_temperature)
+          {
+            const double *const upper = lower + n_strains;
+            const double upper_value = (1. - weight) * upper[0] + weight * upper[1];
+            const double range = temperature_knots[row[lane] + 1] - temperature_knots[row[lane]];
+            const double s = (t[lane] - temperature_knots[row[lane]]) / range;
+            const bool is_between = s > 0. && s < 1.;
+            const double share = s > 0. ? (s < 1. ? s : 1.) : 0.;
+            const double thermal_slope = is_between ? (upper_value - value) / range : 0.;
+            const double upper_slope = slope_factor * (upper[1] - upper[0]);
+            slope = (1. - share) * slope + share * upper_slope +
+                    thermal_slope * batch.temperature_change[begin + lane];
+            value = (1. - share) * value + share * upper_value;
+          }
+          batch.flow_stress[begin + lane] = value;
+          batch.slope[begin + lane] = slope;
+        }
+      }
+    }
+
+    // Knots of an axis with one value are doubled, so that every axis has an interval.
+    std::vector<double> strains, temperatures;
+    std::vector<double> values; // [M/(L T^2)], strain fastest
+  };
 
   TOMBOLO_REGISTER(FlowStress, TabularHardening, "tabular",
                    "a table over the plastic strain and the temperature")

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/refinement.h>
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/expression_tokens.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/memory_check.h>
 

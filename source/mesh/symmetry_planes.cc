@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/image_conditions.h>
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 
 #include <deal.II/base/mpi.h>

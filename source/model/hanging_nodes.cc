@@ -2,7 +2,7 @@
 #include <tombolo/model/hanging_nodes.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/place_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/mesh/communicator_of.h>
 
 #include <deal.II/base/mpi.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/initial_condition.h>
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/model/model.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/mesh_transfer.h>
 
-#include <tombolo/base/place_text.h>
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>

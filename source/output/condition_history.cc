@@ -20,9 +20,9 @@ namespace tombolo
   {
   public:
     explicit ConditionHistory(const Entries &e)
-        : ImpulseHistory<dim, ConditionBalance>(
-              "conditions.csv", History<dim>::interval(e, "conditions.csv"),
-              {"conditions", {&ConditionBalance::work}})
+        : ImpulseHistory<dim, ConditionBalance>("conditions.csv",
+                                                History<dim>::interval(e, "conditions.csv"),
+                                                {"conditions", {&ConditionBalance::work}})
     {
       const std::vector<double> point =
           e.numbers("Moments about", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/output/exact_solution.h>
 
 #include <deal.II/base/mpi.h>

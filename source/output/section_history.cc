@@ -14,9 +14,8 @@ namespace tombolo
   {
   public:
     explicit SectionHistory(const Entries &e)
-        : ImpulseHistory<dim, SectionBalance>("sections.csv",
-                                              History<dim>::interval(e, "sections.csv"),
-                                              {"sections", {}})
+        : ImpulseHistory<dim, SectionBalance>(
+              "sections.csv", History<dim>::interval(e, "sections.csv"), {"sections", {}})
     {}
 
   private:

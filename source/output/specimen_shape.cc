@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/output/specimen_shape.h>
 

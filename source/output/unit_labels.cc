@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/unit_labels.h>
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/registry.h>
 

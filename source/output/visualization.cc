@@ -2,7 +2,6 @@
 #include <tombolo/output/visualization.h>
 
 #include <tombolo/output/solution_pieces.h>
-#include <tombolo/output/tool_piece.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>

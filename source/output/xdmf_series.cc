@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/output/xml_text.h>
 
 #include <deal.II/base/mpi.h>

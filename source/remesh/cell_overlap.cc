@@ -2,7 +2,6 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/remesh/cell_cutting.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/numbers_of_ranks.h>

@@ -4,8 +4,6 @@
 #include <tombolo/remesh/node_maxima.h>
 #include <tombolo/remesh/point_remap.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>

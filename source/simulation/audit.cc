@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
-#include <tombolo/base/allocated_bytes.h>
+#include <tombolo/base/memory.h>
 #include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/simulation/advice.h>

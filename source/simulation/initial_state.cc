@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/initial_state.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/advice.h>
 #include <tombolo/simulation/energy_check.h>
-#include <tombolo/simulation/run_statistics.h>
 #include <tombolo/simulation/run_summary.h>
 #include <tombolo/simulation/simulation.h>
 

@@ -2,8 +2,8 @@
 #include <tombolo/state/archive_file.h>
 
 #include <deal.II/base/mpi.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <hdf5.h>
 

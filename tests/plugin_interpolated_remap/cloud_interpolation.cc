@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/point_remap.h>
 

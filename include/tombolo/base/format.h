@@ -1,10 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deal.II/base/tensor.h>
+
+#include <sstream>
 #include <string>
+#include <typeinfo>
 
 namespace tombolo
 {
+  /** A place as messages give it: "(1, 2, 3)". */
+  template <int dim>
+  std::string place_text(const dealii::Tensor<1, dim> &place)
+  {
+    std::ostringstream text;
+    text << "(" << place[0];
+    for (unsigned int d = 1; d < dim; ++d)
+      text << ", " << place[d];
+    text << ")";
+    return text.str();
+  }
+
+  /** "lattice filter" of a class LatticeFilter<3>, for messages. */
+  std::string words_of_type(const std::type_info &type);
+
   /** A number as text: the shortest that reads back as the same double; whole numbers without a
    * point; "nan", "inf", "-inf". */
   std::string format_number(double value);

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstddef>
+
 namespace tombolo
 {
+  /** What this process has allocated and not released [bytes]; its resident memory where the system
+   * does not count allocations. */
+  std::size_t allocated_bytes();
+
   /** The memory [bytes] that this process can still take: the least of what the machine has free,
    * what the limit of a container leaves and what that of the process leaves (`ulimit -v`). */
   double free_memory();

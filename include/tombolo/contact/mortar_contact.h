@@ -11,7 +11,6 @@
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
 #include <tombolo/contact/mortar_stiffness.h>
-#include <tombolo/contact/mortar_totals.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>

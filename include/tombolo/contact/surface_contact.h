@@ -2,32 +2,80 @@
 #pragma once
 
 #include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/tensor.h>
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/contact/contact_areas.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_surface.h>
-#include <tombolo/contact/surface_history.h>
 #include <tombolo/contact/surface_sums.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
+  /** The force of a rigid surface on a node, and where that was at the end of the step before. */
+  template <int dim>
+  struct SurfaceHistory
+  {
+    dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
+    dealii::Tensor<1, dim> position; ///< x [L]
+
+    /** The nodes were placed anew, and were at @p before. */
+    static void place(const std::vector<unsigned int> &nodes, const NodalVector &before,
+                      const NodalVector &now, std::vector<SurfaceHistory> &histories)
+    {
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          histories[k].position[d] += now.node(nodes[k])[d] - before.node(nodes[k])[d];
+    }
+  };
+
+  /** The areas on which candidate nodes of a contact touch: what a node has of the outer faces
+   * across the normal, and inside of the body, or once it has come off, V^((dim-1)/dim) of its
+   * initial volume. */
+  template <int dim>
+  class ContactAreas
+  {
+  public:
+    /** Of @p candidates (owned nodes), with faces of these ids, or all if there are none; @p volume
+     * is the initial one of each owned node. */
+    ContactAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
+                 const std::vector<unsigned int> &candidates, const std::vector<double> &volume);
+
+    /** Of the faces; the others do not change. */
+    OutwardAreas<dim> &of_faces()
+    {
+      return faces;
+    }
+
+    /** Of candidate @p k, the owned node @p node, across @p normal out of the tool [L^(dim-1)]. */
+    double area(std::size_t k, unsigned int node, const dealii::Tensor<1, dim> &normal) const
+    {
+      return faces.has_face(node) ? -(faces.area(node) * normal) : inner_area[k];
+    }
+
+  private:
+    OutwardAreas<dim> faces;
+    std::vector<double> inner_area; ///< of each candidate
+  };
+
   /**
    * Contact of nodes with a surface, rigid or that of a part, the section "Contact: NAME": the
    * nodes that can touch, the heat of friction and of the tool, impulses, energies. How the forces

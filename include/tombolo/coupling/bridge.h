@@ -6,7 +6,6 @@
 #include <tombolo/coupling/constrained_particles.h>
 #include <tombolo/coupling/load_transfer.h>
 #include <tombolo/coupling/mass_split.h>
-#include <tombolo/coupling/trace_transfer.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>

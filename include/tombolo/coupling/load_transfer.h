@@ -7,6 +7,27 @@
 
 namespace tombolo
 {
+  /** The trace bridge: elements see the field of the particles at shared nodes, and their forces
+   * there return by the transpose. */
+  class TraceTransfer
+  {
+  public:
+    /** @p split must outlive this. */
+    explicit TraceTransfer(const MassSplit &split) : split(split) {}
+
+    /** @p velocity with the field Σ φ_J v_J at shared nodes, but for prescribed components. With
+     * current ghosts, as those of @p velocity must be; valid until the next call. Collective. */
+    const NodalVector &field_of_particles(const NodalVector &velocity);
+
+    /** Adds the forces of elements (ghosts are collected here) to those of the particles.
+     * Collective. */
+    void add_element_force(NodalVector &element_force, NodalVector &force);
+
+  private:
+    const MassSplit &split;
+    NodalVector trace_velocity, trace_force;
+  };
+
   /** Nodal forces of loads. Tractions and body forces act at the field of the nodal parameters, Φ
    * x, and enter by Φᵀ: without it a load that begins at once would leave a mode behind in the
    * outermost layers of particles, where no wave takes it away. Where rows are lumped they act at

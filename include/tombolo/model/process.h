@@ -6,7 +6,6 @@
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
 #include <tombolo/model/actions.h>
-#include <tombolo/model/model_change.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
 
@@ -17,6 +16,23 @@
 
 namespace tombolo
 {
+  /** What has changed in a model before the forces of a step are evaluated; the same on all ranks.
+   */
+  struct ModelChange
+  {
+    bool stencils = false; ///< values or neighbours of rows: the operators have another spectrum
+    bool masses = false;   ///< inertia of nodes
+    bool cells = false;    ///< cells were removed: an earlier limit of the step says nothing
+
+    ModelChange &operator|=(const ModelChange &other)
+    {
+      stencils = stencils || other.stencils;
+      masses = masses || other.masses;
+      cells = cells || other.cells;
+      return *this;
+    }
+  };
+
   class Parameters;
   class TimeTable;
   template <int dim>

@@ -3,6 +3,7 @@
 
 #include <tombolo/model/model.h>
 #include <tombolo/output/summary.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/physics/heat/thermal_step.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
@@ -11,6 +12,18 @@
 
 namespace tombolo
 {
+  /** Adds energies, momenta, what processes report, and the largest speed, stress and internal
+   * variables to the present row of @p statistics. Collective. */
+  template <int dim>
+  void add_mechanical_statistics(const Model<dim> &model, const EnergyBalance &balance,
+                                 TimeTable &statistics);
+
+  /** Adds the balance of heat, what processes report of it, and the extremes of the nodal
+   * temperature. Collective. */
+  template <int dim>
+  void add_thermal_statistics(const Model<dim> &model, const ThermalStep<dim> &thermal_step,
+                              const HeatBalance &balance, TimeTable &statistics);
+
   /** Adds the number of ranks, the dimension, the size of the model, and the steps. Collective. */
   template <int dim>
   void add_model_to_summary(const Model<dim> &model, const Clock &clock, Summary &summary);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/allocated_bytes.h>
 #include <tombolo/base/log.h>
+#include <tombolo/base/memory.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/checkpoint.h>

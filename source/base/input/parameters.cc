@@ -5,7 +5,6 @@
 
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/override.h>
-#include <tombolo/base/input/parameter_page.h>
 #include <tombolo/base/input/parameter_printer.h>
 #include <tombolo/base/input/registry.h>
 

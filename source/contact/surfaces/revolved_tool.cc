@@ -2,7 +2,8 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/direction_across.h>
 #include <tombolo/contact/read_vector.h>
-#include <tombolo/contact/surfaces/revolved_tool.h>
+#include <tombolo/contact/surfaces/rigid_profile.h>
+#include <tombolo/contact/surfaces/rigid_tool.h>
 
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/utilities.h>
@@ -10,10 +11,170 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** The tangent of half of an angle between the sides of a cone. */
+    double slope(const Entries &e, const std::string &entry, const double degrees)
+    {
+      if (e.declares())
+        return 1.;
+      e.refuse(!(degrees > 0. && degrees < 180.), entry,
+               "allowed is an angle between 0 and 180 degrees.");
+      return std::tan(0.5 * degrees * numbers::PI / 180.);
+    }
+  } // namespace
+
+  /**
+   * A rigid tool whose outline is a RigidProfile: a body of revolution about its axis in three
+   * dimensions, the section through its axis in two. Coordinates of the profile are the distance
+   * from the axis and the place along it, from the tool's origin on; a tool of revolution that
+   * spins touches the same places, but drags along what it touches.
+   *
+   * @tparam Outline is derived from ToolOutline, with a constructor from Entries.
+   */
+  template <int dim, typename Outline>
+  class RevolvedTool : public RigidTool<dim>
+  {
+  public:
+    explicit RevolvedTool(const Entries &e);
+
+    void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                       double time, std::vector<double> &gap) const override;
+    void set_reach(const double distance) override
+    {
+      reach = distance;
+    }
+    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
+    FacetList<dim> picture(double time, const dealii::Tensor<1, dim> &low,
+                           const dealii::Tensor<1, dim> &high) const override;
+
+  private:
+    dealii::Tensor<1, dim> axis_at(double time) const;
+
+    dealii::Tensor<1, dim> axis;
+    RigidProfile profile;
+    double reach = 0;
+  };
+
+  /** The corners of a profile, and the radius by which its edges are rounded [L]. */
+  struct ToolOutline
+  {
+    std::vector<RigidProfile::Place> corners;
+    double edge_radius = 0;
+
+  protected:
+    void read_edge_radius(const Entries &e)
+    {
+      edge_radius =
+          e.number("Edge radius", "0", at_least(0.), "L",
+                   "Convex edges are rounded with it. The force on a node that slides over "
+                   "an edge is continuous as long as the node is less deep than this.");
+    }
+  };
+
+  /** A friction drill: a small cone in the centre, a cone up to the full diameter, a cylinder; the
+   * origin is the tip. */
+  struct DrillOutline : ToolOutline
+  {
+    explicit DrillOutline(const Entries &e)
+    {
+      const double radius =
+          0.5 * e.number("Diameter", mandatory, positive(), "L", "Of the cylinder.");
+      const double cone = slope(e, "Cone angle",
+                                e.number("Cone angle", mandatory, any_number(), "degrees",
+                                         "Between opposite sides of the cone."));
+      const double centre_height = e.number("Centre height", "0", at_least(0.), "L",
+                                            "Of the small cone at the tip; 0: there is none.");
+      double centre_radius = 0.;
+      if (e.when(centre_height > 0.))
+        centre_radius =
+            centre_height * slope(e, "Centre angle",
+                                  e.number("Centre angle", "90", any_number(), "degrees",
+                                           "Between opposite sides of the small cone."));
+      e.refuse(!(centre_radius < radius), "Centre height",
+               "the small cone would be wider than the drill.");
+      const double length = e.number("Length", mandatory, positive(), "L",
+                                     "From the tip to the end of the cylinder.");
+      const double end_of_cone = centre_height + (radius - centre_radius) / cone;
+      e.refuse(!(length > end_of_cone), "Length",
+               "the cone ends " + std::to_string(end_of_cone) +
+                   " above the tip: allowed is a larger number.");
+      corners = {{0., 0.}};
+      if (centre_height > 0.)
+        corners.push_back({centre_radius, centre_height});
+      corners.push_back({radius, end_of_cone});
+      corners.push_back({radius, length});
+      corners.push_back({0., length});
+      read_edge_radius(e);
+    }
+  };
+
+  /** A pin below a shoulder, as for friction stir welding; the origin is the middle of the pin's
+   * end. */
+  struct PinOutline : ToolOutline
+  {
+    explicit PinOutline(const Entries &e)
+    {
+      const double pin = 0.5 * e.number("Pin diameter", mandatory, positive(), "L", "Of the pin.");
+      const double pin_length = e.number("Pin length", mandatory, positive(), "L",
+                                         "From the end of the pin to the shoulder.");
+      const double shoulder = 0.5 * e.number("Shoulder diameter", mandatory, positive(), "L",
+                                             "Larger than that of the pin.");
+      const double end = pin_length + e.number("Shoulder length", mandatory, positive(), "L",
+                                               "From the shoulder to the other end of the tool.");
+      e.refuse(!(shoulder > pin), "Shoulder diameter",
+               "allowed is a number above the diameter of the pin.");
+      corners = {{0., 0.},        {pin, 0.}, {pin, pin_length}, {shoulder, pin_length},
+                 {shoulder, end}, {0., end}};
+      read_edge_radius(e);
+    }
+  };
+
+  /** A sphere (a disc in two dimensions) around the origin. */
+  struct SphereOutline : ToolOutline
+  {
+    explicit SphereOutline(const Entries &e)
+    {
+      const double radius = edge_radius =
+          e.number("Radius", mandatory, positive(), "L", "Of the sphere.");
+      corners = {{0., -radius}, {radius, -radius}, {radius, radius}, {0., radius}};
+    }
+  };
+
+  /** Any profile, by its corners. */
+  struct ProfileOutline : ToolOutline
+  {
+    explicit ProfileOutline(const Entries &e)
+    {
+      for (const std::string &text : Utilities::split_string_list(
+               e.text(
+                   "Corners", mandatory, "L",
+                   "Pairs `r, z` separated by `;`: the distance from the axis and the place along "
+                   "it, from the axis around the tool and back to it, with the tool to the left."),
+               ';'))
+      {
+        std::vector<double> numbers;
+        try
+        {
+          numbers = Utilities::string_to_double(Utilities::split_string_list(text, ','));
+        }
+        catch (const ExceptionBase &)
+        {
+          numbers.clear();
+        }
+        if (numbers.size() != 2)
+          e.section().fail("Corners", "\"" + text + "\" is not a pair of numbers `r, z`.");
+        corners.push_back({numbers[0], numbers[1]});
+      }
+      read_edge_radius(e);
+    }
+  };
 
   template <int dim, typename Outline>
   RevolvedTool<dim, Outline>::RevolvedTool(const Entries &e)
@@ -130,110 +291,15 @@ namespace tombolo
     return result;
   }
 
-  void ToolOutline::read_edge_radius(const Entries &e)
-  {
-    edge_radius = e.number("Edge radius", "0", at_least(0.), "L",
-                           "Convex edges are rounded with it. The force on a node that slides over "
-                           "an edge is continuous as long as the node is less deep than this.");
-  }
-
-  namespace
-  {
-    /** The tangent of half of an angle between the sides of a cone. */
-    double slope(const Entries &e, const std::string &entry, const double degrees)
-    {
-      if (e.declares())
-        return 1.;
-      e.refuse(!(degrees > 0. && degrees < 180.), entry,
-               "allowed is an angle between 0 and 180 degrees.");
-      return std::tan(0.5 * degrees * numbers::PI / 180.);
-    }
-  } // namespace
-
-  DrillOutline::DrillOutline(const Entries &e)
-  {
-    const double radius =
-        0.5 * e.number("Diameter", mandatory, positive(), "L", "Of the cylinder.");
-    const double cone = slope(e, "Cone angle",
-                              e.number("Cone angle", mandatory, any_number(), "degrees",
-                                       "Between opposite sides of the cone."));
-    const double centre_height = e.number("Centre height", "0", at_least(0.), "L",
-                                          "Of the small cone at the tip; 0: there is none.");
-    double centre_radius = 0.;
-    if (e.when(centre_height > 0.))
-      centre_radius = centre_height * slope(e, "Centre angle",
-                                            e.number("Centre angle", "90", any_number(), "degrees",
-                                                     "Between opposite sides of the small cone."));
-    e.refuse(!(centre_radius < radius), "Centre height",
-             "the small cone would be wider than the drill.");
-    const double length =
-        e.number("Length", mandatory, positive(), "L", "From the tip to the end of the cylinder.");
-    const double end_of_cone = centre_height + (radius - centre_radius) / cone;
-    e.refuse(!(length > end_of_cone), "Length",
-             "the cone ends " + std::to_string(end_of_cone) +
-                 " above the tip: allowed is a larger number.");
-    corners = {{0., 0.}};
-    if (centre_height > 0.)
-      corners.push_back({centre_radius, centre_height});
-    corners.push_back({radius, end_of_cone});
-    corners.push_back({radius, length});
-    corners.push_back({0., length});
-    read_edge_radius(e);
-  }
-
-  PinOutline::PinOutline(const Entries &e)
-  {
-    const double pin = 0.5 * e.number("Pin diameter", mandatory, positive(), "L", "Of the pin.");
-    const double pin_length = e.number("Pin length", mandatory, positive(), "L",
-                                       "From the end of the pin to the shoulder.");
-    const double shoulder = 0.5 * e.number("Shoulder diameter", mandatory, positive(), "L",
-                                           "Larger than that of the pin.");
-    const double end = pin_length + e.number("Shoulder length", mandatory, positive(), "L",
-                                             "From the shoulder to the other end of the tool.");
-    e.refuse(!(shoulder > pin), "Shoulder diameter",
-             "allowed is a number above the diameter of the pin.");
-    corners = {{0., 0.},        {pin, 0.}, {pin, pin_length}, {shoulder, pin_length},
-               {shoulder, end}, {0., end}};
-    read_edge_radius(e);
-  }
-
-  SphereOutline::SphereOutline(const Entries &e)
-  {
-    const double radius = edge_radius =
-        e.number("Radius", mandatory, positive(), "L", "Of the sphere.");
-    corners = {{0., -radius}, {radius, -radius}, {radius, radius}, {0., radius}};
-  }
-
-  ProfileOutline::ProfileOutline(const Entries &e)
-  {
-    for (const std::string &text : Utilities::split_string_list(
-             e.text("Corners", mandatory, "L",
-                    "Pairs `r, z` separated by `;`: the distance from the axis and the place along "
-                    "it, from the axis around the tool and back to it, with the tool to the left."),
-             ';'))
-    {
-      std::vector<double> numbers;
-      try
-      {
-        numbers = Utilities::string_to_double(Utilities::split_string_list(text, ','));
-      }
-      catch (const ExceptionBase &)
-      {
-        numbers.clear();
-      }
-      if (numbers.size() != 2)
-        e.section().fail("Corners", "\"" + text + "\" is not a pair of numbers `r, z`.");
-      corners.push_back({numbers[0], numbers[1]});
-    }
-    read_edge_radius(e);
-  }
-
   template <int dim>
   using Drill = RevolvedTool<dim, DrillOutline>;
+
   template <int dim>
   using Pin = RevolvedTool<dim, PinOutline>;
+
   template <int dim>
   using Sphere = RevolvedTool<dim, SphereOutline>;
+
   template <int dim>
   using Profile = RevolvedTool<dim, ProfileOutline>;
 

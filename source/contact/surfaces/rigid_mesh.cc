@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/place_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/contact/surfaces/rigid_mesh.h>
 #include <tombolo/contact/surfaces/surface_gap.h>
 

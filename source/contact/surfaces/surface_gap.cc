@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surfaces/surface_gap.h>
 
-#include <tombolo/base/place_text.h>
+#include <tombolo/base/format.h>
 
 #include <algorithm>
 #include <cmath>

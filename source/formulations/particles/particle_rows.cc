@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/particle_rows.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>

@@ -3,8 +3,7 @@
 
 #include <tombolo/approximation/support_size.h>
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/place_text.h>
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/format.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>

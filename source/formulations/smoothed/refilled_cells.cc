@@ -2,9 +2,8 @@
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 
 #include <tombolo/approximation/row_deformation.h>
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
-#include <tombolo/mesh/cell_flags.h>
 #include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/mpi.h>

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/formulations/row_block.h>
 #include <tombolo/formulations/smoothed/smoothed_row_builder.h>
 

@@ -2,7 +2,6 @@
 #include <tombolo/physics/failure/conversion.h>
 
 #include <tombolo/formulations/particles/particle_formulation.h>
-#include <tombolo/mesh/cell_flags.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/heat/explicit_heat.h>
+#include <tombolo/base/input/entries.h>
+#include <tombolo/physics/heat/growing_rates.h>
+#include <tombolo/physics/heat/heat_integrator.h>
+#include <tombolo/physics/mechanics/lobpcg.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,169 +18,181 @@ namespace tombolo
     constexpr double largest_share = 0.994;
   } // namespace
 
+  /** The forward Euler method of eqs (36), (37), (39), with the stable step of the spectrum of
+   * the real operator, 2/λ. */
   template <int dim>
-  ExplicitHeat<dim>::ExplicitHeat(const Entries &e) : solver(1e-4, 400, Quantity::scalars)
+  class ExplicitHeat : public HeatIntegrator<dim>
   {
-    safety_factor = e.number("Safety factor", "0.9", positive_up_to(1.), "",
-                             "The step is this fraction of the limit, that of the largest "
-                             "eigenvalue of the real operator, above 0 and up to 1.");
-    maximum = e.number("Maximum", "0", at_least(0.), "T",
-                       "The largest step allowed; 0 is no limit of its own.");
-  }
-
-  template <int dim>
-  void ExplicitHeat<dim>::find_limit(Model<dim> &model, const double time)
-  {
-    ThermalModel<dim> &heat = *model.heat;
-    const StepLimit paper = heat.diffusion_limit(model.state.position);
-    const bool has_films = heat.conditions.has_films();
-    if (paper.time_step > 1e299 && !has_films)
+  public:
+    explicit ExplicitHeat(const Entries &e) : solver(1e-4, 400, Quantity::scalars)
     {
-      present = paper;
-      return;
+      safety_factor = e.number("Safety factor", "0.9", positive_up_to(1.), "",
+                               "The step is this fraction of the limit, that of the largest "
+                               "eigenvalue of the real operator, above 0 and up to 1.");
+      maximum = e.number("Maximum", "0", at_least(0.), "T",
+                         "The largest step allowed; 0 is no limit of its own.");
     }
-    // Properties that depend on the temperature change the spectrum without changing lengths.
-    constexpr unsigned int look_interval = 20;
-    const bool has_changed =
-        std::abs(paper.time_step - paper_limit_at_estimate) > 0.01 * paper_limit_at_estimate;
-    if (n_calls > 0 && !has_changed && !heat.limit_is_outdated &&
-        (heat.is_linear() || steps_since_look < look_interval))
-      return;
-    steps_since_look = 0;
-    heat.limit_is_outdated = false;
-    paper_limit_at_estimate = paper.time_step;
 
-    const auto &partition = heat.state.enthalpy.partition();
-    capacity.reinit(partition, Quantity::scalar);
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *capacity.node(i) =
-          heat.nodal_enthalpy.capacity(i, *heat.state.unsmoothed_temperature.node(i));
-    solver.set_partition(partition);
-    solver.add_noise(capacity, model.state.initial_position, 1, n_calls == 0 ? 1. : 0.1, n_calls);
-    solver.mode.fill(heat.conditions.constrained_nodes(),
-                     [](const std::size_t, double *const value) { *value = 0.; });
-    if (has_films)
-      heat.conditions.update_areas(model.state.position); // nothing has taken them here yet
-    const double largest = solver.find(
-        capacity,
-        [&](const NodalVector &direction, NodalVector &image)
-        {
-          heat.apply_conduction(model.state.position, heat.state.temperature, time, direction,
-                                image);
-          image.fill([&](const unsigned int i, double *const value)
-                     { *value /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.; });
-        },
-        n_calls == 0 ? Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()))
-                     : 6);
-    ++n_calls;
-    present = paper;
-    present.time_step = largest > 0. ? largest_share * 2. / largest : 1e300;
-    present.entity = "spectrum";
-  }
-
-  template <int dim>
-  double ExplicitHeat<dim>::step_of_limit() const
-  {
-    const double step = round_down(safety_factor * present.time_step);
-    return maximum > 0. ? std::min(step, maximum) : step;
-  }
-
-  template <int dim>
-  void ExplicitHeat<dim>::mend_limit(Model<dim> &model, const double time, const double time_step)
-  {
-    if (time_step * shown_eigenvalue <= 2.)
-      return;
-    // Few iterations do not go from the last mode to one that is elsewhere.
-    forget_estimate();
-    find_limit(model, time);
-    present.time_step = std::min(present.time_step, largest_share * 2. / shown_eigenvalue);
-  }
-
-  template <int dim>
-  double ExplicitHeat<dim>::allowed_step(Model<dim> &model, const double time)
-  {
-    find_limit(model, time);
-    ++steps_since_look;
-    // The largest eigenvalue of what does not change cannot be exceeded.
-    if (!model.has_mechanics && model.heat->is_linear())
-      return step_of_limit();
-    find_rate(model, time);
-    has_rate = true;
-    const double step = step_of_limit();
-    shown_eigenvalue = growing_rates.find_eigenvalue(model, time, rate, step);
-    mend_limit(model, time, step);
-    return step_of_limit();
-  }
-
-  template <int dim>
-  void ExplicitHeat<dim>::find_rate(Model<dim> &model, const double time)
-  {
-    ThermalModel<dim> &heat = *model.heat;
-    const auto &partition = heat.state.enthalpy.partition();
-    rate.fit_to(partition, Quantity::scalar);
-    rates_of_conditions.assign(heat.conditions.n_conditions(), 0.);
-    heat.find_field_of_state(); // (28)
-    heat.heat_rate(model.state.position, heat.state.temperature, time, rate,
-                   rates_of_conditions); // (29), (32)-(35), (37)-(39)
-  }
-
-  template <int dim>
-  void ExplicitHeat<dim>::advance(Model<dim> &model, const double time, const double time_step,
-                                  std::vector<double> &of_condition)
-  {
-    ThermalState &state = model.heat->state;
-    if (!std::exchange(has_rate, false))
+    double allowed_step(Model<dim> &model, const double time) override
+    {
+      find_limit(model, time);
+      ++steps_since_look;
+      // The largest eigenvalue of what does not change cannot be exceeded.
+      if (!model.has_mechanics && model.heat->is_linear())
+        return step_of_limit();
       find_rate(model, time);
-    for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
-      *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)
-    for (std::size_t c = 0; c < rates_of_conditions.size(); ++c)
-      of_condition[c] += time_step * rates_of_conditions[c];
-    model.heat->find_temperature(time + time_step, state.next_enthalpy,
-                                 state.next_unsmoothed_temperature, of_condition);
-  }
+      has_rate = true;
+      const double step = step_of_limit();
+      shown_eigenvalue = growing_rates.find_eigenvalue(model, time, rate, step);
+      mend_limit(model, time, step);
+      return step_of_limit();
+    }
 
-  template <int dim>
-  void ExplicitHeat<dim>::forget_estimate()
-  {
-    n_calls = 0;
-    paper_limit_at_estimate = 0;
-    solver.mode = NodalVector();
-  }
+    void advance(Model<dim> &model, const double time, const double time_step,
+                 std::vector<double> &of_condition) override
+    {
+      ThermalState &state = model.heat->state;
+      if (!std::exchange(has_rate, false))
+        find_rate(model, time);
+      for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+        *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)
+      for (std::size_t c = 0; c < rates_of_conditions.size(); ++c)
+        of_condition[c] += time_step * rates_of_conditions[c];
+      model.heat->find_temperature(time + time_step, state.next_enthalpy,
+                                   state.next_unsmoothed_temperature, of_condition);
+    }
 
-  template <int dim>
-  void ExplicitHeat<dim>::mesh_has_changed()
-  {
-    forget_estimate();
-    has_rate = false;
-  }
+    void mesh_has_changed() override
+    {
+      forget_estimate();
+      has_rate = false;
+    }
 
-  template <int dim>
-  const StepLimit &ExplicitHeat<dim>::limit() const
-  {
-    return present;
-  }
+    const StepLimit &limit() const override
+    {
+      return present;
+    }
 
-  template <int dim>
-  void ExplicitHeat<dim>::list(Records &records, const Model<dim> &model)
-  {
-    has_rate = false;
-    Records &all = records.group("explicit heat");
-    tombolo::list(all, present);
-    all.value("paper's limit at estimate", paper_limit_at_estimate);
-    all.value("steps since look", steps_since_look);
-    all.value("calls", n_calls);
-    growing_rates.list(all);
-    all.list(
-        [this, &model](Records &now)
-        {
-          if (n_calls == 0)
-            return;
-          solver.set_partition(model.state.partition());
-          now.nodal("mode", 1, solver.mode);
-        });
-  }
+    void list(Records &records, const Model<dim> &model) override
+    {
+      has_rate = false;
+      Records &all = records.group("explicit heat");
+      tombolo::list(all, present);
+      all.value("paper's limit at estimate", paper_limit_at_estimate);
+      all.value("steps since look", steps_since_look);
+      all.value("calls", n_calls);
+      growing_rates.list(all);
+      all.list(
+          [this, &model](Records &now)
+          {
+            if (n_calls == 0)
+              return;
+            solver.set_partition(model.state.partition());
+            now.nodal("mode", 1, solver.mode);
+          });
+    }
+
+  private:
+    void find_limit(Model<dim> &model, const double time)
+    {
+      ThermalModel<dim> &heat = *model.heat;
+      const StepLimit paper = heat.diffusion_limit(model.state.position);
+      const bool has_films = heat.conditions.has_films();
+      if (paper.time_step > 1e299 && !has_films)
+      {
+        present = paper;
+        return;
+      }
+      // Properties that depend on the temperature change the spectrum without changing lengths.
+      constexpr unsigned int look_interval = 20;
+      const bool has_changed =
+          std::abs(paper.time_step - paper_limit_at_estimate) > 0.01 * paper_limit_at_estimate;
+      if (n_calls > 0 && !has_changed && !heat.limit_is_outdated &&
+          (heat.is_linear() || steps_since_look < look_interval))
+        return;
+      steps_since_look = 0;
+      heat.limit_is_outdated = false;
+      paper_limit_at_estimate = paper.time_step;
+
+      const auto &partition = heat.state.enthalpy.partition();
+      capacity.reinit(partition, Quantity::scalar);
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        *capacity.node(i) =
+            heat.nodal_enthalpy.capacity(i, *heat.state.unsmoothed_temperature.node(i));
+      solver.set_partition(partition);
+      solver.add_noise(capacity, model.state.initial_position, 1, n_calls == 0 ? 1. : 0.1, n_calls);
+      solver.mode.fill(heat.conditions.constrained_nodes(),
+                       [](const std::size_t, double *const value) { *value = 0.; });
+      if (has_films)
+        heat.conditions.update_areas(model.state.position); // nothing has taken them here yet
+      const double largest = solver.find(
+          capacity,
+          [&](const NodalVector &direction, NodalVector &image)
+          {
+            heat.apply_conduction(model.state.position, heat.state.temperature, time, direction,
+                                  image);
+            image.fill([&](const unsigned int i, double *const value)
+                       { *value /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.; });
+          },
+          n_calls == 0 ? Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()))
+                       : 6);
+      ++n_calls;
+      present = paper;
+      present.time_step = largest > 0. ? largest_share * 2. / largest : 1e300;
+      present.entity = "spectrum";
+    }
+
+    void forget_estimate()
+    {
+      n_calls = 0;
+      paper_limit_at_estimate = 0;
+      solver.mode = NodalVector();
+    }
+
+    /** @p time_step is the present one of find_limit(). */
+    void mend_limit(Model<dim> &model, const double time, const double time_step)
+    {
+      if (time_step * shown_eigenvalue <= 2.)
+        return;
+      // Few iterations do not go from the last mode to one that is elsewhere.
+      forget_estimate();
+      find_limit(model, time);
+      present.time_step = std::min(present.time_step, largest_share * 2. / shown_eigenvalue);
+    }
+
+    double step_of_limit() const
+    {
+      const double step = round_down(safety_factor * present.time_step);
+      return maximum > 0. ? std::min(step, maximum) : step;
+    }
+
+    void find_rate(Model<dim> &model, const double time)
+    {
+      ThermalModel<dim> &heat = *model.heat;
+      const auto &partition = heat.state.enthalpy.partition();
+      rate.fit_to(partition, Quantity::scalar);
+      rates_of_conditions.assign(heat.conditions.n_conditions(), 0.);
+      heat.find_field_of_state(); // (28)
+      heat.heat_rate(model.state.position, heat.state.temperature, time, rate,
+                     rates_of_conditions); // (29), (32)-(35), (37)-(39)
+    }
+
+    double safety_factor;
+    double maximum;
+    Lobpcg solver;
+    StepLimit present;
+    double paper_limit_at_estimate = 0;
+    unsigned int steps_since_look = 0;
+    unsigned int n_calls = 0;
+    NodalVector rate, capacity;
+    std::vector<double> rates_of_conditions;
+    bool has_rate = false; ///< of the state that advance() will be given
+    GrowingRates<dim> growing_rates;
+    double shown_eigenvalue = 0; ///< by rates that grow, at the coming step
+  };
 
   template class ExplicitHeat<2>;
+
   template class ExplicitHeat<3>;
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, ExplicitHeat, "explicit",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/heat/thermal_step.h>
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <algorithm>
 #include <chrono>

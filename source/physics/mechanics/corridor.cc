@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/corridor.h>
 
-#include <tombolo/base/place_text.h>
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/contact/nodal_geometry.h>
 
 #include <deal.II/base/mpi.h>

@@ -1,70 +1,86 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/damping.h>
-
 #include <tombolo/base/input/entries.h>
+#include <tombolo/boundary/limited_function.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body_setup.h>
 
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
 
+  /**
+   * Damping in proportion to the mass, by the section `Damping`: the nodal force -α m v, with the
+   * velocity v in the middle of Δt_n, so that the stable step is that without damping. It is a
+   * force from outside, as of a fluid at rest: its impulse counts as one, and what it takes is
+   * `mass damping`. Where the motion is not that of the node alone, prescribed or of a rigid part,
+   * v is that of half a step before.
+   */
   template <int dim>
-  Damping<dim>::Damping(LimitedFunction<dim> rate)
-      : rate(std::move(rate)), damping(this->actions.add("damping", ActsAt::nodes))
+  class Damping : public Process<dim>
   {
-    this->roles.rest = ProcessRole::is_idle;
-    damping.books("mass damping", EnergyKind::dissipated)
-        .comes_from_outside()
-        .follows_acceleration()
-        .stays_on_rank();
-  }
-
-  template <int dim>
-  void Damping<dim>::model_changed(Model<dim> &model)
-  {
-    is_rigid.clear();
-    for (unsigned int part = 0; part < model.parts.size(); ++part)
-      if (rigid_cells(model.parts[part]) != nullptr)
-      {
-        is_rigid.resize(model.state.partition()->n_owned());
-        for (const unsigned int node : owned_nodes_of_part(model, part))
-          is_rigid[node] = true;
-      }
-  }
-
-  template <int dim>
-  void Damping<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
-  {
-    const double alpha = rate.value(Point<dim>(), clock.time);
-    const double step = clock.velocity_step();
-    const auto &constrained = model.conditions->constrained_components();
-    const NodalState &state = model.state;
-    NodalVector &force = damping.at_all_nodes();
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+  public:
+    /** @p rate is α, a function of time [1/T]. */
+    explicit Damping(LimitedFunction<dim> rate)
+        : rate(std::move(rate)), damping(this->actions.add("damping", ActsAt::nodes))
     {
-      if (!(*model.bridge->mass().node(i) > 0.)) // all its cells were removed
-        continue;
-      const double *const mass = model.bridge->nodal_mass().node(i);
-      const bool moves_with_others = !is_rigid.empty() && is_rigid[i];
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double velocity = state.velocity.node(i)[d];
-        const double acceleration = state.acceleration.node(i)[d];
-        if (moves_with_others || (!constrained.empty() && ((constrained[i] >> d) & 1u)))
-          force.node(i)[d] = -alpha * mass[d] * velocity;
-        else
+      this->roles.rest = ProcessRole::is_idle;
+      damping.books("mass damping", EnergyKind::dissipated)
+          .comes_from_outside()
+          .follows_acceleration()
+          .stays_on_rank();
+    }
+
+    void model_changed(Model<dim> &model) override
+    {
+      is_rigid.clear();
+      for (unsigned int part = 0; part < model.parts.size(); ++part)
+        if (rigid_cells(model.parts[part]) != nullptr)
         {
-          const double damped = (acceleration - alpha * velocity) / (1. + 0.5 * alpha * step);
-          force.node(i)[d] = mass[d] * (damped - acceleration);
+          is_rigid.resize(model.state.partition()->n_owned());
+          for (const unsigned int node : owned_nodes_of_part(model, part))
+            is_rigid[node] = true;
+        }
+    }
+
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override
+    {
+      const double alpha = rate.value(Point<dim>(), clock.time);
+      const double step = clock.velocity_step();
+      const auto &constrained = model.conditions->constrained_components();
+      const NodalState &state = model.state;
+      NodalVector &force = damping.at_all_nodes();
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      {
+        if (!(*model.bridge->mass().node(i) > 0.)) // all its cells were removed
+          continue;
+        const double *const mass = model.bridge->nodal_mass().node(i);
+        const bool moves_with_others = !is_rigid.empty() && is_rigid[i];
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double velocity = state.velocity.node(i)[d];
+          const double acceleration = state.acceleration.node(i)[d];
+          if (moves_with_others || (!constrained.empty() && ((constrained[i] >> d) & 1u)))
+            force.node(i)[d] = -alpha * mass[d] * velocity;
+          else
+          {
+            const double damped = (acceleration - alpha * velocity) / (1. + 0.5 * alpha * step);
+            force.node(i)[d] = mass[d] * (damped - acceleration);
+          }
         }
       }
     }
-  }
+
+  private:
+    LimitedFunction<dim> rate;
+    std::vector<bool> is_rigid; ///< owned nodes; empty without rigid parts
+    Action &damping;
+  };
 
   namespace
   {
@@ -118,6 +134,7 @@ namespace tombolo
   } // namespace
 
   template class Damping<2>;
+
   template class Damping<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(DampingKind, process_order::damping)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/elastic_strain.h>
-
 #include <tombolo/model/model.h>
+#include <tombolo/model/process.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -10,7 +9,9 @@
 #include <array>
 #include <cmath>
 #include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace tombolo
 {
@@ -145,57 +146,80 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * Watches the strain of elastic parts whose stress follows the rate of deformation
+   * (StrainMeasure::rate). Such a stress is the derivative of no energy: at a large strain the
+   * balance of energy is off by a like share, with any step. Says so once, before the run where
+   * prescribed displacements tell the strain.
+   */
   template <int dim>
-  ElasticStrain<dim>::ElasticStrain(std::vector<WatchedPart> parts, const double foreseen)
-      : parts(std::move(parts)), foreseen(foreseen)
+  class ElasticStrain : public Process<dim>
   {
-    this->parts.front().is_told = foreseen > large_strain;
-  }
+  public:
+    /** A part and the change of its section that gives its stress an energy. */
+    struct WatchedPart
+    {
+      unsigned int part; ///< in the model
+      std::string cure;  ///< entry and value
+      bool is_told = false;
+    };
 
-  template <int dim>
-  std::vector<std::string>
-  ElasticStrain<dim>::warnings(const Model<dim> &model, const Clock &,
-                               const typename Process<dim>::Occasion occasion)
-  {
-    using Occasion = typename Process<dim>::Occasion;
-    if (occasion == Occasion::energy_lost)
-      return advice(model);
-    std::vector<std::string> warnings;
-    if (occasion == Occasion::audit && foreseen > large_strain)
-      warnings.push_back(sentence("Prescribed displacements change distances of an elastic body",
-                                  foreseen, parts.front().cure));
-    if (occasion != Occasion::row)
+    /** @p foreseen: the largest strain that prescribed displacements tell. */
+    ElasticStrain(std::vector<WatchedPart> parts, const double foreseen)
+        : parts(std::move(parts)), foreseen(foreseen)
+    {
+      this->parts.front().is_told = foreseen > large_strain;
+    }
+
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &,
+                                      const typename Process<dim>::Occasion occasion) override
+    {
+      using Occasion = typename Process<dim>::Occasion;
+      if (occasion == Occasion::energy_lost)
+        return advice(model);
+      std::vector<std::string> warnings;
+      if (occasion == Occasion::audit && foreseen > large_strain)
+        warnings.push_back(sentence("Prescribed displacements change distances of an elastic body",
+                                    foreseen, parts.front().cure));
+      if (occasion != Occasion::row)
+        return warnings;
+      for (WatchedPart &watched : parts)
+      {
+        if (watched.is_told)
+          continue;
+        const Part<dim> &part = model.parts[watched.part];
+        const double strain = largest_elastic_strain(model, part);
+        watched.is_told = strain > large_strain;
+        if (watched.is_told)
+          warnings.push_back(
+              sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure));
+      }
       return warnings;
-    for (WatchedPart &watched : parts)
-    {
-      if (watched.is_told)
-        continue;
-      const Part<dim> &part = model.parts[watched.part];
-      const double strain = largest_elastic_strain(model, part);
-      watched.is_told = strain > large_strain;
-      if (watched.is_told)
-        warnings.push_back(
-            sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure));
     }
-    return warnings;
-  }
 
-  template <int dim>
-  std::vector<std::string> ElasticStrain<dim>::advice(const Model<dim> &model) const
-  {
-    double largest = large_strain;
-    std::vector<std::string> text;
-    for (const WatchedPart &watched : parts)
+  private:
+    /** What to say where the balance of energy stops a run: of the part with the largest strain, or
+     * nothing where all are small. Collective. */
+    std::vector<std::string> advice(const Model<dim> &model) const
     {
-      const Part<dim> &part = model.parts[watched.part];
-      const double strain = largest_elastic_strain(model, part);
-      if (!(strain > largest))
-        continue;
-      largest = strain;
-      text = {sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure)};
+      double largest = large_strain;
+      std::vector<std::string> text;
+      for (const WatchedPart &watched : parts)
+      {
+        const Part<dim> &part = model.parts[watched.part];
+        const double strain = largest_elastic_strain(model, part);
+        if (!(strain > largest))
+          continue;
+        largest = strain;
+        text = {
+            sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure)};
+      }
+      return text;
     }
-    return text;
-  }
+
+    std::vector<WatchedPart> parts;
+    double foreseen;
+  };
 
   namespace
   {
@@ -254,6 +278,7 @@ namespace tombolo
   } // namespace
 
   template class ElasticStrain<2>;
+
   template class ElasticStrain<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(ElasticStrainKind, process_order::sections)

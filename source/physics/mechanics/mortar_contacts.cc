@@ -5,9 +5,9 @@
 #include <tombolo/contact/body_distance.h>
 #include <tombolo/contact/mortar_tangent.h>
 #include <tombolo/mesh/boundary_names.h>
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/model/removed_cells.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/named_parts.h>
@@ -17,10 +17,32 @@
 #include <algorithm>
 #include <ostream>
 #include <utility>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  /** Which cells are no cells of their parts any more, by the index of active cells, ghosts among
+   * them; nothing where no part can lose any. Collective. */
+  template <int dim>
+  std::vector<bool> removed_cells(const Model<dim> &model)
+  {
+    std::vector<bool> result;
+    if (std::none_of(model.parts.begin(), model.parts.end(),
+                     [](const Part<dim> &part) { return part.formulation->can_lose_cells(); }))
+      return result;
+    result.resize(model.mesh.triangulation.n_active_cells(), false);
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+    {
+      const auto cells = cells_of_part(*model.nodes, *model.part_cells, p);
+      for (unsigned int c = 0; c < model.parts[p].formulation->n_cells(); ++c)
+        if (model.parts[p].formulation->is_removed(c))
+          result[cells[c]->active_cell_index()] = true;
+    }
+    update_ghost_flags(*model.nodes, result);
+    return result;
+  }
 
   namespace
   {

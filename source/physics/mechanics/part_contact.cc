@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/part_contact.h>
-
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/process.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/tensor.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
+#include <utility>
+#include <vector>
 
 namespace tombolo
 {
@@ -27,337 +31,388 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * Contact between bodies of different particle parts that have self-contact: the law of
+   * SelfContact between two particles of parts A and B of bodies that no common node joins, with
+   *
+   * @verbatim
+   *   k = μ min(ω_A, ω_B)²,  ω = √s c/h,  b = 2 ζ √(k μ),  ζ = ½ (ζ_A + ζ_B)
+   * @endverbatim
+   *
+   * and the reduced mass μ. Both ends compute the same force from the same numbers, so that
+   * momentum is kept to round-off. A particle of several parts takes the least of their ω and ζ.
+   * Spheres that overlap initially are made smaller. Every rank gets the particles of all that are
+   * in the box around another part: meant for bodies that meet in some places.
+   */
   template <int dim>
-  PartContact<dim>::PartContact(std::vector<PartLaw> of_parts, Model<dim> &model)
-      : laws(std::move(of_parts)),
-        forces(this->actions.add("contact between parts", ActsAt::positions).stays_on_rank())
+  class PartContact : public Process<dim>
   {
-    this->roles.rest = ProcessRole::is_refused;
-    this->roles.divided_cells = ProcessRole::is_refused;
-    for (PartLaw &law : laws)
+  public:
+    /** What a part contributes. */
+    struct PartLaw
     {
-      const Part<dim> &part = model.parts[law.part];
-      const double spacing =
-          Utilities::MPI::min(part.particles->smallest_spacing(), model.communicator);
-      law.frequency = std::sqrt(law.stiffness) * part.material->longitudinal_wave_speed() / spacing;
-    }
-    this->records.group("contact between parts")
-        .list(
-            [this, &model](Records &now)
-            {
-              if (!is_current)
-                collect_particles(model);
-              nodes.clear();
-              for (const Particle &particle : particles)
-                nodes.push_back(particle.node);
-              now.sums("energies", stored, dissipated);
-              now.at_nodes(nodes, particles)
-                  .vector("force", &Particle::force)
-                  .vector("position", &Particle::position);
-            });
-  }
-
-  template <int dim>
-  void PartContact<dim>::model_changed(Model<dim> &)
-  {
-    is_current = false;
-  }
-
-  template <int dim>
-  void PartContact<dim>::collect_particles(const Model<dim> &model)
-  {
-    const NodePartition &partition = *model.state.partition();
-    std::map<unsigned int, Particle> found;
-    for (std::size_t law = 0; law < laws.size(); ++law)
-    {
-      const ParticleSet<dim> &set = model.parts[laws[law].part].particles->particle_set();
-      for (std::size_t i = 0; i < set.nodes().size(); ++i)
-      {
-        const unsigned int node = partition.local_index(set.nodes()[i]);
-        Particle &particle = found.try_emplace(node, Particle{}).first->second;
-        particle.node = node;
-        particle.parts |= std::uint64_t(1) << law;
-        particle.body = model.bodies->body_of(set.nodes()[i]);
-        particle.volume += set.initial_volumes()[i];
-        particle.has_elements = *model.element_mass.node(node) > 0.;
-        particle.position = node_vector<dim>(model.state.position, node);
-      }
-    }
-    // Owned nodes keep their local numbers.
-    for (const Particle &before : particles)
-      if (const auto now = found.find(before.node); now != found.end())
-      {
-        now->second.force = before.force;
-        now->second.position = before.position;
-      }
-    particles.clear();
-    reach = 0;
-    for (const auto &entry : found)
-    {
-      particles.push_back(entry.second);
-      Particle &particle = particles.back();
-      particle.radius = 0.5 * std::pow(particle.volume, 1. / dim);
-      reach = std::max(reach, 2. * particle.radius);
-    }
-    reach = Utilities::MPI::max(reach, model.communicator);
-    for (std::size_t law = 0; law < laws.size(); ++law)
-    {
-      double mass = 0;
-      for (const Particle &particle : particles)
-        if (((particle.parts >> law) & 1u) != 0)
-          mass = std::max(mass, *model.state.mass.node(particle.node));
-      laws[law].mass = Utilities::MPI::max(mass, model.communicator);
-    }
-  }
-
-  template <int dim>
-  typename PartContact<dim>::Sphere PartContact<dim>::sphere(const Particle &particle,
-                                                             const Model<dim> &model,
-                                                             const NodalVector &position) const
-  {
-    return {model.state.partition()->global_index(particle.node),
-            particle.parts,
-            particle.body,
-            particle.has_elements,
-            *model.state.mass.node(particle.node),
-            particle.radius,
-            node_vector<dim>(position, particle.node),
-            node_vector<dim>(model.state.velocity, particle.node)};
-  }
-
-  template <int dim>
-  std::vector<typename PartContact<dim>::Sphere>
-  PartContact<dim>::spheres_nearby(const Model<dim> &model, const NodalVector &position) const
-  {
-    // Boxes of parts, as the least of (x, -x).
-    std::vector<double> box(laws.size() * 2 * dim, std::numeric_limits<double>::max());
-    for (const Particle &particle : particles)
-      for (std::size_t law = 0; law < laws.size(); ++law)
-        for (unsigned int d = 0; d < dim && ((particle.parts >> law) & 1u) != 0; ++d)
-        {
-          const double x = position.node(particle.node)[d];
-          box[(law * dim + d) * 2] = std::min(box[(law * dim + d) * 2], x);
-          box[(law * dim + d) * 2 + 1] = std::min(box[(law * dim + d) * 2 + 1], -x);
-        }
-    Utilities::MPI::min(box, model.communicator, box);
-    const auto is_near = [&](const Sphere &of, const std::size_t law)
-    {
-      bool is_inside = true;
-      for (unsigned int d = 0; d < dim; ++d)
-        is_inside = is_inside && of.position[d] > box[(law * dim + d) * 2] - reach &&
-                    of.position[d] < reach - box[(law * dim + d) * 2 + 1];
-      return is_inside;
+      unsigned int part; ///< number in the model
+      double stiffness;  ///< s
+      double damping;    ///< ζ
+      double frequency;  ///< ω [1/T], of all ranks
+      double mass;       ///< the largest m̂ of its particles, of all ranks [M]
     };
-    std::vector<double> sent;
-    for (const Particle &particle : particles)
+
+    /** @p laws have the entries of the parts; the other numbers are found. Collective. */
+    PartContact(std::vector<PartLaw> of_parts, Model<dim> &model)
+        : laws(std::move(of_parts)),
+          forces(this->actions.add("contact between parts", ActsAt::positions).stays_on_rank())
     {
-      const Sphere own = sphere(particle, model, position);
-      bool sees_other = false;
-      for (std::size_t law = 0; law < laws.size() && !sees_other; ++law)
-        sees_other = ((particle.parts >> law) & 1u) == 0 && is_near(own, law);
-      if (!sees_other)
-        continue;
-      // Numbers of nodes and bits of parts are exact as doubles up to 2^53.
-      sent.insert(sent.end(), {double(own.node), double(own.parts), double(own.body),
-                               own.has_elements ? 1. : 0., own.mass, own.radius});
-      for (unsigned int d = 0; d < dim; ++d)
-        sent.insert(sent.end(), {own.position[d], own.velocity[d]});
-    }
-    std::vector<Sphere> result;
-    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(model.communicator, sent))
-      for (std::size_t i = 0; i < of_rank.size(); i += 6 + 2 * dim)
+      this->roles.rest = ProcessRole::is_refused;
+      this->roles.divided_cells = ProcessRole::is_refused;
+      for (PartLaw &law : laws)
       {
-        const double *const from = of_rank.data() + i;
-        Sphere of{std::uint64_t(from[0]),
-                  std::uint64_t(from[1]),
-                  std::uint64_t(from[2]),
-                  from[3] > 0.,
-                  from[4],
-                  from[5],
-                  {},
-                  {}};
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          of.position[d] = from[6 + 2 * d];
-          of.velocity[d] = from[7 + 2 * d];
-        }
-        result.push_back(of);
+        const Part<dim> &part = model.parts[law.part];
+        const double spacing =
+            Utilities::MPI::min(part.particles->smallest_spacing(), model.communicator);
+        law.frequency =
+            std::sqrt(law.stiffness) * part.material->longitudinal_wave_speed() / spacing;
       }
-    return result;
-  }
+      this->records.group("contact between parts")
+          .list(
+              [this, &model](Records &now)
+              {
+                if (!is_current)
+                  collect_particles(model);
+                nodes.clear();
+                for (const Particle &particle : particles)
+                  nodes.push_back(particle.node);
+                now.sums("energies", stored, dissipated);
+                now.at_nodes(nodes, particles)
+                    .vector("force", &Particle::force)
+                    .vector("position", &Particle::position);
+              });
+    }
 
-  template <int dim>
-  typename PartContact<dim>::Cell PartContact<dim>::cell_of(const Tensor<1, dim> &position) const
-  {
-    Cell cell{};
-    for (unsigned int d = 0; d < dim; ++d)
-      cell[d] = std::lround(std::floor(position[d] / reach));
-    return cell;
-  }
-
-  template <int dim>
-  typename PartContact<dim>::Grid
-  PartContact<dim>::sort_into_grid(const std::vector<Sphere> &spheres) const
-  {
-    Grid grid;
-    for (std::size_t i = 0; i < spheres.size(); ++i)
-      grid.emplace_back(cell_of(spheres[i].position), i);
-    std::sort(grid.begin(), grid.end());
-    return grid;
-  }
-
-  template <int dim>
-  template <typename Action>
-  void PartContact<dim>::for_partners(const Sphere &one, const std::vector<Sphere> &spheres,
-                                      const Grid &grid, const Action &action) const
-  {
-    const Cell middle = cell_of(one.position);
-    std::vector<std::size_t> partners;
-    constexpr long depth = dim == 3 ? 1 : 0;
-    for (long i = -1; i <= 1; ++i)
-      for (long j = -1; j <= 1; ++j)
-        for (long k = -depth; k <= depth; ++k)
-        {
-          const Cell cell{{middle[0] + i, middle[1] + j, middle[2] + k}};
-          for (auto entry =
-                   std::lower_bound(grid.begin(), grid.end(), std::make_pair(cell, std::size_t(0)));
-               entry != grid.end() && entry->first == cell; ++entry)
-          {
-            const Sphere &other = spheres[entry->second];
-            if ((other.parts & one.parts) == 0 && other.body != one.body &&
-                !(other.has_elements && one.has_elements))
-              partners.push_back(entry->second);
-          }
-        }
-    std::sort(partners.begin(), partners.end(),
-              [&](const std::size_t a, const std::size_t b)
-              { return spheres[a].node < spheres[b].node; });
-    for (const std::size_t partner : partners)
-      action(spheres[partner]);
-  }
-
-  template <int dim>
-  void PartContact<dim>::shrink_spheres(const Model<dim> &model)
-  {
-    const std::vector<Sphere> spheres = spheres_nearby(model, model.state.initial_position);
-    const Grid grid = sort_into_grid(spheres);
-    for (Particle &particle : particles)
+    void model_changed(Model<dim> &) override
     {
-      const Sphere own = sphere(particle, model, model.state.initial_position);
-      double factor = 1.;
-      for_partners(own, spheres, grid,
+      is_current = false;
+    }
+
+    void add_forces(Model<dim> &model, const Clock &, const NodalVector &) override
+    {
+      if (!is_current)
+      {
+        collect_particles(model);
+        shrink_spheres(model);
+        is_current = true;
+      }
+      const std::vector<Sphere> spheres = spheres_nearby(model, model.state.position);
+      const Grid grid = sort_into_grid(spheres);
+      double elastic = 0, work = 0;
+      for (Particle &particle : particles)
+      {
+        const Sphere own = sphere(particle, model, model.state.position);
+        const Tensor<1, dim> of_others =
+            spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, grid, elastic);
+        work += 0.5 * (particle.force + of_others) * (own.position - particle.position);
+        particle.force = of_others;
+        particle.position = own.position;
+        if (of_others.norm_square() != 0.)
+          forces.add_force(particle.node, of_others);
+      }
+      dissipated -= work + elastic - stored;
+      stored = elastic;
+    }
+
+    double stable_fraction(const double stable_step) const override
+    {
+      // As within a part, with springs that are 2μ/m times those between two equal masses m.
+      constexpr double of_pair = 2.42, on_free_side = 5.;
+      double fraction = 1.;
+      for (const PartLaw &one : laws)
+        for (const PartLaw &other : laws)
+        {
+          if (&one == &other)
+            continue;
+          const double ratio = one.mass > 0. ? 2. * other.mass / (one.mass + other.mass) : 2.;
+          const double angle = std::min(one.frequency, other.frequency) * stable_step;
+          const double springs = 4. + of_pair * on_free_side * ratio * angle * angle;
+          const double dampers =
+              0.5 * of_pair * on_free_side * ratio * 0.5 * (one.damping + other.damping) * angle;
+          fraction =
+              std::min(fraction, (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs);
+        }
+      return fraction;
+    }
+
+    void account(EnergyAccounts &accounts) const override
+    {
+      accounts.add("self-contact energy", EnergyKind::stored, stored);
+      accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
+    }
+
+  private:
+    /** A particle of this rank: an owned node, once however many parts have it. */
+    struct Particle
+    {
+      unsigned int node;   ///< local
+      std::uint64_t parts; ///< a bit for each law
+      std::uint64_t body;
+      double volume = 0; ///< initial [L^dim]
+      double radius = 0; ///< [L]
+      bool has_elements = false;
+      dealii::Tensor<1, dim> force, position; ///< of the step before
+    };
+
+    /** What other ranks know of a particle. */
+    struct Sphere
+    {
+      std::uint64_t node, parts, body;
+      bool has_elements;
+      double mass, radius;
+      dealii::Tensor<1, dim> position, velocity;
+    };
+    using Cell = std::array<long, 3>;
+    using Grid = std::vector<std::pair<Cell, std::size_t>>;
+
+    /** Finds the particles of this rank; keeps what is known of those of before. Collective. */
+    void collect_particles(const Model<dim> &model)
+    {
+      const NodePartition &partition = *model.state.partition();
+      std::map<unsigned int, Particle> found;
+      for (std::size_t law = 0; law < laws.size(); ++law)
+      {
+        const ParticleSet<dim> &set = model.parts[laws[law].part].particles->particle_set();
+        for (std::size_t i = 0; i < set.nodes().size(); ++i)
+        {
+          const unsigned int node = partition.local_index(set.nodes()[i]);
+          Particle &particle = found.try_emplace(node, Particle{}).first->second;
+          particle.node = node;
+          particle.parts |= std::uint64_t(1) << law;
+          particle.body = model.bodies->body_of(set.nodes()[i]);
+          particle.volume += set.initial_volumes()[i];
+          particle.has_elements = *model.element_mass.node(node) > 0.;
+          particle.position = node_vector<dim>(model.state.position, node);
+        }
+      }
+      // Owned nodes keep their local numbers.
+      for (const Particle &before : particles)
+        if (const auto now = found.find(before.node); now != found.end())
+        {
+          now->second.force = before.force;
+          now->second.position = before.position;
+        }
+      particles.clear();
+      reach = 0;
+      for (const auto &entry : found)
+      {
+        particles.push_back(entry.second);
+        Particle &particle = particles.back();
+        particle.radius = 0.5 * std::pow(particle.volume, 1. / dim);
+        reach = std::max(reach, 2. * particle.radius);
+      }
+      reach = Utilities::MPI::max(reach, model.communicator);
+      for (std::size_t law = 0; law < laws.size(); ++law)
+      {
+        double mass = 0;
+        for (const Particle &particle : particles)
+          if (((particle.parts >> law) & 1u) != 0)
+            mass = std::max(mass, *model.state.mass.node(particle.node));
+        laws[law].mass = Utilities::MPI::max(mass, model.communicator);
+      }
+    }
+
+    /** Makes spheres smaller until none overlaps at the initial positions. Collective. */
+    void shrink_spheres(const Model<dim> &model)
+    {
+      const std::vector<Sphere> spheres = spheres_nearby(model, model.state.initial_position);
+      const Grid grid = sort_into_grid(spheres);
+      for (Particle &particle : particles)
+      {
+        const Sphere own = sphere(particle, model, model.state.initial_position);
+        double factor = 1.;
+        for_partners(own, spheres, grid,
+                     [&](const Sphere &other)
+                     {
+                       factor = std::min(factor, (other.position - own.position).norm() /
+                                                     (own.radius + other.radius));
+                     });
+        particle.radius *= factor;
+      }
+    }
+
+    Sphere sphere(const Particle &particle, const Model<dim> &model,
+                  const NodalVector &position) const
+    {
+      return {model.state.partition()->global_index(particle.node),
+              particle.parts,
+              particle.body,
+              particle.has_elements,
+              *model.state.mass.node(particle.node),
+              particle.radius,
+              node_vector<dim>(position, particle.node),
+              node_vector<dim>(model.state.velocity, particle.node)};
+    }
+
+    /** The spheres of all ranks in the box around another part, by the number of the node.
+     * Collective. */
+    std::vector<Sphere> spheres_nearby(const Model<dim> &model, const NodalVector &position) const
+    {
+      // Boxes of parts, as the least of (x, -x).
+      std::vector<double> box(laws.size() * 2 * dim, std::numeric_limits<double>::max());
+      for (const Particle &particle : particles)
+        for (std::size_t law = 0; law < laws.size(); ++law)
+          for (unsigned int d = 0; d < dim && ((particle.parts >> law) & 1u) != 0; ++d)
+          {
+            const double x = position.node(particle.node)[d];
+            box[(law * dim + d) * 2] = std::min(box[(law * dim + d) * 2], x);
+            box[(law * dim + d) * 2 + 1] = std::min(box[(law * dim + d) * 2 + 1], -x);
+          }
+      Utilities::MPI::min(box, model.communicator, box);
+      const auto is_near = [&](const Sphere &of, const std::size_t law)
+      {
+        bool is_inside = true;
+        for (unsigned int d = 0; d < dim; ++d)
+          is_inside = is_inside && of.position[d] > box[(law * dim + d) * 2] - reach &&
+                      of.position[d] < reach - box[(law * dim + d) * 2 + 1];
+        return is_inside;
+      };
+      std::vector<double> sent;
+      for (const Particle &particle : particles)
+      {
+        const Sphere own = sphere(particle, model, position);
+        bool sees_other = false;
+        for (std::size_t law = 0; law < laws.size() && !sees_other; ++law)
+          sees_other = ((particle.parts >> law) & 1u) == 0 && is_near(own, law);
+        if (!sees_other)
+          continue;
+        // Numbers of nodes and bits of parts are exact as doubles up to 2^53.
+        sent.insert(sent.end(), {double(own.node), double(own.parts), double(own.body),
+                                 own.has_elements ? 1. : 0., own.mass, own.radius});
+        for (unsigned int d = 0; d < dim; ++d)
+          sent.insert(sent.end(), {own.position[d], own.velocity[d]});
+      }
+      std::vector<Sphere> result;
+      for (const std::vector<double> &of_rank :
+           Utilities::MPI::all_gather(model.communicator, sent))
+        for (std::size_t i = 0; i < of_rank.size(); i += 6 + 2 * dim)
+        {
+          const double *const from = of_rank.data() + i;
+          Sphere of{std::uint64_t(from[0]),
+                    std::uint64_t(from[1]),
+                    std::uint64_t(from[2]),
+                    from[3] > 0.,
+                    from[4],
+                    from[5],
+                    {},
+                    {}};
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            of.position[d] = from[6 + 2 * d];
+            of.velocity[d] = from[7 + 2 * d];
+          }
+          result.push_back(of);
+        }
+      return result;
+    }
+
+    Grid sort_into_grid(const std::vector<Sphere> &spheres) const
+    {
+      Grid grid;
+      for (std::size_t i = 0; i < spheres.size(); ++i)
+        grid.emplace_back(cell_of(spheres[i].position), i);
+      std::sort(grid.begin(), grid.end());
+      return grid;
+    }
+
+    Cell cell_of(const Tensor<1, dim> &position) const
+    {
+      Cell cell{};
+      for (unsigned int d = 0; d < dim; ++d)
+        cell[d] = std::lround(std::floor(position[d] / reach));
+      return cell;
+    }
+
+    /** Calls @p action with all spheres that can touch this one, by the number of the node. */
+    template <typename Action>
+    void for_partners(const Sphere &one, const std::vector<Sphere> &spheres, const Grid &grid,
+                      const Action &action) const
+    {
+      const Cell middle = cell_of(one.position);
+      std::vector<std::size_t> partners;
+      constexpr long depth = dim == 3 ? 1 : 0;
+      for (long i = -1; i <= 1; ++i)
+        for (long j = -1; j <= 1; ++j)
+          for (long k = -depth; k <= depth; ++k)
+          {
+            const Cell cell{{middle[0] + i, middle[1] + j, middle[2] + k}};
+            for (auto entry = std::lower_bound(grid.begin(), grid.end(),
+                                               std::make_pair(cell, std::size_t(0)));
+                 entry != grid.end() && entry->first == cell; ++entry)
+            {
+              const Sphere &other = spheres[entry->second];
+              if ((other.parts & one.parts) == 0 && other.body != one.body &&
+                  !(other.has_elements && one.has_elements))
+                partners.push_back(entry->second);
+            }
+          }
+      std::sort(partners.begin(), partners.end(),
+                [&](const std::size_t a, const std::size_t b)
+                { return spheres[a].node < spheres[b].node; });
+      for (const std::size_t partner : partners)
+        action(spheres[partner]);
+    }
+
+    /** The force on @p one; adds its half of what the springs store. */
+    dealii::Tensor<1, dim> force_on(const Sphere &one, const std::vector<Sphere> &spheres,
+                                    const Grid &grid, double &elastic) const
+    {
+      Tensor<1, dim> force;
+      for_partners(one, spheres, grid,
                    [&](const Sphere &other)
                    {
-                     factor = std::min(factor, (other.position - own.position).norm() /
-                                                   (own.radius + other.radius));
+                     const Tensor<1, dim> offset = other.position - one.position;
+                     const double r = offset.norm();
+                     const double overlap = one.radius + other.radius - r;
+                     if (!(overlap > 0.) || r == 0.)
+                       return;
+                     const Tensor<1, dim> normal = offset / r;
+                     const double approach = -((other.velocity - one.velocity) * normal);
+                     const double reduced = one.mass * other.mass / (one.mass + other.mass);
+                     const double frequency =
+                         std::min(frequency_of(one.parts), frequency_of(other.parts));
+                     const double damping = 0.5 * (damping_of(one.parts) + damping_of(other.parts));
+                     const double spring = reduced * frequency * frequency;
+                     force -= (spring * overlap +
+                               2. * damping * reduced * frequency * std::max(approach, 0.)) *
+                              normal;
+                     elastic += 0.25 * spring * overlap * overlap; // half of it is the other's
                    });
-      particle.radius *= factor;
+      return force;
     }
-  }
 
-  template <int dim>
-  double PartContact<dim>::frequency_of(const std::uint64_t parts) const
-  {
-    double least = std::numeric_limits<double>::max();
-    for (std::size_t law = 0; law < laws.size(); ++law)
-      if (((parts >> law) & 1u) != 0)
-        least = std::min(least, laws[law].frequency);
-    return least;
-  }
-
-  template <int dim>
-  double PartContact<dim>::damping_of(const std::uint64_t parts) const
-  {
-    double least = 1.;
-    for (std::size_t law = 0; law < laws.size(); ++law)
-      if (((parts >> law) & 1u) != 0)
-        least = std::min(least, laws[law].damping);
-    return least;
-  }
-
-  template <int dim>
-  Tensor<1, dim> PartContact<dim>::force_on(const Sphere &one, const std::vector<Sphere> &spheres,
-                                            const Grid &grid, double &elastic) const
-  {
-    Tensor<1, dim> force;
-    for_partners(one, spheres, grid,
-                 [&](const Sphere &other)
-                 {
-                   const Tensor<1, dim> offset = other.position - one.position;
-                   const double r = offset.norm();
-                   const double overlap = one.radius + other.radius - r;
-                   if (!(overlap > 0.) || r == 0.)
-                     return;
-                   const Tensor<1, dim> normal = offset / r;
-                   const double approach = -((other.velocity - one.velocity) * normal);
-                   const double reduced = one.mass * other.mass / (one.mass + other.mass);
-                   const double frequency =
-                       std::min(frequency_of(one.parts), frequency_of(other.parts));
-                   const double damping = 0.5 * (damping_of(one.parts) + damping_of(other.parts));
-                   const double spring = reduced * frequency * frequency;
-                   force -= (spring * overlap +
-                             2. * damping * reduced * frequency * std::max(approach, 0.)) *
-                            normal;
-                   elastic += 0.25 * spring * overlap * overlap; // half of it is the other's
-                 });
-    return force;
-  }
-
-  template <int dim>
-  void PartContact<dim>::add_forces(Model<dim> &model, const Clock &, const NodalVector &)
-  {
-    if (!is_current)
+    double frequency_of(const std::uint64_t parts) const
     {
-      collect_particles(model);
-      shrink_spheres(model);
-      is_current = true;
+      double least = std::numeric_limits<double>::max();
+      for (std::size_t law = 0; law < laws.size(); ++law)
+        if (((parts >> law) & 1u) != 0)
+          least = std::min(least, laws[law].frequency);
+      return least;
     }
-    const std::vector<Sphere> spheres = spheres_nearby(model, model.state.position);
-    const Grid grid = sort_into_grid(spheres);
-    double elastic = 0, work = 0;
-    for (Particle &particle : particles)
+
+    double damping_of(const std::uint64_t parts) const
     {
-      const Sphere own = sphere(particle, model, model.state.position);
-      const Tensor<1, dim> of_others =
-          spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, grid, elastic);
-      work += 0.5 * (particle.force + of_others) * (own.position - particle.position);
-      particle.force = of_others;
-      particle.position = own.position;
-      if (of_others.norm_square() != 0.)
-        forces.add_force(particle.node, of_others);
+      double least = 1.;
+      for (std::size_t law = 0; law < laws.size(); ++law)
+        if (((parts >> law) & 1u) != 0)
+          least = std::min(least, laws[law].damping);
+      return least;
     }
-    dissipated -= work + elastic - stored;
-    stored = elastic;
-  }
 
-  template <int dim>
-  double PartContact<dim>::stable_fraction(const double stable_step) const
-  {
-    // As within a part, with springs that are 2μ/m times those between two equal masses m.
-    constexpr double of_pair = 2.42, on_free_side = 5.;
-    double fraction = 1.;
-    for (const PartLaw &one : laws)
-      for (const PartLaw &other : laws)
-      {
-        if (&one == &other)
-          continue;
-        const double ratio = one.mass > 0. ? 2. * other.mass / (one.mass + other.mass) : 2.;
-        const double angle = std::min(one.frequency, other.frequency) * stable_step;
-        const double springs = 4. + of_pair * on_free_side * ratio * angle * angle;
-        const double dampers =
-            0.5 * of_pair * on_free_side * ratio * 0.5 * (one.damping + other.damping) * angle;
-        fraction =
-            std::min(fraction, (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs);
-      }
-    return fraction;
-  }
-
-  template <int dim>
-  void PartContact<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("self-contact energy", EnergyKind::stored, stored);
-    accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
-  }
+    std::vector<PartLaw> laws;
+    double reach = 0; ///< the largest diameter of all spheres [L]
+    std::vector<Particle> particles;
+    std::vector<unsigned int> nodes; ///< of these, for the records
+    bool is_current = false;         ///< whether particles and spheres are those of the model
+    double stored = 0, dissipated = 0;
+    Action &forces;
+  };
 
   namespace
   {
@@ -390,6 +445,7 @@ namespace tombolo
   } // namespace
 
   template class PartContact<2>;
+
   template class PartContact<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(PartContactKind, process_order::fragment_contact)

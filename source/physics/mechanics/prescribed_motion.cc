@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/prescribed_motion.h>
-
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/process.h>
 #include <tombolo/output/output.h>
+#include <tombolo/physics/mechanics/condition_accounts.h>
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 namespace tombolo
 {
+  template <int dim>
+  class MechanicalConditions;
+
   namespace
   {
     /** Calls @p action with the place in the list of constrained nodes, the component, the velocity
@@ -65,165 +70,177 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * Components of the motion that conditions prescribe: their acceleration, and work and impulse of
+   * the reactions m a - F that hold them. The work of the step from t_{n-1} to t_n is that of the
+   * reactions at both ends on v_{n-1/2}. Impulse and work of each condition are kept besides the
+   * sums. With affine smoothing, whose angular momentum is that about x̂, the reactions have a
+   * further moment: ConstrainedParticles::find_moments().
+   */
   template <int dim>
-  PrescribedMotion<dim>::PrescribedMotion(const Model<dim> &model)
-      : model(model), conditions(*model.conditions), supports(model, true)
+  class PrescribedMotion : public Process<dim>
   {
-    const auto vector = [](Vector & of_node) -> auto &
+  public:
+    explicit PrescribedMotion(const Model<dim> &model)
+        : model(model), conditions(*model.conditions), supports(model, true)
     {
-      return of_node;
-    };
-    const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
-    Records &all = this->records.group("prescribed motion");
-    all.sums("work", work);
-    all.at_nodes(nodes, previous_inertia).vector("previous inertia", vector);
-    all.at_nodes(nodes, previous_force).vector("previous force", vector);
-    all.archived([this](StateArchive &archive) { serialize_offsets(archive); });
-    supports.list(all);
-  }
-
-  template <int dim>
-  std::string PrescribedMotion<dim>::failure() const
-  {
-    return conditions.failure();
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::prepare_change(Model<dim> &model)
-  {
-    if (previous_inertia.size() == conditions.constrained_nodes().size())
-      for_constrained(model,
-                      [&](const std::size_t k, const unsigned int d, const double velocity,
-                          const double inertial_velocity)
-                      {
-                        const double half = 0.5 * (inertial_velocity * previous_inertia[k][d] -
-                                                   velocity * previous_force[k][d]);
-                        work += half;
-                        supports.add_work(condition_of(conditions, k, d), half);
-                      });
-    previous_inertia.clear();
-    previous_force.clear();
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
-  {
-    conditions.prescribe_acceleration(model.state, clock.time, clock.velocity_step(),
-                                      clock.next_step);
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::after_motion(Model<dim> &model, const Clock &)
-  {
-    for_particles(
-        model, [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
-        { supports.add_now(condition_of(conditions, k, d), particle.reactions[d]); });
-    const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
-    work += reaction.work;
-    model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::add_moments(Model<dim> &model, const double velocity_step)
-  {
-    if (model.bridge->operators() != Bridge::Operators::affine)
-      return;
-    model.bridge->get_constrained_particles().find_moments(model.state);
-    for_particles(
-        model,
-        [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
-        {
-          Vector moment = particle.moments[d];
-          for (double &component : moment)
-            component *= velocity_step;
-          model.impulses.add(Vector{}, moment);
-          supports.add_moment(condition_of(conditions, k, d), moment);
-        });
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
-  {
-    const NodalState &state = model.state;
-    const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
-    const double velocity_step = clock.velocity_step();
-    const bool is_start = clock.step == 0;
-    supports.begin_step(clock.time - 0.5 * clock.previous_step);
-    if (previous_inertia.size() != nodes.size())
-    {
-      previous_inertia.assign(nodes.size(), {});
-      previous_force.assign(nodes.size(), {});
+      const auto vector = [](Vector & of_node) -> auto &
+      {
+        return of_node;
+      };
+      const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+      Records &all = this->records.group("prescribed motion");
+      all.sums("work", work);
+      all.at_nodes(nodes, previous_inertia).vector("previous inertia", vector);
+      all.at_nodes(nodes, previous_force).vector("previous force", vector);
+      all.archived([this](StateArchive &archive) { serialize_offsets(archive); });
+      supports.list(all);
     }
-    for_constrained(
-        model,
-        [&](const std::size_t k, const unsigned int d, const double velocity,
-            const double inertial_velocity)
-        {
-          const unsigned int node = nodes[k];
-          const double inertia = velocity_step * model.bridge->nodal_mass().node(node)[d] *
-                                 state.acceleration.node(node)[d];
-          const double force = velocity_step * state.force.node(node)[d];
-          const unsigned int condition = condition_of(conditions, k, d);
-          const double of_step =
-              inertial_velocity * impulse_of_step(inertia, previous_inertia[k][d], is_start) -
-              velocity * impulse_of_step(force, previous_force[k][d], is_start);
-          work += of_step;
-          supports.add_work(condition, of_step);
-          Vector reaction{};
-          reaction[d] = inertia - force;
-          model.impulses.add(state.position.node(node), reaction);
-          supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
-        });
-    add_moments(model, velocity_step);
-  }
 
-  template <int dim>
-  void PrescribedMotion<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("external work", EnergyKind::external, work);
-  }
-
-  template <int dim>
-  typename PrescribedMotion<dim>::Vector
-  PrescribedMotion<dim>::reaction(const unsigned int node) const
-  {
-    Vector result{};
-    const auto &constrained = conditions.constrained_components();
-    const bool has_mass = node < constrained.size() && *model.bridge->mass().node(node) > 0.;
-    for (unsigned int d = 0; d < 3 && has_mass; ++d)
-      if ((constrained[node] >> d) & 1u)
-        result[d] =
-            model.bridge->nodal_mass().node(node)[d] * model.state.acceleration.node(node)[d] -
-            model.state.force.node(node)[d];
-    return result;
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::show(OutputView<dim> &view) const
-  {
-    view.reaction = [this](const unsigned int node) { return reaction(node); };
-    view.condition_balances.emplace_back([this]() { return supports.balances(); });
-  }
-
-  template <int dim>
-  void PrescribedMotion<dim>::serialize_offsets(StateArchive &archive) const
-  {
-    if (model.bridge->operators() != Bridge::Operators::affine)
-      return;
-    std::vector<Vector> offsets(conditions.constrained_nodes().size(), Vector{});
-    for_particles(model,
-                  [&](const std::size_t k, const unsigned int, const ConstrainedParticle &particle)
-                  { offsets[k] = particle.offset; });
-    archive.nodal("offset from smoothed position", conditions.constrained_nodes(), offsets);
-    if (!archive.is_reading())
-      return;
-    auto k = conditions.constrained_nodes().begin();
-    for (ConstrainedParticle &particle : model.bridge->get_constrained_particles().particles())
+    void prepare_change(Model<dim> &model) override
     {
-      k = std::lower_bound(k, conditions.constrained_nodes().end(), particle.node);
-      particle.offset = offsets[std::size_t(k - conditions.constrained_nodes().begin())];
+      if (previous_inertia.size() == conditions.constrained_nodes().size())
+        for_constrained(model,
+                        [&](const std::size_t k, const unsigned int d, const double velocity,
+                            const double inertial_velocity)
+                        {
+                          const double half = 0.5 * (inertial_velocity * previous_inertia[k][d] -
+                                                     velocity * previous_force[k][d]);
+                          work += half;
+                          supports.add_work(condition_of(conditions, k, d), half);
+                        });
+      previous_inertia.clear();
+      previous_force.clear();
     }
-  }
+
+    std::string failure() const override
+    {
+      return conditions.failure();
+    }
+
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override
+    {
+      conditions.prescribe_acceleration(model.state, clock.time, clock.velocity_step(),
+                                        clock.next_step);
+    }
+
+    void after_acceleration(Model<dim> &model, const Clock &clock) override
+    {
+      const NodalState &state = model.state;
+      const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+      const double velocity_step = clock.velocity_step();
+      const bool is_start = clock.step == 0;
+      supports.begin_step(clock.time - 0.5 * clock.previous_step);
+      if (previous_inertia.size() != nodes.size())
+      {
+        previous_inertia.assign(nodes.size(), {});
+        previous_force.assign(nodes.size(), {});
+      }
+      for_constrained(
+          model,
+          [&](const std::size_t k, const unsigned int d, const double velocity,
+              const double inertial_velocity)
+          {
+            const unsigned int node = nodes[k];
+            const double inertia = velocity_step * model.bridge->nodal_mass().node(node)[d] *
+                                   state.acceleration.node(node)[d];
+            const double force = velocity_step * state.force.node(node)[d];
+            const unsigned int condition = condition_of(conditions, k, d);
+            const double of_step =
+                inertial_velocity * impulse_of_step(inertia, previous_inertia[k][d], is_start) -
+                velocity * impulse_of_step(force, previous_force[k][d], is_start);
+            work += of_step;
+            supports.add_work(condition, of_step);
+            Vector reaction{};
+            reaction[d] = inertia - force;
+            model.impulses.add(state.position.node(node), reaction);
+            supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
+          });
+      add_moments(model, velocity_step);
+    }
+
+    void after_motion(Model<dim> &model, const Clock &) override
+    {
+      for_particles(
+          model, [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+          { supports.add_now(condition_of(conditions, k, d), particle.reactions[d]); });
+      const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
+      work += reaction.work;
+      model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
+    }
+
+    void account(EnergyAccounts &accounts) const override
+    {
+      accounts.add("external work", EnergyKind::external, work);
+    }
+
+    void show(OutputView<dim> &view) const override
+    {
+      view.reaction = [this](const unsigned int node) { return reaction(node); };
+      view.condition_balances.emplace_back([this]() { return supports.balances(); });
+    }
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    /** What prescribed components of particles add to the moment of the reactions. Collective. */
+    void add_moments(Model<dim> &model, const double velocity_step)
+    {
+      if (model.bridge->operators() != Bridge::Operators::affine)
+        return;
+      model.bridge->get_constrained_particles().find_moments(model.state);
+      for_particles(
+          model,
+          [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+          {
+            Vector moment = particle.moments[d];
+            for (double &component : moment)
+              component *= velocity_step;
+            model.impulses.add(Vector{}, moment);
+            supports.add_moment(condition_of(conditions, k, d), moment);
+          });
+    }
+
+    void serialize_offsets(StateArchive &archive) const
+    {
+      if (model.bridge->operators() != Bridge::Operators::affine)
+        return;
+      std::vector<Vector> offsets(conditions.constrained_nodes().size(), Vector{});
+      for_particles(
+          model, [&](const std::size_t k, const unsigned int, const ConstrainedParticle &particle)
+          { offsets[k] = particle.offset; });
+      archive.nodal("offset from smoothed position", conditions.constrained_nodes(), offsets);
+      if (!archive.is_reading())
+        return;
+      auto k = conditions.constrained_nodes().begin();
+      for (ConstrainedParticle &particle : model.bridge->get_constrained_particles().particles())
+      {
+        k = std::lower_bound(k, conditions.constrained_nodes().end(), particle.node);
+        particle.offset = offsets[std::size_t(k - conditions.constrained_nodes().begin())];
+      }
+    }
+
+    /** m a - F of the prescribed components of an owned node [M L/T^2]. */
+    Vector reaction(const unsigned int node) const
+    {
+      Vector result{};
+      const auto &constrained = conditions.constrained_components();
+      const bool has_mass = node < constrained.size() && *model.bridge->mass().node(node) > 0.;
+      for (unsigned int d = 0; d < 3 && has_mass; ++d)
+        if ((constrained[node] >> d) & 1u)
+          result[d] =
+              model.bridge->nodal_mass().node(node)[d] * model.state.acceleration.node(node)[d] -
+              model.state.force.node(node)[d];
+      return result;
+    }
+
+    const Model<dim> &model;
+    const MechanicalConditions<dim> &conditions;
+    double work = 0;                      ///< this rank's share [M L^2/T^2]
+    ConditionAccounts<dim> supports;      ///< the same by condition, and impulses
+    std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes
+    std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
+  };
 
   namespace
   {
@@ -241,6 +258,7 @@ namespace tombolo
   } // namespace
 
   template class PrescribedMotion<2>;
+
   template class PrescribedMotion<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(PrescribedMotionKind, process_order::prescribed_motion)

@@ -1,127 +1,421 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/section_forces.h>
-
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/boundary/load_sum.h>
+#include <tombolo/contact/read_vector.h>
+#include <tombolo/model/impulse_account.h>
+#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/part.h>
+#include <tombolo/model/process.h>
 #include <tombolo/output/output.h>
+#include <tombolo/output/section_balance.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/tensor.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <optional>
 #include <ostream>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  template <int dim>
-  SectionForces<dim>::SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model)
-      : model(model), members(std::move(sections)), impulses(members.size())
+  namespace
   {
-    Records &all = this->records.group("sections");
-    for (std::size_t k = 0; k < members.size(); ++k)
-      impulses[k].list(all.group(std::to_string(k)));
-    all.value("time of impulse", time_of_impulse);
-  }
-
-  template <int dim>
-  const std::vector<BodySection<dim>> &SectionForces<dim>::sections() const
-  {
-    return members;
-  }
-
-  template <int dim>
-  void SectionForces<dim>::model_changed(Model<dim> &changed)
-  {
-    for (BodySection<dim> &member : members)
-      member.model_changed(changed);
-  }
-
-  template <int dim>
-  void SectionForces<dim>::part_force(const std::size_t part, const NodalVector &force,
-                                      const bool is_added)
-  {
-    for (BodySection<dim> &member : members)
-      if (is_added)
-        member.after_part_force(part, force, model.state.position);
-      else
-        member.before_part_force(part, force);
-  }
-
-  template <int dim>
-  void SectionForces<dim>::add_forces(Model<dim> &, const Clock &, const NodalVector &force)
-  {
-    for (BodySection<dim> &member : members)
-      member.take_internal_force(force, model.state.position);
-  }
-
-  template <int dim>
-  void SectionForces<dim>::after_acceleration(Model<dim> &, const Clock &clock)
-  {
-    time_of_impulse = clock.time - 0.5 * clock.previous_step;
-    for (std::size_t k = 0; k < members.size(); ++k)
+    /** The number of the part with this name. Throws InputError. */
+    template <int dim>
+    std::size_t part_number(const std::string &name, const std::vector<Part<dim>> &parts,
+                            const Section &section)
     {
-      LoadSum impulse = members[k].sum();
-      for (unsigned int d = 0; d < 3; ++d)
+      std::vector<std::string> names;
+      for (std::size_t part = 0; part < parts.size(); ++part)
       {
-        impulse.force[d] *= clock.velocity_step();
-        impulse.moment[d] *= clock.velocity_step();
+        if (parts[part].name == name)
+          return part;
+        names.push_back(parts[part].name);
       }
-      impulses[k].begin_step();
-      impulses[k].add(impulse.force, impulse.moment);
+      section.fail("Between parts",
+                   "there is no part \"" + name + "\"." + did_you_mean(name, names));
     }
-  }
 
-  template <int dim>
-  std::vector<SectionBalance> SectionForces<dim>::balances() const
-  {
-    std::vector<double> sums;
-    for (const ImpulseAccount &account : impulses)
+    /** Adds a force at a place relative to @p point. */
+    void add_about(const std::array<double, 3> &point, const double *const place,
+                   const double *const force, LoadSum &sum)
     {
-      EnergyAccounts shares;
-      account.account(shares);
-      sums.insert(sums.end(), shares.impulse.begin(), shares.impulse.end());
-      sums.insert(sums.end(), shares.angular_impulse.begin(), shares.angular_impulse.end());
+      const double arm[3] = {place[0] - point[0], place[1] - point[1], place[2] - point[2]};
+      sum.add(arm, force);
     }
-    sums = ordered_sum(sums, model.communicator);
-    std::vector<SectionBalance> result(members.size());
-    for (std::size_t k = 0; k < members.size(); ++k)
+  } // namespace
+
+  /**
+   * A section that forces pass through, of one of two kinds.
+   *
+   * A cut divides the nodes by their initial positions: its side are those on the plane or beyond
+   * it along the normal, and among them those where the predicate holds. Its force is that of the
+   * material on the nodes of the side, F = Σ_side f_int. What lies between nodes of the side gives
+   * nothing, since its forces are in balance, so that F is the force of what reaches across. By Σ
+   * m a = F + the forces from outside on the side, F is exactly what the rest of the bodies does to
+   * it, whatever elements or particles are there.
+   *
+   * An interface lies between two parts. Its force is that of the material of the first part on the
+   * nodes that both have: what the first does to the second, since the forces within the second are
+   * in balance. What it does to dependent nodes acts on those on which they depend.
+   */
+  template <int dim>
+  class BodySection
+  {
+  public:
+    /** Of a section "Section: NAME". */
+    BodySection(const Entries &e, const std::vector<Part<dim>> &parts)
+        : section_name(e.section().name())
     {
-      result[k].name = members[k].name();
-      result[k].time_of_impulse = time_of_impulse;
-      std::copy_n(sums.data() + 6 * k, 3, result[k].impulse.begin());
-      std::copy_n(sums.data() + 6 * k + 3, 3, result[k].angular_impulse.begin());
+      if (e.when(e.is_set("Normal")))
+        normal = e.read(
+            "Normal", "", "",
+            "The direction of the normal of the plane that cuts the bodies as they are initially. "
+            "The force is that on the nodes which the normal points to and on those on the plane.",
+            &read_direction<dim>);
+      const std::vector<double> given =
+          e.numbers("Point", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
+                    "A point of the plane, which does not move; moments are about it.");
+      std::copy(given.begin(), given.end(), point.begin());
+      where = e.if_set<Predicate<dim>>(
+          "Where", "",
+          "A predicate of the initial position, for example `y < 2`: the force is on those nodes "
+          "alone where it holds. Together with a plane it selects one of several members that the "
+          "plane cuts; without one it cuts free what it selects.");
+      const std::vector<std::string> names = e.list(
+          "Between parts", "",
+          "Two parts that share nodes, `NAME, OTHER`, in place of a plane or a predicate: the "
+          "force is that of the first on the second.");
+      if (e.declares())
+        return;
+      const Section &section = e.section();
+      if (normal && !section.is_set("Point"))
+        section.fail("Normal", "a plane needs `Point` too, a point in it.");
+      if (names.empty())
+      {
+        if (!normal && !where)
+          section.fail("",
+                       "a section needs `Normal` and `Point` of a plane, or `Where`, or `Between "
+                       "parts`, the names of two parts that share nodes.");
+        return;
+      }
+      for (const char *const other : {"Normal", "Where"})
+        if (section.is_set(other))
+          section.fail(other, "a section between parts needs no plane and no predicate; remove it, "
+                              "or `Between parts`.");
+      if (names.size() != 2 || names[0] == names[1])
+        section.fail("Between parts", "allowed are the names of two parts, separated by a comma.");
+      between.emplace(part_number(names[0], parts, section), part_number(names[1], parts, section));
     }
-    return result;
-  }
 
-  template <int dim>
-  void SectionForces<dim>::describe(const Model<dim> &, std::ostream &text) const
-  {
-    for (const BodySection<dim> &member : members)
-      text << "  section \"" << member.name() << "\": " << member.description() << "\n";
-  }
+    /** Finds the side of a cut, and refuses one that divides nothing. Throws InputError.
+     * Collective. */
+    void find_side(const Section &section, const Model<dim> &model)
+    {
+      if (is_interface())
+      {
+        model_changed(model);
+        if (n_shared == 0)
+          section.fail("Between parts", "the two parts share no node: no force passes through "
+                                        "shared nodes.");
+        return;
+      }
+      const NodalVector &initial = model.state.initial_position;
+      const unsigned int n_owned = initial.partition()->n_owned();
+      double extent = 0;
+      for (unsigned int i = 0; i < n_owned; ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          extent = std::max(extent, std::abs(initial.node(i)[d] - point[d]));
+      // Nodes that a mesh generator has put onto the plane are on it to round-off.
+      const double tolerance = 1e-10 * Utilities::MPI::max(extent, model.communicator);
+      std::string failure;
+      try
+      {
+        for (unsigned int i = 0; i < n_owned; ++i)
+        {
+          const Point<dim> place = point_of<dim>(initial.node(i));
+          if (is_beyond(place, tolerance) && (!where || (*where)(place)))
+            side.push_back(i);
+        }
+        count_cells(model, tolerance);
+      }
+      catch (const InputError &error)
+      {
+        failure = error.what();
+      }
+      throw_on_all_ranks<InputError>(failure, model.communicator);
+      n_side = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
+      n_cut = Utilities::MPI::sum(n_cut, model.communicator);
+      n_attached_elsewhere = Utilities::MPI::sum(n_attached_elsewhere, model.communicator);
+      if (n_cut == 0)
+        section.fail(normal ? "Normal" : "Where",
+                     "the section cuts no cell: " +
+                         std::string(n_side == 0 ? "no node" : "nothing but whole bodies") +
+                         " is on its side.");
+    }
 
+    /** For other ghosts, images or cells. Throws nothing. Collective. */
+    void model_changed(const Model<dim> &model)
+    {
+      if (!is_interface())
+        return;
+      const NodalVector first = mass_of_part(model, *model.parts[between->first].formulation),
+                        second = mass_of_part(model, *model.parts[between->second].formulation);
+      side.clear();
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        if (*first.node(i) > 0. && *second.node(i) > 0.)
+          side.push_back(i);
+      n_shared = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
+      of_first.reinit(model.state.partition());
+    }
+
+    /** Of an interface: what a part, whose number may be any, has added is the force after it less
+     * that before. Collective. */
+    void before_part_force(const std::size_t part, const NodalVector &force)
+    {
+      if (is_interface() && part == between->first)
+        of_first.copy_from(force);
+    }
+
+    void after_part_force(const std::size_t part, const NodalVector &force,
+                          const NodalVector &position)
+    {
+      if (!is_interface() || part != between->first)
+        return;
+      const std::size_t n = std::size_t(force.partition()->n_local()) * node_stride;
+      for (std::size_t i = 0; i < n; ++i)
+        of_first.data()[i] = force.data()[i] - of_first.data()[i];
+      of_first.collect();
+      present = sum_over_side(of_first, position);
+    }
+
+    /** Of a cut: the sum over the internal forces of all parts, at owned nodes. */
+    void take_internal_force(const NodalVector &force, const NodalVector &position)
+    {
+      if (!is_interface())
+        present = sum_over_side(force, position);
+    }
+
+    /** The force at t_n and its moment about the point, of this rank. */
+    const LoadSum &sum() const
+    {
+      return present;
+    }
+
+    const std::string &name() const
+    {
+      return section_name;
+    }
+
+    /** A sentence for the audit. */
+    std::string description() const
+    {
+      if (is_interface())
+        return std::to_string(n_shared) + " shared nodes";
+      return std::to_string(n_cut) + " cells cut, " + std::to_string(n_side) + " nodes on its side";
+    }
+
+    /** A warning; empty for none. */
+    std::string remark() const
+    {
+      if (n_attached_elsewhere == 0)
+        return "";
+      return "The side of section \"" + section_name + "\" is cut free by `Where` in " +
+             std::to_string(n_attached_elsewhere) +
+             " cells away from the plane too; what passes through these counts as well.";
+    }
+
+  private:
+    bool is_interface() const
+    {
+      return between.has_value();
+    }
+
+    bool is_beyond(const Point<dim> &initial, const double tolerance) const
+    {
+      if (!normal)
+        return true;
+      double distance = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        distance += (initial[d] - point[d]) * (*normal)[d];
+      return distance >= -tolerance;
+    }
+
+    /** Sets n_cut and n_attached_elsewhere for this rank's cells. */
+    void count_cells(const Model<dim> &model, const double tolerance)
+    {
+      std::vector<Point<dim>> points;
+      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+      {
+        if (!cell->is_locally_owned())
+          continue;
+        model.nodes->cell_points(cell, points);
+        std::size_t n_beyond = 0, n_of_side = 0;
+        for (const Point<dim> &node : points)
+          if (is_beyond(node, tolerance))
+          {
+            ++n_beyond;
+            n_of_side += !where || (*where)(node) ? 1 : 0;
+          }
+        if (n_of_side == 0 || n_of_side == points.size())
+          continue;
+        ++n_cut;
+        n_attached_elsewhere += normal && n_beyond == points.size() ? 1 : 0;
+      }
+    }
+
+    LoadSum sum_over_side(const NodalVector &force, const NodalVector &position) const
+    {
+      LoadSum sum;
+      for (const unsigned int node : side)
+        add_about(point, position.node(node), force.node(node), sum);
+      return sum;
+    }
+
+    std::string section_name;
+    std::array<double, 3> point{}; ///< of moments and of the plane
+    std::optional<dealii::Tensor<1, dim>> normal;
+    std::optional<Predicate<dim>> where;
+    std::optional<std::pair<std::size_t, std::size_t>> between; ///< parts of an interface
+    std::vector<unsigned int> side; ///< owned nodes of a cut, or shared ones of an interface
+    NodalVector of_first;           ///< the force of the first part of an interface
+    LoadSum present;
+    unsigned long n_side = 0; ///< over all ranks, as those below
+    unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
+  };
+
+  template class BodySection<2>;
+
+  template class BodySection<3>;
+
+  /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
+   * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
+   * forces which it sees are those of the material alone. */
   template <int dim>
-  std::vector<std::string>
-  SectionForces<dim>::warnings(const Model<dim> &, const Clock &,
-                               const typename Process<dim>::Occasion occasion)
+  class SectionForces : public Process<dim>
   {
-    std::vector<std::string> result;
-    if (occasion != Process<dim>::Occasion::audit)
+  public:
+    SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model)
+        : model(model), members(std::move(sections)), impulses(members.size())
+    {
+      Records &all = this->records.group("sections");
+      for (std::size_t k = 0; k < members.size(); ++k)
+        impulses[k].list(all.group(std::to_string(k)));
+      all.value("time of impulse", time_of_impulse);
+    }
+
+    void model_changed(Model<dim> &changed) override
+    {
+      for (BodySection<dim> &member : members)
+        member.model_changed(changed);
+    }
+
+    void part_force(const std::size_t part, const NodalVector &force, const bool is_added) override
+    {
+      for (BodySection<dim> &member : members)
+        if (is_added)
+          member.after_part_force(part, force, model.state.position);
+        else
+          member.before_part_force(part, force);
+    }
+
+    void add_forces(Model<dim> &, const Clock &, const NodalVector &force) override
+    {
+      for (BodySection<dim> &member : members)
+        member.take_internal_force(force, model.state.position);
+    }
+
+    void after_acceleration(Model<dim> &, const Clock &clock) override
+    {
+      time_of_impulse = clock.time - 0.5 * clock.previous_step;
+      for (std::size_t k = 0; k < members.size(); ++k)
+      {
+        LoadSum impulse = members[k].sum();
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          impulse.force[d] *= clock.velocity_step();
+          impulse.moment[d] *= clock.velocity_step();
+        }
+        impulses[k].begin_step();
+        impulses[k].add(impulse.force, impulse.moment);
+      }
+    }
+
+    void describe(const Model<dim> &, std::ostream &text) const override
+    {
+      for (const BodySection<dim> &member : members)
+        text << "  section \"" << member.name() << "\": " << member.description() << "\n";
+    }
+
+    std::vector<std::string> warnings(const Model<dim> &, const Clock &,
+                                      const typename Process<dim>::Occasion occasion) override
+    {
+      std::vector<std::string> result;
+      if (occasion != Process<dim>::Occasion::audit)
+        return result;
+      for (const BodySection<dim> &member : members)
+        if (const std::string remark = member.remark(); !remark.empty())
+          result.push_back(remark);
       return result;
-    for (const BodySection<dim> &member : members)
-      if (const std::string remark = member.remark(); !remark.empty())
-        result.push_back(remark);
-    return result;
-  }
+    }
 
-  template <int dim>
-  void SectionForces<dim>::show(OutputView<dim> &view) const
-  {
-    view.section_balances = [this]() { return balances(); };
-  }
+    void show(OutputView<dim> &view) const override
+    {
+      view.section_balances = [this]() { return balances(); };
+    }
+
+    /** Sums over all ranks, in the order of the sections. Collective. */
+    std::vector<SectionBalance> balances() const
+    {
+      std::vector<double> sums;
+      for (const ImpulseAccount &account : impulses)
+      {
+        EnergyAccounts shares;
+        account.account(shares);
+        sums.insert(sums.end(), shares.impulse.begin(), shares.impulse.end());
+        sums.insert(sums.end(), shares.angular_impulse.begin(), shares.angular_impulse.end());
+      }
+      sums = ordered_sum(sums, model.communicator);
+      std::vector<SectionBalance> result(members.size());
+      for (std::size_t k = 0; k < members.size(); ++k)
+      {
+        result[k].name = members[k].name();
+        result[k].time_of_impulse = time_of_impulse;
+        std::copy_n(sums.data() + 6 * k, 3, result[k].impulse.begin());
+        std::copy_n(sums.data() + 6 * k + 3, 3, result[k].angular_impulse.begin());
+      }
+      return result;
+    }
+
+    /** With this rank's share of the force at t_n. */
+    const std::vector<BodySection<dim>> &sections() const
+    {
+      return members;
+    }
+
+  private:
+    const Model<dim> &model;
+    std::vector<BodySection<dim>> members;
+    std::vector<ImpulseAccount> impulses; ///< of each, with moments about its point
+    double time_of_impulse = 0;
+  };
 
   namespace
   {
@@ -172,6 +466,7 @@ namespace tombolo
   } // namespace
 
   template class SectionForces<2>;
+
   template class SectionForces<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(SectionForcesKind, process_order::sections)

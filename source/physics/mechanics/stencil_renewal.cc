@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/stencil_renewal.h>
-
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/process.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/failure/bond_failure_process.h>
 
@@ -15,105 +14,123 @@ namespace tombolo
 {
   using namespace dealii;
 
+  /**
+   * Neighbourhoods and rows of particle parts, renewed where their criterion asks for it.
+   *
+   * Where rows change between t_{n-1} and t_n, the forces of before work on the first half of the
+   * step, and the points that advance over the whole of it are those of after. The difference,
+   * ½ Δt (P_before - P_after) with the powers P of the stresses at t_{n-1}, is booked: as failure
+   * dissipation where bonds break, else as that of the renewal.
+   */
   template <int dim>
-  StencilRenewal<dim>::StencilRenewal(const bool breaks, const bool renews)
-      : breaks(breaks), renews(renews)
+  class StencilRenewal : public Process<dim>
   {
-    this->roles.rest = ProcessRole::is_idle; // rows stay those of the start
-    this->records.group("renewal of stencils").sums("taken", taken_by_breaks, taken_by_renewals);
-  }
-
-  template <int dim>
-  ModelChange StencilRenewal<dim>::change_model(Model<dim> &model, const Clock &clock)
-  {
-    step = clock.previous_step;
-    is_booked = false;
-    const ModelChange change = model.update_stencils();
-    if (change.stencils)
+  public:
+    /** @p breaks: whether bonds can break; @p renews: whether kernels are renewed now and then.
+     * Where they are renewed in every step alone, nothing is booked: it would take two more
+     * evaluations of the forces. */
+    StencilRenewal(const bool breaks, const bool renews) : breaks(breaks), renews(renews)
     {
-      const double n_before = n_broken;
-      n_broken = n_broken_bonds(model);
-      if (is_booked)
+      this->roles.rest = ProcessRole::is_idle; // rows stay those of the start
+      this->records.group("renewal of stencils").sums("taken", taken_by_breaks, taken_by_renewals);
+    }
+
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override
+    {
+      step = clock.previous_step;
+      is_booked = false;
+      const ModelChange change = model.update_stencils();
+      if (change.stencils)
       {
-        model.bridge->smooth_velocity(model.state);
-        (n_broken > n_before ? taken_by_breaks : taken_by_renewals) +=
-            taken_by_change(power, power_back(model), step, model.communicator);
+        const double n_before = n_broken;
+        n_broken = n_broken_bonds(model);
+        if (is_booked)
+        {
+          model.bridge->smooth_velocity(model.state);
+          (n_broken > n_before ? taken_by_breaks : taken_by_renewals) +=
+              taken_by_change(power, power_back(model), step, model.communicator);
+        }
       }
+      step = 0.;
+      return change;
     }
-    step = 0.;
-    return change;
-  }
 
-  template <int dim>
-  void StencilRenewal<dim>::prepare_change(Model<dim> &model)
-  {
-    // Bonds that break are counted before they leave the rows.
-    is_booked = step > 0. && (renews || n_broken_bonds(model) > n_broken);
-    if (!is_booked)
-      return;
-    back = 0.;
-    power = power_back(model);
-    if (std::isfinite(Utilities::MPI::sum(power, model.communicator)))
-      return;
-    back = step;
-    power = power_back(model);
-  }
-
-  template <int dim>
-  void StencilRenewal<dim>::model_changed(Model<dim> &model)
-  {
-    if (step == 0.) // else in change_model()
-      n_broken = n_broken_bonds(model);
-  }
-
-  template <int dim>
-  double StencilRenewal<dim>::power_back(Model<dim> &model) const
-  {
-    if (back == 0.)
-      return internal_power(model, step);
-    NodalState &state = model.state;
-    const NodalVector present = state.position.copy();
-    state.position.fill(
-        [&](const unsigned int i, double *const place)
-        { store_node(load_node(place) - load_node(state.velocity.node(i)) * back, place); });
-    model.bridge->positions_have_changed();
-    const double result = internal_power(model, step);
-    state.position.copy_from(present);
-    model.bridge->positions_have_changed();
-    return result;
-  }
-
-  template <int dim>
-  double StencilRenewal<dim>::n_broken_bonds(const Model<dim> &model) const
-  {
-    return breaks ? BondFailureProcess<dim>::bond_counts(model).n_broken : 0.;
-  }
-
-  template <int dim>
-  void StencilRenewal<dim>::account(EnergyAccounts &accounts) const
-  {
-    if (breaks)
-      accounts.add("failure dissipation", EnergyKind::dissipated, taken_by_breaks);
-    if (renews)
-      accounts.add("kernel renewal", EnergyKind::artificial, taken_by_renewals);
-  }
-
-  template <int dim>
-  void StencilRenewal<dim>::report(const Model<dim> &model, TimeTable &table) const
-  {
-    double n_deficient = 0, n_non_negative = 0;
-    for (ParticleFormulation<dim> *const particles : model.particle_parts())
+    void prepare_change(Model<dim> &model) override
     {
-      const Stencils &stencils = particles->stencils();
-      n_deficient += static_cast<double>(stencils.rank_deficient_rows.size() +
-                                         stencils.uncorrected_rows.size());
-      n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
+      // Bonds that break are counted before they leave the rows.
+      is_booked = step > 0. && (renews || n_broken_bonds(model) > n_broken);
+      if (!is_booked)
+        return;
+      back = 0.;
+      power = power_back(model);
+      if (std::isfinite(Utilities::MPI::sum(power, model.communicator)))
+        return;
+      back = step;
+      power = power_back(model);
     }
-    table.add("particles without a basis", "1",
-              Utilities::MPI::sum(n_deficient, model.communicator));
-    table.add("particles kept from extrapolating", "1",
-              Utilities::MPI::sum(n_non_negative, model.communicator));
-  }
+
+    void model_changed(Model<dim> &model) override
+    {
+      if (step == 0.) // else in change_model()
+        n_broken = n_broken_bonds(model);
+    }
+
+    void account(EnergyAccounts &accounts) const override
+    {
+      if (breaks)
+        accounts.add("failure dissipation", EnergyKind::dissipated, taken_by_breaks);
+      if (renews)
+        accounts.add("kernel renewal", EnergyKind::artificial, taken_by_renewals);
+    }
+
+    void report(const Model<dim> &model, TimeTable &table) const override
+    {
+      double n_deficient = 0, n_non_negative = 0;
+      for (ParticleFormulation<dim> *const particles : model.particle_parts())
+      {
+        const Stencils &stencils = particles->stencils();
+        n_deficient += static_cast<double>(stencils.rank_deficient_rows.size() +
+                                           stencils.uncorrected_rows.size());
+        n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
+      }
+      table.add("particles without a basis", "1",
+                Utilities::MPI::sum(n_deficient, model.communicator));
+      table.add("particles kept from extrapolating", "1",
+                Utilities::MPI::sum(n_non_negative, model.communicator));
+    }
+
+  private:
+    /** internal_power() where nodes were a time `back` ago. Collective. */
+    double power_back(Model<dim> &model) const
+    {
+      if (back == 0.)
+        return internal_power(model, step);
+      NodalState &state = model.state;
+      const NodalVector present = state.position.copy();
+      state.position.fill(
+          [&](const unsigned int i, double *const place)
+          { store_node(load_node(place) - load_node(state.velocity.node(i)) * back, place); });
+      model.bridge->positions_have_changed();
+      const double result = internal_power(model, step);
+      state.position.copy_from(present);
+      model.bridge->positions_have_changed();
+      return result;
+    }
+
+    /** Over all ranks; zero where none can break. Collective. */
+    double n_broken_bonds(const Model<dim> &model) const
+    {
+      return breaks ? BondFailureProcess<dim>::bond_counts(model).n_broken : 0.;
+    }
+
+    bool breaks, renews;
+    double step = 0;        ///< that led to the renewal in progress; zero without one [T]
+    bool is_booked = false; ///< that renewal
+    double back = 0;  ///< zero, or the step where a particle is inside out now and is isolated [T]
+    double power = 0; ///< before it, this rank's share [M L^2/T^3]
+    double n_broken = 0; ///< before it
+    double taken_by_breaks = 0, taken_by_renewals = 0;
+  };
 
   namespace
   {
@@ -142,6 +159,7 @@ namespace tombolo
   } // namespace
 
   template class StencilRenewal<2>;
+
   template class StencilRenewal<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(StencilRenewalKind, process_order::renewal)

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/xsph.h>
-
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/process.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
@@ -21,92 +20,117 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * XSPH of particle parts that have it (PairTerms): after the motion of a step positions are moved
+   * further, by Δt times ε Σ_j m_j W_ij/ρ (v_j - v_i). Velocities, and the stresses that follow
+   * from them, do not know it, so that no energy is in it; the work of the nodal forces on what it
+   * adds to the motion is the column `XSPH work`, which is in no balance. Prescribed components,
+   * nodes of elements, what is neither, and nodes on which a rigid surface acts stay where they
+   * are. Springs of contacts do know positions: their work on what moves others, -½ (f_n + f_{n+1})
+   * · Δx, is what their energy changes by, and the energy `XSPH in contacts` is its opposite.
+   */
   template <int dim>
-  void Xsph<dim>::model_changed(Model<dim> &model)
+  class Xsph : public Process<dim>
   {
-    const auto &partition = model.state.partition();
-    mass.reinit(partition, Quantity::scalar);
-    momentum.reinit(partition);
-    other_force.reinit(partition);
-    if (moved.partition() == nullptr)
-      moved.reinit(partition);
-    else if (moved.partition() != partition)
-      moved.move_to(partition);
-    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-      if (has_xsph(*particles))
-        particles->add_mass(mass);
-  }
-
-  template <int dim>
-  void Xsph<dim>::add_forces(Model<dim> &, const Clock &, const NodalVector &force)
-  {
-    other_force.copy_from(force);
-  }
-
-  template <int dim>
-  void Xsph<dim>::constrain_acceleration(Model<dim> &model, const Clock &)
-  {
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        // What contacts, and processes that a scene names, have added.
-        double &force = other_force.node(i)[d];
-        force = model.state.force.node(i)[d] - force;
-        in_contacts += 0.5 * force * moved.node(i)[d];
-      }
-  }
-
-  template <int dim>
-  void Xsph<dim>::after_motion(Model<dim> &model, const Clock &clock)
-  {
-    NodalState &state = model.state;
-    if (model.bridge->operators() != Bridge::Operators::identity)
-      state.unsmoothed_velocity.update_ghosts(); // those who smooth read owned values only
-    const auto add = [&]
+  public:
+    Xsph()
     {
+      Records &all = this->records.group("XSPH");
+      all.sums("work", work, in_contacts);
+      all.nodal("moved", dim, moved);
+      this->roles.rest = ProcessRole::is_idle;
+      this->roles.divided_cells = ProcessRole::is_refused;
+    }
+
+    void model_changed(Model<dim> &model) override
+    {
+      const auto &partition = model.state.partition();
+      mass.reinit(partition, Quantity::scalar);
+      momentum.reinit(partition);
+      other_force.reinit(partition);
+      if (moved.partition() == nullptr)
+        moved.reinit(partition);
+      else if (moved.partition() != partition)
+        moved.move_to(partition);
       for (const ParticleFormulation<dim> *const particles : model.particle_parts())
         if (has_xsph(*particles))
-          particles->pairs()->pair_terms().add_exchanged_momentum(
-              particles->pairs()->pair_rows(), state.position.data(),
-              state.unsmoothed_velocity.data(), momentum.data());
-    };
-    add_up({&momentum}, add);
-    moved.set_zero();
-    const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
-    // A spring of contact stores energy by the position, which only the velocity can pay for.
-    const auto *const contacts = model.template find_process<RigidContacts<dim>>();
-    state.position.fill(
-        [&](const unsigned int i, double *const place)
+          particles->add_mass(mass);
+    }
+
+    void add_forces(Model<dim> &, const Clock &, const NodalVector &force) override
+    {
+      other_force.copy_from(force);
+    }
+
+    void constrain_acceleration(Model<dim> &model, const Clock &) override
+    {
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
         {
-          if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
-              (contacts != nullptr && contacts->nodal_force(i).norm_square() != 0.))
-            return;
-          const double scale = clock.next_step / *mass.node(i);
-          const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];
-          for (unsigned int d = 0; d < dim; ++d)
-            if (((fixed >> d) & 1u) == 0)
-            {
-              const double added = scale * momentum.node(i)[d];
-              place[d] += added;
-              work += added * state.force.node(i)[d];
-              moved.node(i)[d] = added;
-              in_contacts += 0.5 * other_force.node(i)[d] * added;
-            }
-        });
-    model.bridge->positions_have_changed();
-  }
+          // What contacts, and processes that a scene names, have added.
+          double &force = other_force.node(i)[d];
+          force = model.state.force.node(i)[d] - force;
+          in_contacts += 0.5 * force * moved.node(i)[d];
+        }
+    }
 
-  template <int dim>
-  void Xsph<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("XSPH in contacts", EnergyKind::artificial, in_contacts);
-  }
+    void after_motion(Model<dim> &model, const Clock &clock) override
+    {
+      NodalState &state = model.state;
+      if (model.bridge->operators() != Bridge::Operators::identity)
+        state.unsmoothed_velocity.update_ghosts(); // those who smooth read owned values only
+      const auto add = [&]
+      {
+        for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+          if (has_xsph(*particles))
+            particles->pairs()->pair_terms().add_exchanged_momentum(
+                particles->pairs()->pair_rows(), state.position.data(),
+                state.unsmoothed_velocity.data(), momentum.data());
+      };
+      add_up({&momentum}, add);
+      moved.set_zero();
+      const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
+      // A spring of contact stores energy by the position, which only the velocity can pay for.
+      const auto *const contacts = model.template find_process<RigidContacts<dim>>();
+      state.position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
+                (contacts != nullptr && contacts->nodal_force(i).norm_square() != 0.))
+              return;
+            const double scale = clock.next_step / *mass.node(i);
+            const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];
+            for (unsigned int d = 0; d < dim; ++d)
+              if (((fixed >> d) & 1u) == 0)
+              {
+                const double added = scale * momentum.node(i)[d];
+                place[d] += added;
+                work += added * state.force.node(i)[d];
+                moved.node(i)[d] = added;
+                in_contacts += 0.5 * other_force.node(i)[d] * added;
+              }
+          });
+      model.bridge->positions_have_changed();
+    }
 
-  template <int dim>
-  void Xsph<dim>::report(const Model<dim> &model, TimeTable &table) const
-  {
-    table.add("XSPH work", "M L^2/T^2", ordered_sum(work, model.communicator));
-  }
+    void account(EnergyAccounts &accounts) const override
+    {
+      accounts.add("XSPH in contacts", EnergyKind::artificial, in_contacts);
+    }
+
+    void report(const Model<dim> &model, TimeTable &table) const override
+    {
+      table.add("XSPH work", "M L^2/T^2", ordered_sum(work, model.communicator));
+    }
+
+  private:
+    NodalVector mass;        // of particles of parts with XSPH, scalar, owned values [M]
+    NodalVector momentum;    // that they exchange
+    NodalVector other_force; // at t_n, before contacts [M L/T^2]
+    NodalVector moved;       // by the last after_motion() [L]
+    double work = 0;         // this rank's share
+    double in_contacts = 0;  // this rank's share
+  };
 
   namespace
   {
@@ -127,6 +151,7 @@ namespace tombolo
   } // namespace
 
   template class Xsph<2>;
+
   template class Xsph<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(XsphKind, process_order::contact - 1)

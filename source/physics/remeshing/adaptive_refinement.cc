@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/base/words_of_type.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/model/model_input.h>

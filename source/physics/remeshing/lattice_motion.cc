@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/lattice_motion.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/remesh/cell_simplices.h>
 

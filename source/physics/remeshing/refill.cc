@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/remeshing/refill.h>
-
+#include <tombolo/base/format.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/place_text.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/physics/remeshing/part_refill.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 namespace tombolo
 {
@@ -31,334 +34,375 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * Refills of parts of smoothed cells (PartRefill) before the forces at t_n. Mass, momentum,
+   * enthalpy and what was dissipated stay where the remap is conservative; kinetic and elastic
+   * energy that it takes is accounted for as `remap loss`, and heats where heat is modelled.
+   * A ValueRemap keeps the mass alone: the change of momentum and angular momentum leaves as that
+   * of removed mass, the change of all mechanical energies, dissipated ones too, is `remap loss`,
+   * which does not heat, and the change of heat is `eroded heat`.
+   */
   template <int dim>
-  Refill<dim>::Refill(Model<dim> &model, const double end_time)
+  class Refill : public Process<dim>
   {
-    std::vector<std::vector<types::global_dof_index>> void_cells;
-    for (unsigned int p = 0; p < model.parts.size(); ++p)
-      if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
-      {
-        parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time),
-                         cells->refill().interval(), false});
-        for (unsigned int c = 0; c < cells->n_cells(); ++c)
-          if (cells->is_removed(c))
-            void_cells.push_back(cells->nodes_of_cell(c));
-      }
-    if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
-      model.remove_faces(void_cells);
-    this->structure.archived(
-        [this, &model](StateArchive &archive)
+  public:
+    /** @p end_time: of the run [T]. Takes conditions off the faces of void cells. Throws
+     * InputError. Collective. */
+    Refill(Model<dim> &model, const double end_time)
+    {
+      std::vector<std::vector<types::global_dof_index>> void_cells;
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+        if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
         {
-          bool has_read = false;
-          for (Refilled &part : parts)
-            has_read = part.refill->serialize(model, archive) || has_read;
-          if (has_read && archive.is_reading())
-            model.set_partition();
-        });
-    Records &all = this->records.group("refills");
-    all.sums("lost energy", lost);
-    all.sums("lost momentum", lost_momentum, lost_angular_momentum);
-    if (!model.heat)
-      return;
-    heat = &this->actions.add_heat("heat of refills", "remap loss heat");
-    heat->stays_on_rank();
-    if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return !part.refill->settings.is_conservative(); }))
-      model.heat->can_lose_heat = true;
-  }
-
-  template <int dim>
-  ModelChange Refill<dim>::change_model(Model<dim> &model, const Clock &clock)
-  {
-    ModelChange change;
-    for (Refilled &part : parts)
-    {
-      if (clock.step == 0 || clock.step % part.interval != 0)
-        continue;
-      model.bridge->smooth_velocity(model.state);
-      const bool is_conservative = part.refill->settings.is_conservative();
-      const Content before = content_of(model);
-      const HeatContent heat_before =
-          model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
-      const double power = internal_power(model, clock.previous_step);
-      NodalVector places;
-      if (part.refill->settings.surface_slides())
-        places = model.state.position.copy();
-      if (!part.refill->refill(model, clock))
-        continue;
-      const double given =
-          part.refill->settings.surface_slides() ? place_nodes(model, clock, places) : 0.;
-      if (is_conservative)
-        restore_angular_momentum(model, part.refill->moved_nodes(), before);
-      model.bridge->smooth_velocity(model.state);
-      const Content after = content_of(model);
-      const double energy = before.energy - after.energy - given +
-                            taken_by_change(power, internal_power(model, clock.previous_step),
-                                            clock.previous_step, model.communicator);
-      lost += energy;
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        lost_momentum[d] += before.momentum[d] - after.momentum[d];
-        lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
-      }
-      if (model.heat && is_conservative)
-      {
-        heat_nodes(model, part.refill->touched_nodes(), energy,
-                   [&](const unsigned int node, const double share)
-                   { heat->add_heat(node, share); });
-        heat->collect(model.heat->state.pending);
-      }
-      else if (model.heat)
-        book_heat(model, heat_before);
-      if (model.heat && part.refill->settings.fills_cells())
-        carry_heat(model, part.refill->touched_nodes());
-      ++model.revisions.stencils;
-      change.cells = change.stencils = change.masses = true;
+          parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time),
+                           cells->refill().interval(), false});
+          for (unsigned int c = 0; c < cells->n_cells(); ++c)
+            if (cells->is_removed(c))
+              void_cells.push_back(cells->nodes_of_cell(c));
+        }
+      if (std::any_of(parts.begin(), parts.end(),
+                      [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
+        model.remove_faces(void_cells);
+      this->structure.archived(
+          [this, &model](StateArchive &archive)
+          {
+            bool has_read = false;
+            for (Refilled &part : parts)
+              has_read = part.refill->serialize(model, archive) || has_read;
+            if (has_read && archive.is_reading())
+              model.set_partition();
+          });
+      Records &all = this->records.group("refills");
+      all.sums("lost energy", lost);
+      all.sums("lost momentum", lost_momentum, lost_angular_momentum);
+      if (!model.heat)
+        return;
+      heat = &this->actions.add_heat("heat of refills", "remap loss heat");
+      heat->stays_on_rank();
+      if (std::any_of(parts.begin(), parts.end(),
+                      [](const Refilled &part)
+                      { return !part.refill->settings.is_conservative(); }))
+        model.heat->can_lose_heat = true;
     }
-    return change;
-  }
 
-  template <int dim>
-  void Refill<dim>::constrain_acceleration(Model<dim> &model, const Clock &)
-  {
-    for (const unsigned int node : massless)
-      for (NodalVector *const vector :
-           {&model.state.acceleration, &model.state.velocity, &model.state.unsmoothed_velocity})
-        std::fill_n(vector->node(node), node_stride, 0.);
-  }
-
-  template <int dim>
-  double Refill<dim>::place_nodes(Model<dim> &model, const Clock &clock, NodalVector &before)
-  {
-    const auto stored = [&model]
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override
     {
-      EnergyAccounts accounts;
+      ModelChange change;
+      for (Refilled &part : parts)
+      {
+        if (clock.step == 0 || clock.step % part.interval != 0)
+          continue;
+        model.bridge->smooth_velocity(model.state);
+        const bool is_conservative = part.refill->settings.is_conservative();
+        const Content before = content_of(model);
+        const HeatContent heat_before =
+            model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
+        const double power = internal_power(model, clock.previous_step);
+        NodalVector places;
+        if (part.refill->settings.surface_slides())
+          places = model.state.position.copy();
+        if (!part.refill->refill(model, clock))
+          continue;
+        const double given =
+            part.refill->settings.surface_slides() ? place_nodes(model, clock, places) : 0.;
+        if (is_conservative)
+          restore_angular_momentum(model, part.refill->moved_nodes(), before);
+        model.bridge->smooth_velocity(model.state);
+        const Content after = content_of(model);
+        const double energy = before.energy - after.energy - given +
+                              taken_by_change(power, internal_power(model, clock.previous_step),
+                                              clock.previous_step, model.communicator);
+        lost += energy;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          lost_momentum[d] += before.momentum[d] - after.momentum[d];
+          lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
+        }
+        if (model.heat && is_conservative)
+        {
+          heat_nodes(model, part.refill->touched_nodes(), energy,
+                     [&](const unsigned int node, const double share)
+                     { heat->add_heat(node, share); });
+          heat->collect(model.heat->state.pending);
+        }
+        else if (model.heat)
+          book_heat(model, heat_before);
+        if (model.heat && part.refill->settings.fills_cells())
+          carry_heat(model, part.refill->touched_nodes());
+        ++model.revisions.stencils;
+        change.cells = change.stencils = change.masses = true;
+      }
+      return change;
+    }
+
+    /** Nodes of void cells alone stay where they are. */
+    void constrain_acceleration(Model<dim> &model, const Clock &) override
+    {
+      for (const unsigned int node : massless)
+        for (NodalVector *const vector :
+             {&model.state.acceleration, &model.state.velocity, &model.state.unsmoothed_velocity})
+          std::fill_n(vector->node(node), node_stride, 0.);
+    }
+
+    void model_changed(Model<dim> &model) override
+    {
+      massless.clear();
+      if (std::any_of(parts.begin(), parts.end(),
+                      [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
+        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+          if (*model.state.mass.node(i) == 0.)
+            massless.push_back(i);
+      const bool follow = std::all_of(model.processes.begin(), model.processes.end(),
+                                      [](const auto &process)
+                                      { return process->roles.placed_nodes == ProcessRole::acts; });
+      for (const Refilled &part : parts)
+        if (part.refill->settings.surface_slides() && !follow)
+          part.refill->settings.refuse_sliding(
+              "a contact between parts does not follow nodes that slide; allowed with it is held.");
+    }
+
+    void account(EnergyAccounts &accounts) const override
+    {
+      accounts.add("remap loss", EnergyKind::dissipated, lost);
+      accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
+    }
+
+    void report(const Model<dim> &, TimeTable &table) const override
+    {
+      table.add("refills", "1", static_cast<double>(n_refills()));
+    }
+
+    void summarize(const Model<dim> &model, const TimeTable &, Json &summary) const override
+    {
+      summary["refills"] = n_refills();
+      summary["remap_loss"] = Utilities::MPI::sum(lost, model.communicator);
+    }
+
+    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
+                                      const typename Process<dim>::Occasion occasion) override
+    {
+      std::vector<std::string> result;
+      if (occasion != Process<dim>::Occasion::row)
+        return result;
+      for (Refilled &part : parts)
+      {
+        const auto end = part.has_reached_end || !part.refill->settings.fills_cells()
+                             ? std::nullopt
+                             : part.refill->reached_end(model.communicator);
+        if (!end)
+          continue;
+        part.has_reached_end = true;
+        std::ostringstream text;
+        text << "At t = " << clock.time << " the material of part \""
+             << model.parts[part.refill->part].name << "\" has reached void cells at "
+             << place_text(*end)
+             << " that cannot be filled, at the end of the mesh or beside cells of another size. A "
+                "larger mesh with more void cells, all of one size, gives it room.";
+        result.push_back(text.str());
+      }
+      return result;
+    }
+
+    /** Over all parts. */
+    unsigned long n_refills() const
+    {
+      unsigned long result = 0;
+      for (const Refilled &part : parts)
+        result += part.refill->n_refills();
+      return result;
+    }
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    /** What nodes and parts hold: this rank's shares. */
+    struct Content
+    {
+      double energy = 0;
+      Vector momentum{}, angular_momentum{};
+    };
+
+    /** A part, and how often its cells are looked at. */
+    struct Refilled
+    {
+      std::unique_ptr<PartRefill<dim>> refill;
+      unsigned int interval;
+      bool has_reached_end = false; ///< metal, the end of the void cells
+    };
+
+    /** Heat of nodes at both ends of the thermal step, and what plastic work has given them: this
+     * rank's shares. */
+    struct HeatContent
+    {
+      double enthalpy = 0, next_enthalpy = 0, given = 0;
+    };
+
+    static Content content_of(const Model<dim> &model)
+    {
+      Content result;
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      {
+        const double mass = *model.bridge->mass().node(i);
+        const double *const velocity = model.state.unsmoothed_velocity.node(i);
+        Vector momentum{};
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          momentum[d] = mass * velocity[d];
+          result.energy += 0.5 * momentum[d] * velocity[d];
+          result.momentum[d] += momentum[d];
+        }
+        add_moment(model.state.position_of_unsmoothed().node(i), momentum.data(),
+                   result.angular_momentum);
+      }
+      for (const Part<dim> &part : model.parts)
+      {
+        const EnergyAccounts energies = part.formulation->energies();
+        for (const auto &account : energies.accounts())
+          if (is_held(account.kind))
+            result.energy += account.value;
+      }
+      return result;
+    }
+
+    static HeatContent heat_content_of(const Model<dim> &model)
+    {
+      HeatContent result;
+      const ThermalState &state = model.heat->state;
+      for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+      {
+        result.enthalpy += *state.enthalpy.node(i);
+        result.next_enthalpy += *state.next_enthalpy.node(i);
+      }
+      for (const Part<dim> &part : model.parts)
+        result.given += part.material->plastic_heat_fraction() *
+                            part.formulation->energies()["plastic dissipation"] -
+                        part.formulation->pending_plastic_heat();
+      return result;
+    }
+
+    /** Books what a remap that does not conserve has made of @p before. */
+    static void book_heat(Model<dim> &model, const HeatContent &before)
+    {
+      const HeatContent after = heat_content_of(model);
+      const double now = before.enthalpy - after.enthalpy;
+      // Plastic heat that is said to have come from outside is that of the work of now.
+      model.heat->eroded_heat += now + after.given - before.given;
+      model.heat->eroding_heat += before.next_enthalpy - after.next_enthalpy - now;
+    }
+
+    /** Tells processes of the nodes that were at @p before. Returns this rank's share of the energy
+     * that they store now beyond that of before. Collective. */
+    static double place_nodes(Model<dim> &model, const Clock &clock, NodalVector &before)
+    {
+      const auto stored = [&model]
+      {
+        EnergyAccounts accounts;
+        for (const auto &process : model.processes)
+          process->add_energies(accounts);
+        accounts.sum_over_ranks(model.communicator);
+        const bool counts = Utilities::MPI::this_mpi_process(model.communicator) == 0;
+        return counts ? accounts.sum_of(EnergyKind::stored) : 0.;
+      };
+      if (before.partition() != model.state.partition())
+        before.move_to(model.state.partition());
+      const double former = stored();
       for (const auto &process : model.processes)
-        process->add_energies(accounts);
-      accounts.sum_over_ranks(model.communicator);
-      const bool counts = Utilities::MPI::this_mpi_process(model.communicator) == 0;
-      return counts ? accounts.sum_of(EnergyKind::stored) : 0.;
-    };
-    if (before.partition() != model.state.partition())
-      before.move_to(model.state.partition());
-    const double former = stored();
-    for (const auto &process : model.processes)
-      process->nodes_were_placed(model, clock, before);
-    return stored() - former;
-  }
+        process->nodes_were_placed(model, clock, before);
+      return stored() - former;
+    }
 
-  template <int dim>
-  typename Refill<dim>::Content Refill<dim>::content_of(const Model<dim> &model)
-  {
-    Content result;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    /** A rigid rotation of the nodes that have moved brings the angular momentum back that the
+     * remap has taken. Collective. */
+    static void restore_angular_momentum(Model<dim> &model, const std::vector<unsigned int> &nodes,
+                                         const Content &before)
     {
-      const double mass = *model.bridge->mass().node(i);
-      const double *const velocity = model.state.unsmoothed_velocity.node(i);
-      Vector momentum{};
-      for (unsigned int d = 0; d < dim; ++d)
+      constexpr double smallest_determinant = 1e-6; // of the inertia, scaled
+      NodalState &state = model.state;
+      const Content now = content_of(model);
+      std::array<double, 7> sums{};
+      for (unsigned int d = 0; d < 3; ++d)
+        sums[d] = before.angular_momentum[d] - now.angular_momentum[d];
+      for (const unsigned int i : nodes)
       {
-        momentum[d] = mass * velocity[d];
-        result.energy += 0.5 * momentum[d] * velocity[d];
-        result.momentum[d] += momentum[d];
+        const double mass = *model.bridge->mass().node(i);
+        sums[3] += mass;
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[4 + d] += mass * state.position.node(i)[d];
       }
-      add_moment(model.state.position_of_unsmoothed().node(i), momentum.data(),
-                 result.angular_momentum);
-    }
-    for (const Part<dim> &part : model.parts)
-    {
-      const EnergyAccounts energies = part.formulation->energies();
-      for (const auto &account : energies.accounts())
-        if (is_held(account.kind))
-          result.energy += account.value;
-    }
-    return result;
-  }
-
-  template <int dim>
-  typename Refill<dim>::HeatContent Refill<dim>::heat_content_of(const Model<dim> &model)
-  {
-    HeatContent result;
-    const ThermalState &state = model.heat->state;
-    for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
-    {
-      result.enthalpy += *state.enthalpy.node(i);
-      result.next_enthalpy += *state.next_enthalpy.node(i);
-    }
-    for (const Part<dim> &part : model.parts)
-      result.given += part.material->plastic_heat_fraction() *
-                          part.formulation->energies()["plastic dissipation"] -
-                      part.formulation->pending_plastic_heat();
-    return result;
-  }
-
-  template <int dim>
-  void Refill<dim>::book_heat(Model<dim> &model, const HeatContent &before)
-  {
-    const HeatContent after = heat_content_of(model);
-    const double now = before.enthalpy - after.enthalpy;
-    // Plastic heat that is said to have come from outside is that of the work of now.
-    model.heat->eroded_heat += now + after.given - before.given;
-    model.heat->eroding_heat += before.next_enthalpy - after.next_enthalpy - now;
-  }
-
-  template <int dim>
-  void Refill<dim>::restore_angular_momentum(Model<dim> &model,
-                                             const std::vector<unsigned int> &nodes,
-                                             const Content &before)
-  {
-    constexpr double smallest_determinant = 1e-6; // of the inertia, scaled
-    NodalState &state = model.state;
-    const Content now = content_of(model);
-    std::array<double, 7> sums{};
-    for (unsigned int d = 0; d < 3; ++d)
-      sums[d] = before.angular_momentum[d] - now.angular_momentum[d];
-    for (const unsigned int i : nodes)
-    {
-      const double mass = *model.bridge->mass().node(i);
-      sums[3] += mass;
-      for (unsigned int d = 0; d < dim; ++d)
-        sums[4 + d] += mass * state.position.node(i)[d];
-    }
-    sums = ordered_sum(sums, model.communicator);
-    if (!(sums[3] > 0.) || !state.partition()->images_of_body().empty())
-      return;
-    const auto arm_of = [&](const unsigned int i)
-    {
-      Tensor<1, 3> arm;
-      for (unsigned int d = 0; d < dim; ++d)
-        arm[d] = state.position.node(i)[d] - sums[4 + d] / sums[3];
-      return arm;
-    };
-    std::array<double, 9> entries{};
-    for (const unsigned int i : nodes)
-    {
-      const Tensor<1, 3> arm = arm_of(i);
+      sums = ordered_sum(sums, model.communicator);
+      if (!(sums[3] > 0.) || !state.partition()->images_of_body().empty())
+        return;
+      const auto arm_of = [&](const unsigned int i)
+      {
+        Tensor<1, 3> arm;
+        for (unsigned int d = 0; d < dim; ++d)
+          arm[d] = state.position.node(i)[d] - sums[4 + d] / sums[3];
+        return arm;
+      };
+      std::array<double, 9> entries{};
+      for (const unsigned int i : nodes)
+      {
+        const Tensor<1, 3> arm = arm_of(i);
+        for (unsigned int a = 0; a < 3; ++a)
+          for (unsigned int b = 0; b < 3; ++b)
+            entries[3 * a + b] += *model.bridge->mass().node(i) *
+                                  ((a == b ? arm.norm_square() : 0.) - arm[a] * arm[b]);
+      }
+      entries = ordered_sum(entries, model.communicator);
+      Tensor<2, 3> inertia;
       for (unsigned int a = 0; a < 3; ++a)
         for (unsigned int b = 0; b < 3; ++b)
-          entries[3 * a + b] +=
-              *model.bridge->mass().node(i) * ((a == b ? arm.norm_square() : 0.) - arm[a] * arm[b]);
+          inertia[a][b] = entries[3 * a + b];
+      const double scale = trace(inertia) / 3.;
+      Tensor<1, 3> rotation;
+      if (dim == 2 && inertia[2][2] > 0.)
+        rotation[2] = sums[2] / inertia[2][2];
+      else if (dim == 3 && determinant(inertia) > smallest_determinant * scale * scale * scale)
+        rotation = invert(inertia) * Tensor<1, 3>({sums[0], sums[1], sums[2]});
+      state.unsmoothed_velocity.fill(nodes,
+                                     [&](const std::size_t k, double *const velocity)
+                                     {
+                                       const Tensor<1, 3> added =
+                                           cross_product_3d(rotation, arm_of(nodes[k]));
+                                       for (unsigned int d = 0; d < dim; ++d)
+                                         velocity[d] += added[d];
+                                     });
     }
-    entries = ordered_sum(entries, model.communicator);
-    Tensor<2, 3> inertia;
-    for (unsigned int a = 0; a < 3; ++a)
-      for (unsigned int b = 0; b < 3; ++b)
-        inertia[a][b] = entries[3 * a + b];
-    const double scale = trace(inertia) / 3.;
-    Tensor<1, 3> rotation;
-    if (dim == 2 && inertia[2][2] > 0.)
-      rotation[2] = sums[2] / inertia[2][2];
-    else if (dim == 3 && determinant(inertia) > smallest_determinant * scale * scale * scale)
-      rotation = invert(inertia) * Tensor<1, 3>({sums[0], sums[1], sums[2]});
-    state.unsmoothed_velocity.fill(nodes,
-                                   [&](const std::size_t k, double *const velocity)
-                                   {
-                                     const Tensor<1, 3> added =
-                                         cross_product_3d(rotation, arm_of(nodes[k]));
-                                     for (unsigned int d = 0; d < dim; ++d)
-                                       velocity[d] += added[d];
-                                   });
-  }
 
-  template <int dim>
-  void Refill<dim>::heat_nodes(const Model<dim> &model, const NodalVector &in_patch,
-                               const double energy, const HeatNode &add)
-  {
-    std::array<double, 2> sums{{energy, 0.}};
-    const unsigned int n_owned = model.state.partition()->n_owned();
-    for (unsigned int i = 0; i < n_owned; ++i)
-      if (*in_patch.node(i) > 0.)
-        sums[1] += *model.bridge->mass().node(i);
-    sums = ordered_sum(sums, model.communicator);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      if (*in_patch.node(i) > 0.)
-        add(i, sums[0] * *model.bridge->mass().node(i) / sums[1]);
-  }
-
-  template <int dim>
-  void Refill<dim>::carry_heat(Model<dim> &model, const NodalVector &in_patch)
-  {
-    NodalVector &pending = model.heat->state.pending;
-    double of_massless = 0;
-    for (const unsigned int node : massless)
-      of_massless += std::exchange(*pending.node(node), 0.);
-    heat_nodes(model, in_patch, of_massless,
-               [&](const unsigned int node, const double share) { *pending.node(node) += share; });
-  }
-
-  template <int dim>
-  void Refill<dim>::model_changed(Model<dim> &model)
-  {
-    massless.clear();
-    if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
-      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        if (*model.state.mass.node(i) == 0.)
-          massless.push_back(i);
-    const bool follow = std::all_of(model.processes.begin(), model.processes.end(),
-                                    [](const auto &process)
-                                    { return process->roles.placed_nodes == ProcessRole::acts; });
-    for (const Refilled &part : parts)
-      if (part.refill->settings.surface_slides() && !follow)
-        part.refill->settings.refuse_sliding(
-            "a contact between parts does not follow nodes that slide; allowed with it is held.");
-  }
-
-  template <int dim>
-  void Refill<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("remap loss", EnergyKind::dissipated, lost);
-    accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
-  }
-
-  template <int dim>
-  void Refill<dim>::report(const Model<dim> &, TimeTable &table) const
-  {
-    table.add("refills", "1", static_cast<double>(n_refills()));
-  }
-
-  template <int dim>
-  void Refill<dim>::summarize(const Model<dim> &model, const TimeTable &, Json &summary) const
-  {
-    summary["refills"] = n_refills();
-    summary["remap_loss"] = Utilities::MPI::sum(lost, model.communicator);
-  }
-
-  template <int dim>
-  std::vector<std::string> Refill<dim>::warnings(const Model<dim> &model, const Clock &clock,
-                                                 const typename Process<dim>::Occasion occasion)
-  {
-    std::vector<std::string> result;
-    if (occasion != Process<dim>::Occasion::row)
-      return result;
-    for (Refilled &part : parts)
+    using HeatNode = std::function<void(unsigned int node, double heat)>;
+    /** Shares @p energy out to the nodes of the patch, by their masses. Collective. */
+    static void heat_nodes(const Model<dim> &model, const NodalVector &in_patch,
+                           const double energy, const HeatNode &add)
     {
-      const auto end = part.has_reached_end || !part.refill->settings.fills_cells()
-                           ? std::nullopt
-                           : part.refill->reached_end(model.communicator);
-      if (!end)
-        continue;
-      part.has_reached_end = true;
-      std::ostringstream text;
-      text << "At t = " << clock.time << " the material of part \""
-           << model.parts[part.refill->part].name << "\" has reached void cells at "
-           << place_text(*end)
-           << " that cannot be filled, at the end of the mesh or beside cells of another size. A "
-              "larger mesh with more void cells, all of one size, gives it room.";
-      result.push_back(text.str());
+      std::array<double, 2> sums{{energy, 0.}};
+      const unsigned int n_owned = model.state.partition()->n_owned();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        if (*in_patch.node(i) > 0.)
+          sums[1] += *model.bridge->mass().node(i);
+      sums = ordered_sum(sums, model.communicator);
+      for (unsigned int i = 0; i < n_owned; ++i)
+        if (*in_patch.node(i) > 0.)
+          add(i, sums[0] * *model.bridge->mass().node(i) / sums[1]);
     }
-    return result;
-  }
 
-  template <int dim>
-  unsigned long Refill<dim>::n_refills() const
-  {
-    unsigned long result = 0;
-    for (const Refilled &part : parts)
-      result += part.refill->n_refills();
-    return result;
-  }
+    /** Gives the heat that waits at nodes without mass to those of the patch. Collective. */
+    void carry_heat(Model<dim> &model, const NodalVector &in_patch)
+    {
+      NodalVector &pending = model.heat->state.pending;
+      double of_massless = 0;
+      for (const unsigned int node : massless)
+        of_massless += std::exchange(*pending.node(node), 0.);
+      heat_nodes(model, in_patch, of_massless,
+                 [&](const unsigned int node, const double share)
+                 { *pending.node(node) += share; });
+    }
+
+    std::vector<Refilled> parts;
+    double lost = 0;
+    Vector lost_momentum{}, lost_angular_momentum{};
+    HeatAction *heat = nullptr;         // with heat only
+    std::vector<unsigned int> massless; // owned nodes, where cells are filled and emptied
+  };
 
   namespace
   {
@@ -379,6 +423,7 @@ namespace tombolo
   } // namespace
 
   template class Refill<2>;
+
   template class Refill<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(RefillKind, process_order::conversion + 5)

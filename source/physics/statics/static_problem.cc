@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <deal.II/base/mpi.h>

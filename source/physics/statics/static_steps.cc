@@ -3,7 +3,6 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/words_of_type.h>
 #include <tombolo/materials/material_memory.h>
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/model/model_input.h>

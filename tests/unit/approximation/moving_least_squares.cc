@@ -3,8 +3,8 @@
 #include <tombolo/approximation/neighbour_search.h>
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/approximation/support_size.h>
-#include <tombolo/base/allocated_bytes.h>
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/memory.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/neighbour_search.h>
-#include <tombolo/base/allocated_bytes.h>
+#include <tombolo/base/memory.h>
 
 #include <gtest/gtest.h>
 

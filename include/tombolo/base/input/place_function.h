@@ -4,7 +4,7 @@
 #include <deal.II/base/point.h>
 
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/base/input/table_calls.h>
+#include <tombolo/base/input/table_function.h>
 
 #include <memory>
 #include <string>

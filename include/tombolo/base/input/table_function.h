@@ -6,6 +6,22 @@
 
 namespace tombolo
 {
+  /** An expression whose calls `table(FILE, argument)` are taken out: in `text` their values have
+   * the names `table_1`, `table_2`, ... */
+  struct TableCalls
+  {
+    struct Call
+    {
+      std::string name, file, argument; ///< the argument may have calls itself
+    };
+
+    std::string text;
+    std::vector<Call> calls;
+    std::string problem; ///< what is wrong with a call, a sentence; empty: nothing
+
+    explicit TableCalls(const std::string &expression);
+  };
+
   /** A piecewise linear function of one variable, by its points: `table(FILE, ...)` in an
    * expression. Before the first point and after the last one it is constant. */
   class TableFunction

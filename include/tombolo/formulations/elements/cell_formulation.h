@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/formulations/elements/cell_conduction.h>
 #include <tombolo/formulations/elements/cell_conversion.h>
-#include <tombolo/formulations/elements/cell_erosion.h>
 #include <tombolo/formulations/elements/cell_integration.h>
 #include <tombolo/formulations/elements/cell_points.h>
+#include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/cell_stiffness.h>
-#include <tombolo/formulations/elements/crossing_times.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/erosion_criterion.h>
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/state/records.h>
 
 #include <memory>
@@ -22,6 +22,95 @@
 
 namespace tombolo
 {
+  /** Calls @p use with each batch, its nodal positions and the times that longitudinal waves take
+   * through its cells: their lengths over the wave speed, eq. (41) without its factor. */
+  template <int dim, typename Element, typename Use>
+  void for_crossing_times(const CellPoints<dim, Element> &points,
+                          const CellIntegration<dim, Element> &integration,
+                          const NodalVector &position, const Use &use)
+  {
+    using Points = CellPoints<dim, Element>;
+    const PointStiffness stiffness(integration.material(), points.material_points(),
+                                   StrainMeasure::rate);
+    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+    {
+      typename Points::NodeValues x;
+      Lanes volume[Points::n_points];
+      integration.find_volumes(points, batch, position, x, volume);
+
+      // Where the moduli are constant the density is not: c grows with √J.
+      Lanes total = 0., largest_ratio = 0.;
+      for (unsigned int q = 0; q < Points::n_points; ++q)
+      {
+        total += volume[q];
+        largest_ratio =
+            max(largest_ratio, stiffness.squared_speed(Points::first_point(batch) + q * n_lanes));
+      }
+      const Lanes time =
+          characteristic_length<dim, Element::degree>(x, total) /
+          (integration.material().longitudinal_wave_speed() * square_root(largest_ratio));
+      use(batch, x, time);
+    }
+  }
+
+  /** Formulation::courant_limits() of cells. */
+  template <int dim, typename Element>
+  void find_crossing_times(const CellPoints<dim, Element> &points,
+                           const CellIntegration<dim, Element> &integration,
+                           const NodalVector &position, std::vector<double> &time_steps)
+  {
+    constexpr double of_removed_cells = 1e300;
+    const CellBatches<dim> &cells = points.cells();
+    time_steps.assign(cells.n_cells(), of_removed_cells);
+    for_crossing_times(points, integration, position,
+                       [&](const unsigned int batch,
+                           const typename CellPoints<dim, Element>::NodeValues &, const Lanes &time)
+                       {
+                         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+                           time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
+                       });
+  }
+
+  /** The places, ascending, of the cells that fulfil the criterion or whose volume is no longer
+   * positive at these positions. Only if the criterion is on. */
+  template <int dim, typename Element>
+  std::vector<unsigned int> find_failed_places(const CellPoints<dim, Element> &points,
+                                               const CellIntegration<dim, Element> &integration,
+                                               const ErosionCriterion &erosion,
+                                               const NodalVector &position)
+  {
+    using Points = CellPoints<dim, Element>;
+    // A point with more than this part of its initial volume does not lose it in one stable step.
+    constexpr double small_volume = 0.5;
+    std::vector<unsigned int> failed_places;
+    const double *const ratios =
+        points.material_points().component(MaterialPoints::volume_ratio, 0);
+    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+    {
+      const std::size_t first = Points::first_point(batch);
+      Lanes ratio = load_lanes(ratios + first), reaches = 0.;
+      for (unsigned int i = 0; i < Points::points_per_batch; i += n_lanes)
+        ratio = min(ratio, load_lanes(ratios + first + i));
+      for (const ErosionCriterion::Limit &limit : erosion.limits())
+      {
+        const double *const values = points.material_points().component(limit.field, 0) + first;
+        Lanes mean = 0.;
+        for (unsigned int i = 0; i < Points::points_per_batch; i += n_lanes)
+          mean += load_lanes(values + i);
+        mean /= double(Points::n_points);
+        where(mean >= limit.value, reaches) = 1.;
+      }
+      if (all_of(reaches < 1. && ratio > small_volume))
+        continue;
+      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+        if (reaches[lane] >= 1. ||
+            (!(ratio[lane] > small_volume) &&
+             !integration.is_volume_positive(points, batch * n_lanes + lane, position)))
+          failed_places.push_back(batch * n_lanes + lane);
+    }
+    return failed_places;
+  }
+
   /**
    * A part of finite elements: everything a Formulation does, for one element type (see
    * ElementDefaults for what an element is), in batches of n_lanes cells. The cells and their

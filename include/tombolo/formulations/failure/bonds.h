@@ -4,7 +4,6 @@
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/failure/bond_check.h>
-#include <tombolo/formulations/failure/neighbour_partners.h>
 #include <tombolo/formulations/failure/partner_lists.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/table_calls.h>
 #include <tombolo/base/input/table_function.h>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
+#include <tombolo/contact/surfaces/closed_surface.h>
 #include <tombolo/contact/surfaces/facet_tree.h>
-#include <tombolo/contact/surfaces/surface_normals.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/exceptions.h>
 
 #include <deal.II/base/mpi.h>
 

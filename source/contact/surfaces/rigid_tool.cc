@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/surfaces/rigid_tool.h>
+
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/read_vector.h>
-#include <tombolo/contact/surfaces/rigid_motion.h>
 
 #include <cmath>
 

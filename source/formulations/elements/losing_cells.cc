@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/elements/lost_cells.h>
+#include <tombolo/formulations/elements/losing_cells.h>
+
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
