@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/output/output_schedule.h>
 
@@ -15,7 +16,7 @@ namespace
     Parameters parameters(MPI_COMM_WORLD);
     parameters.read_text("subsection Output\n" + text + "end\n", "test.prm");
     parameters.handler().enter_subsection("Output");
-    OutputSchedule::declare_parameters(parameters.handler());
+    OutputSchedule::declare_parameters(Entries(parameters.handler()));
     parameters.handler().leave_subsection();
     parameters.assign();
     return OutputSchedule(parameters.section("Output"), start, end);
