@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/log.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/records.h>

@@ -35,12 +35,17 @@ TEST(StepSize, is_estimated_again_where_cells_have_changed_by_the_threshold)
 {
   const auto n_estimates = [](const std::string &threshold)
   {
-    FrozenBody<3> body(parameters_of(with(elements("hexahedron", "", 0.3), "", "", {2, 2, 2})) +
-                       "subsection Time step\nset Check interval = 1\n"
-                       "set Re-estimation threshold = " +
-                       threshold + "\nend\n");
-    Model<3> &model = *body.model;
-    StepSize<3> step_size(body.parameters.section("Time step"));
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text(
+        parameters_of(with(elements("hexahedron", "", 0.3), "", "", {2, 2, 2})) +
+            "subsection Time step\nset Check interval = 1\nset Re-estimation threshold = " +
+            threshold + "\nend\n",
+        "test.prm");
+    Model<3>::declare_parameters(parameters);
+    declare_section<StepSize<3>>(parameters, "Time step");
+    parameters.assign();
+    Model<3> model(parameters, MPI_COMM_WORLD);
+    StepSize<3> step_size(parameters.section("Time step"));
     Clock clock;
     for (clock.step = 0; clock.step <= 20; ++clock.step)
     {
