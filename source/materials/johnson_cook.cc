@@ -4,6 +4,7 @@
 #include <tombolo/materials/flow_stress.h>
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace tombolo
@@ -17,6 +18,15 @@ namespace tombolo
     inline double power(const double x, const double exponent)
     {
       return std::exp(exponent * std::log(x));
+    }
+
+    /** One message for both bounds. */
+    Range above_zero_up_to(const double upper)
+    {
+      Range result = positive_up_to(upper);
+      result.is_positive = false;
+      result.lower = std::numeric_limits<double>::denorm_min();
+      return result;
     }
   } // namespace
 
@@ -34,14 +44,14 @@ namespace tombolo
           e.number("Yield stress", mandatory, positive(), "M/(L T^2)", "$A$, larger than zero.");
       hardening_coefficient = e.number("Hardening coefficient", mandatory, zero_or_positive(),
                                        "M/(L T^2)", "$B$, zero or positive.");
-      hardening_exponent = e.number("Hardening exponent", mandatory, positive_up_to(2.), "1",
+      hardening_exponent = e.number("Hardening exponent", mandatory, above_zero_up_to(2.), "1",
                                     "$n$, above 0 and up to 2.");
       rate_coefficient =
           e.number("Rate coefficient", mandatory, from_to(0., 1.), "1", "$C$, from 0 to 1.");
       reference_rate = e.number("Reference rate", mandatory, positive(), "1/T",
                                 "$\\dot\\varepsilon_0$: at this rate and below the flow stress is "
                                 "that of a slow test; beware of its units.");
-      thermal_exponent = e.number("Thermal exponent", mandatory, positive_up_to(10.), "1",
+      thermal_exponent = e.number("Thermal exponent", mandatory, above_zero_up_to(10.), "1",
                                   "$m$, above 0 and up to 10.");
       melting_temperature = e.number("Melting temperature", mandatory, any_number(), "",
                                      "$T_m$: from here on there is no flow stress.");

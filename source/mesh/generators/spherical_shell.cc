@@ -49,24 +49,20 @@ namespace tombolo
   {
     const double inner = e.number("Inner radius", mandatory, positive(0.), "", "Units: length");
     const double outer = e.number("Outer radius", mandatory, positive(0.), "", "Units: length");
+    std::ostringstream message;
+    message << "It must be larger than the inner radius, " << inner << ".";
+    e.refuse(!(outer > inner), "Outer radius", message.str());
     const unsigned int n_edge_cells =
         e.integer("Cells along edge", mandatory, at_least(2),
                   "The number of cells along each of the three edges of the octant's inner and "
                   "outer surface, quarters of a circle. It must be even.");
+    e.refuse(n_edge_cells % 2 != 0, "Cells along edge",
+             "Each edge belongs to two blocks: the number must be even, and at least 2.");
     const std::string text = e.text("Cells through thickness", mandatory, "",
                                     std::string("The layers from the inner surface on: ") +
                                         segments_syntax + ". Places are radii.");
     if (e.declares())
       return;
-    if (!(outer > inner))
-    {
-      std::ostringstream message;
-      message << "It must be larger than the inner radius, " << inner << ".";
-      section.fail("Outer radius", message.str());
-    }
-    if (n_edge_cells % 2 != 0)
-      section.fail("Cells along edge",
-                   "Each edge belongs to two blocks: the number must be even, and at least 2.");
     n_block_cells = n_edge_cells / 2;
     const auto layers =
         parse_segments(section, text,

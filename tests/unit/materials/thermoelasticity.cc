@@ -425,7 +425,8 @@ namespace tombolo
         expect_refusal("elastic", elastic("-260", "0.3", "0"), "",
                        "allowed is a number larger than zero");
         expect_refusal("elastic", elastic("260", "0.3", "nan"), heat, "\"nan\" is not finite");
-        expect_refusal("elastic", elastic("260", "0.3", "1e-5"), "set Conductivity = 1\n",
+        expect_refusal("elastic", elastic("260", "0.3", "1e-5"),
+                       "set Conductivity = 1\nset Specific heat capacity = 1\n",
                        "the entry \"Initial temperature\" is missing");
         expect_refusal("heat conductor", "set Density = 0\n", "",
                        "allowed is a number larger than zero");
