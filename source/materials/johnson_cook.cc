@@ -4,7 +4,6 @@
 #include <tombolo/materials/flow_stress.h>
 
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 namespace tombolo
@@ -18,15 +17,6 @@ namespace tombolo
     inline double power(const double x, const double exponent)
     {
       return std::exp(exponent * std::log(x));
-    }
-
-    /** One message for both bounds. */
-    Range above_zero_up_to(const double upper)
-    {
-      Range result = positive_up_to(upper);
-      result.is_positive = false;
-      result.lower = std::numeric_limits<double>::denorm_min();
-      return result;
     }
   } // namespace
 

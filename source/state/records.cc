@@ -65,8 +65,7 @@ namespace tombolo
     {
       if (vector.partition() == nullptr)
         return;
-      if (kept->partition() != vector.partition())
-        kept->reinit_like(vector);
+      kept->fit_to(vector.partition(), vector.quantity());
       kept->copy_from(vector);
     };
     record.restore = [kept, &vector]

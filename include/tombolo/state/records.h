@@ -122,6 +122,7 @@ namespace tombolo
           {
             std::vector<double> numbers(values.begin(), values.end());
             archive.rows(name, n_components, numbers);
+            values.resize(numbers.size());
             std::transform(numbers.begin(), numbers.end(), values.begin(),
                            [](const double number) { return static_cast<Number>(number); });
           });

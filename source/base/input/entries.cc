@@ -53,6 +53,14 @@ namespace tombolo
     return {-Range::infinite, Range::infinite, lower, upper, false, words.str()};
   }
 
+  Range above_zero_up_to(const double upper)
+  {
+    Range result = positive_up_to(upper);
+    result.is_positive = false;
+    result.lower = std::numeric_limits<double>::denorm_min();
+    return result;
+  }
+
   Range positive_up_to(const double upper, const std::string &reason)
   {
     std::ostringstream words;

@@ -40,7 +40,10 @@ namespace tombolo
   Range positive(double smallest = -Range::infinite);
   Range zero_or_positive();
   Range from_to(double lower, double upper);
-  /** Above zero and up to @p upper; the @p reason ends the message. */
+  /** Above zero and up to @p upper, which one message says. */
+  Range above_zero_up_to(double upper);
+  /** The same with a message of its own about numbers that are not above zero; the @p reason ends
+   * the other one. */
   Range positive_up_to(double upper, const std::string &reason = ".");
 
   /**
