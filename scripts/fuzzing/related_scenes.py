@@ -369,12 +369,25 @@ class Writer(scene_files.Writer):
             self.section("Condition: " + name, {"Function": value % self.pressure(condition["size"])})
 
     def tool_file(self, name, width):
+        """A file has the axes of the scene: those of the frame turn it, and a mirrored facet is read backwards."""
         file_name = super().tool_file(name, width)
-        if self.dim == 2:  # in space the axis turns the tool
-            frame = self.view.frame._replace(shift=None)
-            corners = [[float(x) for x in line.split(",")] for line in self.files[file_name].splitlines()]
-            self.files[file_name] = "".join("%s, %s\n" % tuple(map(frames.number, frames.point(frame, corner)))
-                                            for corner in corners)
+        frame = self.view.frame._replace(shift=None)
+
+        def moved(numbers):
+            return map(frames.number, frames.point(frame, list(map(float, numbers))))
+
+        lines = []
+        for line in self.files[file_name].splitlines():
+            if self.dim == 2:
+                lines.append(", ".join(moved(line.split(","))))
+                continue
+            kind, *words = line.split()
+            if kind == "v":
+                words = moved(words)
+            elif frames.determinant(frame) < 0:
+                words.reverse()
+            lines.append(" ".join([kind, *words]))
+        self.files[file_name] = "\n".join(lines) + "\n"
         return file_name
 
     def start(self):
