@@ -1,239 +1,295 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The parameter file of a keyword file."""
+"""A parameter file with its mesh and tables, filled by the readers of decks."""
 
-import os
+from pathlib import Path
 
-from .conditions import Conditions
-from .deck import KeywordError
-from .layouts import PARTS
-from .materials import Material, kind_of, refuse_mixed_units, unit_labels
-from .report import Report
-from .solids import elements_and_nodes, is_of_the_mesh, names_of_sets
+from .mesh import usable
+from .msh import Writer
+from .text import DeckError
 
-ELEMENTS_OF_ELFORM = {0: "hexahedron", 1: "hexahedron"}  # others: fully integrated hexahedron
 PARTICLES = "momentum consistent particle"
+MOST_NODES_OF_A_PREDICATE = 100
+LARGEST_RATIO_OF_DENSITIES = 1000
+KINDS = (("Conditions", "Condition"), ("Initial conditions", "Initial condition"), ("Contacts", "Contact"),
+         ("Body contacts", "Body contact"))
 
 
-def usable(name):
-    """A name without what separates names in a list or sections in a path."""
-    return " ".join("".join(" " if c in ",/=#\\" else c for c in name).split())
+class NotUnderstood(Exception):
+    """Why a condition is left out."""
 
 
-class Curve:
-    """*DEFINE_CURVE."""
-
-    def __init__(self, section, report):
-        record, lines = section.head()
-        self.record, self.line = record, section.line
-        self.number = record.integer("LCID")
-        scale_x, scale_y = record.number("SFA") or 1, record.number("SFO") or 1
-        offset_x, offset_y = record.number("OFFA"), record.number("OFFO")
-        self.points = []
-        for line in lines:
-            if line.text.strip():
-                point = section.values(line, 20)
-                self.points.append((scale_x * (point[0] + offset_x), scale_y * (point[1] + offset_y)))
-                if any(point[2:]):
-                    report.count(line.place, f"a card of *{section.keyword} has more than two numbers.")
+def number(value):
+    return f"{value:.10g}"
 
 
-class Used(dict):
-    """Things by their numbers, which count as used once they were looked up."""
+def vector(values, separator="; "):
+    return separator.join(number(value) + "" for value in values)
 
-    def __init__(self, things=()):
-        super().__init__(things)
-        self.used = set()
 
-    def __getitem__(self, number):
-        self.used.add(number)
-        return super().__getitem__(number)
+def lines_of_entries(entries, indent=""):
+    """Entries and subsections; names that begin with # are comments."""
+    width = max((len(name) for name, value in entries.items() if not isinstance(value, dict) and name[0] != "#"),
+                default=0)
+    for name, value in entries.items():
+        if name.startswith("#"):
+            yield f"{indent}# {value}"
+        elif not isinstance(value, dict):
+            yield f"{indent}set {name:{width}} = {value}".rstrip()
+    for name, value in entries.items():
+        if isinstance(value, dict):
+            yield from lines_of_section(name, value, indent)
 
-    def unused(self):
-        return [(number, thing) for number, thing in self.items() if number not in self.used]
+
+def lines_of_section(head, entries, indent=""):
+    yield f"{indent}subsection {head}"
+    yield from lines_of_entries(entries, indent + "  ")
+    yield f"{indent}end"
+
+
+class Part:
+    def __init__(self, name, group, formulation, material, entries=None):
+        self.name, self.group, self.formulation, self.material = name, group, formulation, material
+        self.entries = entries or {}  # of the section of its formulation
+
+    def lines(self):
+        head = {"Cells": "all" if self.group is None else f"group {self.group}", "Formulation": self.formulation,
+                "Material": self.material}
+        if self.entries:
+            head[self.formulation] = self.entries
+        return lines_of_section(f"Part: {self.name}", head)
 
 
 class Scene:
-    def __init__(self, deck, target):
-        self.source, self.target = deck.path, target
-        self.sections = deck.sections
-        self.report = Report()
-        self.understood = set()
-        self.records = []
+    def __init__(self, source, target, report, mesh):
+        self.source, self.target, self.report, self.mesh = Path(source), Path(target), report, mesh
         self.title = usable(self.source.stem)
-        self.with_cells, self.held = elements_and_nodes(self.sections, self.report)
-        if not self.with_cells:
-            raise KeywordError("there are no hexahedra (*ELEMENT_SOLID): cells of other shapes, shells among them, "
-                               "are no cells here.")
-        self.curves = Used()
-        for section in self.named("DEFINE_CURVE"):
-            curve = Curve(section, self.report)
-            self.curves[curve.number] = curve
-            self.records.append(curve.record)
-        self.materials = {}
-        for section in self.sections:
-            if kind_of(section.name):
-                for record in self.records_of(section):
-                    material = Material(record, self.curves)
-                    self.materials[material.number] = material
-        refuse_mixed_units(self.materials.values())
-        self.equations = Used((record.integer("EOSID"), record)
-                              for record in self.records_of(*self.named("EOS_GRUNEISEN")))
-        self.forms = Used((record.integer("SECID"), record)
-                          for record in self.records_of(*self.named("SECTION_SOLID", "SECTION_SOLID_SPG")))
-        self.has_contact_of_all = any(section.name.startswith("CONTACT_") and "SINGLE_SURFACE" in section.name
-                                      for section in self.sections)
-        self.parts = list(self.read_parts())
         self.end_time = None
-        for record in self.records_of(*self.named("CONTROL_TERMINATION")):
-            self.end_time = record.number("ENDTIM")
-        self.conditions = Conditions(self, names_of_sets(self.sections, self.held, self.report))
-        for section in self.sections:
-            if section.name == "TITLE" and section.lines:
-                self.title = usable(section.lines[0].text) or self.title
-            if self.conditions.read(section):
-                self.understood.add(section)
-        self.report_what_is_left_out()
-        self.text = "\n".join(self.lines()) + "\n"
+        self.head = {}        # further entries outside of all sections
+        self.parts = []
+        self.materials = {}   # entries by name, with comments
+        self.named = {kind: {} for kind, _ in KINDS}  # a comment and entries by name
+        self.sections = {}    # further ones
+        self.stages = {}      # entries by name
+        self.tables = {}      # rows by file name
 
-    def named(self, *names):
-        return [section for section in self.sections if section.name in names]
+    def add(self, kind, word, entries, comment=""):
+        """Gives a condition or contact a name."""
+        named = self.named[kind]
+        name = f"{word} {len(named) + 1}"
+        named[name] = comment, entries
+        return name
 
-    def records_of(self, *sections):
-        """The records of sections that are understood."""
-        records = []
-        for section in sections:
-            self.understood.add(section)
-            records += section.records()
-        self.records += records
-        return records
+    def output(self):
+        return self.sections.setdefault("Output", {})
 
-    def report_what_is_left_out(self):
-        for things in (self.curves, self.equations, self.forms):
-            for number, thing in things.unused():
-                record = getattr(thing, "record", thing)
-                self.records.remove(record)
-                self.report.note(record.line.place, f"*{record.section.keyword} {number} is used by nothing.")
-        for record in self.records:
-            self.report.unused_fields(record.section.keyword, record.unused())
-        for section in self.sections:
-            if section not in self.understood and not is_of_the_mesh(section) and section.name != "DEFINE_CURVE":
-                self.report.leave_out(section, section.lines)
+    def table(self, name, points):
+        """The name of the file of a function of time."""
+        file = f"{self.target.stem}_{name}.csv"
+        self.tables[file] = f"# {name} of {self.source.name}\n" + "".join(f"{x:.10g}, {y:.10g}\n" for x, y in points)
+        return file
+
+    # Nodes and faces.
+
+    def selection(self, nodes, name=""):
+        """Entries that select nodes: a boundary whose faces have them, or a predicate. name is that of their set in the
+        mesh, if there is one."""
+        mesh = self.mesh
+        nodes = {node for node in nodes if node in self.nodes_of_cells()}
+        if not nodes:
+            raise NotUnderstood("none of its nodes is one of a cell")
+        on_faces = {node for face in mesh.faces_of_nodes(nodes) for node in face}
+        if on_faces == nodes:
+            return {"Boundary": name or self.new_set(nodes)}
+        predicate = self.box_of(nodes)
+        if predicate is None and len(nodes) <= MOST_NODES_OF_A_PREDICATE:
+            predicate = " || ".join("(" + self.near(range(mesh.dimension), mesh.points[node], mesh.points[node]) + ")"
+                                    for node in sorted(nodes))
+        if predicate is not None:
+            return {"Where": predicate}
+        if not on_faces:
+            raise NotUnderstood(f"its {len(nodes)} nodes make no face of the boundary")
+        self.report.remark(f'{len(nodes) - len(on_faces)} of {len(nodes)} nodes of "{name}" are on none of its faces: '
+                           "conditions leave them out.")
+        return {"Boundary": name or self.new_set(nodes)}
+
+    def nodes_of_cells(self):
+        if not hasattr(self, "in_cells"):
+            self.in_cells = {node for cell in self.mesh.cells for node in cell.nodes}
+        return self.in_cells
+
+    def new_set(self, nodes):
+        sets = self.mesh.node_sets
+        for name, members in sets.items():
+            if set(members) == nodes:
+                return name
+        name = f"nodes {len(sets) + 1}"
+        sets[name] = sorted(nodes)
+        return name
+
+    def new_surface(self, faces, name):
+        if name not in self.mesh.surfaces:
+            self.mesh.surfaces[name] = [tuple(face) for face in faces]
+        return name
+
+    def box_of(self, nodes):
+        """A predicate of a box that has these nodes alone, if there is one."""
+        mesh, dimension = self.mesh, self.mesh.dimension
+        points = [mesh.points[node] for node in nodes]
+        low, high = ([end(point[d] for point in points) for d in range(dimension)] for end in (min, max))
+        eps = self.tolerance()
+        everything = [mesh.points[node] for node in self.nodes_of_cells()]
+        inside = sum(all(a - eps <= x <= b + eps for x, a, b in zip(point, low, high)) for point in everything)
+        if inside != len(nodes):
+            return None
+        axes = [d for d in range(dimension)
+                if any(not low[d] - eps <= point[d] <= high[d] + eps for point in everything)]
+        return self.near(axes, low, high) if axes else "1"
+
+    def tolerance(self):
+        if not hasattr(self, "eps"):
+            self.eps = float(f"{1e-6 * self.mesh.largest_extent():.0e}")
+        return self.eps
+
+    def near(self, axes, low, high):
+        eps, terms = self.tolerance(), []
+        for d in axes:
+            name = "xyz"[d]
+            if high[d] - low[d] <= eps:
+                terms.append(f"abs({name} - {number(low[d])}) < {eps:g}".replace("- -", "+ "))
+            else:
+                terms.append(f"{name} > {number(low[d] - eps)} && {name} < {number(high[d] + eps)}")
+        return " && ".join(terms)
+
+    def parts_of_nodes(self, nodes):
+        """Names of the parts whose nodes these are; None where they are others."""
+        nodes = set(nodes) & self.nodes_of_cells()
+        names, found = [], set()
+        for part in self.parts:
+            own = self.nodes_of_part(part)
+            if own <= nodes:
+                names.append(part.name)
+                found |= own
+        return names if found == nodes and names else None
+
+    def nodes_of_part(self, part):
+        return self.nodes_of_cells() if part.group is None else self.mesh.nodes_of_groups([part.group])
+
+    def part(self, name):
+        return next(part for part in self.parts if part.name == name)
+
+    def share_nodes(self, one, other):
+        return bool(self.nodes_of_part(self.part(one)) & self.nodes_of_part(self.part(other)))
+
+    # The file.
 
     def files(self):
         directory = self.target.parent
-        files = {self.target: self.text}
-        for number in self.conditions.tables:
-            rows = "".join(f"{x:.10g}, {y:.10g}\n" for x, y in self.curves[number].points)
-            files[directory / self.table_name(number)] = f"# curve {number} of {self.source.name}\n{rows}"
-        return files
+        result = {self.target: self.text(), self.mesh_file(): Writer(self.mesh, self.source.name).text()}
+        result.update((directory / name, text) for name, text in self.tables.items())
+        return result
 
-    def table_name(self, number):
-        return f"{self.target.stem}_curve_{number}.csv"
+    def mesh_file(self):
+        return self.target.with_suffix(".msh")
 
-    def read_parts(self):
-        """Names of parts, their numbers and the lines of their sections."""
-        taken = set()
-        for record in self.records_of(*self.named(*PARTS)):
-            number = record.integer("PID")
-            if number not in self.with_cells:
-                self.report.note(record.line.place, f'the part {number} "{record.title}" has no solid elements.')
-                self.records.remove(record)
-                continue
-            form, material, equation = (record.integer(field) for field in ("SECID", "MID", "EOSID"))
-            if equation in self.equations and material in self.materials:
-                if not self.materials[material].equation:
-                    self.materials[material].give_equation(self.equations[equation])
-            elif equation:
-                self.report.note(record.line.place, f"the equation of state {equation} of part {number} is not "
-                                 "understood.")
-            if material not in self.materials:
-                self.report.note(record.line.place, f"the material {material} of part {number} is not understood: "
-                                 "write its section.")
-            if form not in self.forms:
-                self.report.note(record.line.place, f"there is no *SECTION_SOLID {form}: part {number} is of "
-                                 "one-point hexahedra.")
-            name = usable(record.title) or f"part {number}"
-            if name in taken:
-                name += f" ({number})"
-            taken.add(name)
-            yield name, number, list(self.lines_of_part(
-                name, number, self.forms[form] if form in self.forms else None, material))
-
-    def lines_of_part(self, name, number, form, material):
-        elform = form.integer("ELFORM") if form is not None else 1
-        is_spg = form is not None and form.name == "SECTION_SOLID_SPG"
-        formulation = PARTICLES if is_spg else ELEMENTS_OF_ELFORM.get(elform, "fully integrated hexahedron")
-        of_material = self.materials.get(material)
-        viscosity = ["set Linear bulk viscosity    = 0.06", "set Quadratic bulk viscosity = 1.5"] \
-            if of_material and of_material.equation else []
-        limits = []
-        if of_material and of_material.failure_strain:
-            limits.append(f"set Erosion strain = {of_material.failure_strain:.10g}")
-        if of_material and of_material.has_damage:
-            limits.append("set Erosion damage = 1")
-        yield f"subsection Part: {name}"
-        yield f"  set Cells       = group part {number}"
-        yield f"  set Formulation = {formulation}"
-        yield f"  set Material    = {self.name_of_material(material)}"
-        if is_spg:
-            yield f"  subsection {formulation}"
-            yield from ("    " + line for line in self.lines_of_spg(form, self.has_contact_of_all))
-            yield from ("    " + line for line in viscosity)
-            yield "  end"
-        elif limits or viscosity:
-            yield f"  subsection {formulation}"
-            yield from ("    " + line for line in limits + viscosity)
-            yield "  end"
-        yield "end"
-
-    @staticmethod
-    def lines_of_spg(form, touches_itself):
-        """*SECTION_SOLID_SPG. Fragments touch each other where bonds break and the file has a contact of
-        everything with itself."""
-        sizes = [form.number(field) for field in ("DX", "DY", "DZ")]
-        if any(sizes):
-            yield f"set Dilation = {max(sizes):.10g}   # DX, DY, DZ = " + ", ".join(f"{s:g}" for s in sizes)
-        kernel = form.integer("KERNEL")
-        if kernel == 0:
-            yield "set Configuration = updated Lagrangian"
-            yield f"set Rebuild interval = {form.integer('SMSTEP') or 15}"
-        elif kernel == 1:
-            yield "set Configuration = current"
-        if form.integer("IDAM") == 1 and form.number("FS") > 0:
-            if touches_itself:
-                yield "set Self-contact = true"
-            yield "set Bond failure = effective plastic strain"
-            yield "subsection effective plastic strain"
-            yield f"  set Limit   = {form.number('FS'):.10g}"
-            yield f"  set Stretch = {max(1, form.number('STRETCH')):.10g}"
-            yield "end"
-
-    def name_of_material(self, number):
-        return f"material {number}"
+    def text(self):
+        return "\n".join(self.lines()) + "\n"
 
     def lines(self):
-        mesh = os.path.relpath(self.source, self.target.parent)
-        yield f"# Written by scripts/import_keyword from {self.source.name}. Read it before it is run."
-        units = unit_labels(self.materials.values())
+        yield f"# Written by scripts/import from {self.source.name}. Read it before it is run."
+        units = unit_labels(self.densities())
         yield f"# The densities are those of metals in {units}." if units else \
             "# The densities do not tell the units; those of the file must be consistent."
-        yield f"set Title              = {self.title}"
-        yield "set Dimension          = 3"
+        entries = {"Title": self.title, "Dimension": self.mesh.dimension}
         if self.end_time:
-            yield f"set End time           = {self.end_time:.10g}"
+            entries["End time"] = number(self.end_time)
         else:
-            yield "# set End time = ...  There is no *CONTROL_TERMINATION."
-        yield f"set Output directory   = output/{usable(self.source.stem)}"
-        yield "set Parts              = " + ", ".join(name for name, _, _ in self.parts)
-        yield "set Materials          = " + ", ".join(map(self.name_of_material, self.materials))
-        yield from self.conditions.entries()
-        yield from ("", "subsection Mesh", "  set Type = file", "  subsection file", f"    set File = {mesh}",
-                    "  end", "end")
-        for _, _, lines in self.parts:
+            entries["#end"] = "set End time = ...  The deck does not say when the run ends."
+        entries["Output directory"] = f"output/{usable(self.source.stem)}"
+        entries.update(self.head)
+        if self.stages:
+            entries["Stages"] = ", ".join(self.stages)
+        entries["Parts"] = ", ".join(part.name for part in self.parts)
+        entries["Materials"] = ", ".join(self.materials)
+        for kind, _ in KINDS:
+            if self.named[kind] and kind not in entries:
+                entries[kind] = ", ".join(self.named[kind])
+        yield from lines_of_entries(entries)
+        yield ""
+        yield from lines_of_section("Mesh", {"Type": "file", "file": {"File": self.mesh_file().name}})
+        for name, stage in self.stages.items():
             yield ""
-            yield from lines
-        for number, material in self.materials.items():
+            yield from lines_of_section(f"Stage: {name}", stage)
+        for part in self.parts:
             yield ""
-            yield from material.lines(self.name_of_material(number))
-        yield from self.conditions.sections()
+            yield from part.lines()
+        for name, (comments, entries) in self.materials.items():
+            yield ""
+            yield from (f"# {comment}" for comment in comments)
+            yield from lines_of_section(f"Material: {name}", entries)
+        for kind, word in KINDS:
+            for name, (comment, entries) in self.named[kind].items():
+                yield ""
+                if comment:
+                    yield f"# {comment}"
+                yield from lines_of_section(f"{word}: {name}", entries)
+        for name, entries in self.sections.items():
+            yield ""
+            yield from lines_of_section(name, entries)
         yield from self.report.comments()
+
+    def densities(self):
+        for _, entries in self.materials.values():
+            for section in entries.values():
+                if isinstance(section, dict) and "Density" in section:
+                    yield float(section["Density"])
+
+
+def unit_labels(densities):
+    """The likely units by the density of metals, as a comment; None where it tells nothing."""
+    densities = list(densities)
+    systems = (("mass: kg, length: m, time: s", 1), ("mass: t, length: mm, time: s", 1e-12),
+               ("mass: kg, length: mm, time: ms", 1e-9), ("mass: g, length: mm, time: ms", 1e-6),
+               ("mass: g, length: cm, time: us", 1e-3))
+    for labels, factor in systems:
+        if densities and all(500 <= density / factor <= 23000 for density in densities):
+            return labels
+    return None
+
+
+def refuse_mixed_units(densities):
+    """Densities of solids in one system of units are of the same magnitude. Each is a value, a name and a place."""
+    ordered = sorted(densities)
+    if len(ordered) > 1 and ordered[-1][0] > LARGEST_RATIO_OF_DENSITIES * ordered[0][0]:
+        (low, low_name, low_place), (high, high_name, high_place) = ordered[0], ordered[-1]
+        raise DeckError(
+            f"{high_place}: the density of material {high_name} is {high:g}, and that of material {low_name} "
+            f"({low_place}) is {low:g}: these are not in the same units. Allowed is a factor of up to "
+            f"{LARGEST_RATIO_OF_DENSITIES}; write all materials in the units of the mesh.")
+
+
+def plastic_curve(points, fail):
+    """Flow stresses over plastic strains from zero on; constant before the first point."""
+    before = [point for point in points if point[0] < 0]
+    points = [point for point in points if point[0] >= 0]
+    if before and points and points[0][0] > 0:
+        (e, s), (next_e, next_s) = before[-1], points[0]
+        points.insert(0, (0, s - e * (next_s - s) / (next_e - e)))
+    elif points and points[0][0] > 0:
+        points.insert(0, (0, points[0][1]))
+    if not points or min(stress for _, stress in points) <= 0:
+        fail("a curve of hardening needs flow stresses larger than zero over plastic strains from zero on.")
+    strains = [strain for strain, _ in points]
+    if any(b <= a for a, b in zip(strains, strains[1:])):
+        fail("the strains of a curve of hardening must increase.")
+    return points
+
+
+def tabular(points):
+    return {"Flow stress": "tabular", "tabular": {
+        "Plastic strains": ", ".join(number(strain) for strain, _ in points),
+        "Flow stresses": ", ".join(number(stress) for _, stress in points)}}
+
+
+def linear_hardening(stress, slope):
+    return {"Flow stress": "linear hardening",
+            "linear hardening": {"Yield stress": number(stress), "Hardening modulus": number(slope)}}

@@ -23,11 +23,6 @@ endforeach()
 add_test(NAME program.parameters_page
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/parameters_page --check --program
     $<TARGET_FILE:tombolo_program>)
-foreach(subject import_keyword import_keyword_forms)
-  add_test(NAME program.${subject}
-    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/${subject}.py
-      $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR})
-endforeach()
 add_test(NAME program.materials
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/materials.py
     $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR})

@@ -94,6 +94,8 @@ namespace tombolo
       std::set<std::string> sections_left_out;
       /** Cells of the further physical groups of entities that are in several. */
       std::map<unsigned int, std::vector<unsigned int>> further_physicals;
+      /** Nodes by the physical groups of points. */
+      std::map<unsigned int, std::vector<unsigned int>> physical_points;
       MidsideNodes midside_nodes;
       bool has_nodes = false;
       bool has_elements = false;
@@ -146,10 +148,12 @@ namespace tombolo
       for (const auto &[key, name] : physical_names)
       {
         auto &names = key.first == dim ? content.group_names : content.boundary_names;
-        if (key.first + 1 < dim || key.first > dim)
+        if (key.first == 0 && physical_points.count(key.second) > 0)
+          content.node_sets.push_back({name, physical_points[key.second]});
+        else if (key.first + 1 < dim || key.first > dim)
           content.remarks.push_back("The physical group \"" + name + "\" of dimension " +
                                     std::to_string(key.first) +
-                                    " is left out: it is neither of cells nor of faces.");
+                                    " is left out: it is not of cells, of faces or of nodes.");
         else if (!names.emplace(name, key.second).second)
           throw MeshFileError("Two physical groups of dimension " + std::to_string(key.first) +
                               " are called \"" + name + "\".");
@@ -388,6 +392,9 @@ namespace tombolo
                             dim == 3 ? gmsh_hexahedron_midsides : quadrilateral_midsides,
                             type.n_corners, element.line);
       }
+      else if (type.dimension == 0)
+        for (const unsigned int physical : physicals)
+          physical_points[physical].push_back(nodes[0]);
       else if (type.dimension + 1 == dim)
       {
         content.faces.push_back(element);

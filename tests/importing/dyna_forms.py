@@ -2,25 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Decks in all forms that programs write, and what they say that a parameter file has not.
 
-    import_keyword_forms.py PROGRAM PROJECT_DIRECTORY
+    dyna_forms.py PROJECT_DIRECTORY PROGRAM
 """
 
-import os
 import re
-import shutil
-import subprocess
-import sys
-import tempfile
-import unittest
-from pathlib import Path
 
-PROGRAM, PROJECT = sys.argv[1:3]
-sys.path.insert(0, os.path.join(PROJECT, "scripts"))
-from importing.deck import Deck, KeywordError  # noqa: E402
-from importing.scene import Scene  # noqa: E402
+from deck_testing import DeckTest, DeckError, card, main, text_of
 
-with open(os.path.join(PROJECT, "tests", "meshes", "bar.k"), encoding="utf-8") as deck:
-    BAR = deck.read()
+BAR = text_of("bar.k")
 
 
 def part_of(begin, end):
@@ -32,10 +21,6 @@ SETS = part_of("*SET_NODE", "*BOUNDARY_SPC")
 SUPPORT, DRIVE = part_of("*BOUNDARY_SPC", "*DEFINE"), part_of("*BOUNDARY_PRE", "*END")
 MATERIAL = part_of("*MAT_ELASTIC", "*NODE")
 SUPPORTED, DRIVEN = SUPPORT.split("\n")[1], DRIVE.split("\n")[1]
-
-
-def card(*fields, width=10):
-    return "".join(f"{field:>{width}}" for field in fields)
 
 
 def wide(text):
@@ -109,20 +94,20 @@ CASES = {
         "DEATH = 5.0E-7 is not understood, so that this is left out (line 53)", "!Condition: drive",
         "Condition: support"]),
     "an end of a drive after that of the scene": ([(DRIVEN, DRIVEN + card(0, "2.0E-6"))], 0, [
-        "Condition: drive", "all keywords were understood"]),
+        "Condition: drive", "all keywords were used"]),
     "exceptions of a velocity": ([("*END", VELOCITY + "*END")], 0, [
-        "NSIDEX = 1 is not understood", "!Initial condition: flight"]),
+        "set Velocity = if(abs(x - 0) < 4e-06, 0, 100); 0; 0"]),
     "a velocity of one part": ([("*END", "*INITIAL_VELOCITY_GENERATION\n" + card(1, 2, 0, 5, 0, 0) + "\n\n*END")], 0, [
         "set Part     = bar", "set Velocity = 5; 0; 0"]),
     "a velocity of a set of parts": ([("*END", "*INITIAL_VELOCITY_GENERATION\n" + card(1, 1, 0, 5) + "\n\n*END")], 0, [
-        "ID = 1, STYP = 1 is not understood", "!flight"]),
+        "there is no part set 1, so that this is left out", "!flight"]),
     "a wall for some nodes": ([("*END", wall(card(2)) + "*END")], 0, [
         "set Boundary = node set 2", ": anvil", "Contact: wall 1"]),
     "a wall in a box": ([("*END", wall(card(2, 0, 8)) + "*END")], 0, ["BOXID = 8 is not understood", "!Contact:"]),
     "a wall on which nothing slides": ([("*END", wall("", 1.0) + "*END")], 0, [
         "set Friction = 10", "FRIC = 1: nothing slides"]),
     "a wall whose first card is blank": ([("*END", wall("").replace("_ID\n         3anvil", "") + "*END")], 0, [
-        "set Point  = -0.01, 0, 0", "all keywords were understood"]),
+        "set Point  = -0.01, 0, 0", "all keywords were used"]),
     "a wall that welds": ([("*END", wall("", 2.0) + "*END")], 0, ["FRIC = 2 is not understood", "!Contact:"]),
     "local axes": ([(SUPPORTED, card(1, 3, 1, 1, 1))], 0, ["CID = 3 is not understood", "!Condition: support"]),
     "several supports with titles": ([(SUPPORTED, SUPPORTED + "\n         2right, 5\n" + card(2, 0, 0, 1, 0)),
@@ -142,7 +127,7 @@ CASES = {
     "a set of sets": ([(SET_1, "*SET_NODE_ADD\n         1\n        11        12\n" + SET_1.replace(
         "         1\n         1         2         3         4", "        11\n         1         2") + SET_1.replace(
             "         1\n         1         2         3         4", "        12\n         3         4"))], 0, [
-                "set Boundary = node set 1", "all keywords were understood"]),
+                "set Boundary = node set 1", "all keywords were used"]),
     "a set that the mesh does not have": ([(SET_1, SET_1.replace("LIST", "GENERAL"))], 0, [
         "the node set 1 is a *SET_NODE_GENERAL (line 39), which is not read", "*SET_NODE_GENERAL (1 time, line 39)",
         "!Condition: support", "Condition: drive"]),
@@ -150,7 +135,7 @@ CASES = {
         ("*SECTION", "*PART\nskin\n" + card(5, 9, 1) + "\n*SECTION"),
         ("*SET_NODE_LIST\n         2\n", "*ELEMENT_SHELL\n" + card(1, 5, 17, 18, 19, 20, width=8) +
          "\n*SET_NODE_LIST\n         2\n")], 0, [
-             'the part 5 "skin" has no solid elements', "set Parts              = bar\n",
+             'the part 5 "skin" has no solid elements', "set Parts            = bar\n",
              "*ELEMENT_SHELL (cards: 1): shells are no cells"]),
     "no solids": ([("*ELEMENT_SOLID", "*ELEMENT_BEAM")], 1, ["there are no hexahedra (*ELEMENT_SOLID)"]),
     "a name in Latin-1": ([("*SET_NODE_LIST\n         1\n", "*SET_NODE_LIST_TITLE\nHülse, #1\n         1\n")], 0, [
@@ -164,43 +149,25 @@ CASES = {
     "attributes of a set": ([(SET_1, SET_1.replace("  1\n   ", "  1       0.5\n   "))], 0, ["DA1 = 0.5 is not used"]),
     "keywords and their number": ([
         ("*END", "*HOURGLASS\n" + card(1, 4) + "\n*HOURGLASS\n" + card(2, 4) + "\n*END")], 0, [
-        "2 keywords were not understood", "*HOURGLASS (2 times, first on line 54)", "#   line 56: *HOURGLASS"]),
+        "2 keywords were not used", "*HOURGLASS (2 times, first on line 54)", "#   line 56: *HOURGLASS"]),
     "nothing of many cards": ([("*END", "*ELEMENT_MASS\n" + "\n".join(card(n, n, 1.0) for n in range(1, 99)) +
                                 "\n*END")], 0, ["*ELEMENT_MASS (1 time", "#     98 cards", "!        77"]),
     "tabs that miss the columns": ([("  7.85E-09  210000.0       0.3", "\t7.85E-09\t210000.0\t0.3")], 1, [
-        "line 12: the card has tabs, by which a field does not begin in its columns"]),
+        "line 12: The card has tabs, by which a field does not begin in its columns"]),
     "a curve that is not used": ([("*END", CURVE + "*END")], 0, ["*DEFINE_CURVE 5 is used by nothing"]),
 }
 
 
-class Forms(unittest.TestCase):
-    def setUp(self):
-        self.directory = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.directory)
-
-    def write(self, name, text):
-        path = os.path.join(self.directory, name)
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path, "wb") as file:
-            file.write(text if isinstance(text, bytes) else text.encode())
-
+class Forms(DeckTest):
     def convert(self, text, name="bar.k"):
         """Exit code, what was printed, and the parameter file."""
-        self.write(name, text)
-        source = Path(self.directory, name)
         try:
-            scene = Scene(Deck(source), source.with_suffix(".prm"))
-        except KeywordError as error:
+            result = self.converted(text, name)
+        except DeckError as error:
             return 1, str(error), ""
-        for path, content in scene.files().items():
+        for path, content in result.files().items():
             path.write_text(content, encoding="utf-8")
-        return 0, "\n".join(scene.report.summary()), scene.text
-
-    def dry_run(self, name="bar.prm"):
-        result = subprocess.run([PROGRAM, "--dry-run", name], cwd=self.directory, capture_output=True, text=True,
-                                check=False)
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        return result.stdout
+        return 0, "\n".join(result.report.summary()), result.text()
 
     @staticmethod
     def scene_of(text):
@@ -216,8 +183,8 @@ class Forms(unittest.TestCase):
                 code, printed, written = self.convert(text)
                 self.assertEqual(code, 0, printed)
                 self.assertEqual(self.scene_of(written), self.scene_of(expected))
-                self.assertIn("all keywords were understood", printed)
-                said = self.dry_run()
+                self.assertIn("all keywords were used", printed)
+                said = self.dry_run("bar.prm")
                 self.assertIn("mass 3.14e-08, extent [0, 4] x [0, 1] x [0, 1]", said)
 
     def test_nothing_is_lost_without_a_word(self):
@@ -236,7 +203,7 @@ class Forms(unittest.TestCase):
                         self.assertIn(part, printed + written)
                 # Names of boundaries are those that the reader gives.
                 if any("set Boundary" in part for part in parts):
-                    self.dry_run()
+                    self.dry_run("bar.prm")
 
     def test_files_are_included_relative_to_the_file_that_names_them(self):
         main = BAR.replace(NODES + ELEMENTS, "*INCLUDE\nmesh\\all.k\n")
@@ -245,11 +212,11 @@ class Forms(unittest.TestCase):
         code, printed, _ = self.convert(main)
         self.assertEqual(code, 0, printed)
         self.write("mesh/all.k", "*INCLUDE\nnodes.k\n")
-        self.assertIn("extent [0, 4] x [0, 1] x [0, 1]", self.dry_run())
-        for text, message in (("*INCLUDE\nnone.k\n", 'line 2 of mesh\\all.k: *INCLUDE: there is no file "none.k"'),
-                              ("*INCLUDE\n../bar.k\n", '*INCLUDE: "../bar.k" includes itself'),
-                              ("*INCLUDE_TRANSFORM\nnodes.k\n", "*INCLUDE_TRANSFORM is not allowed"),
-                              (ELEMENTS + NODES + MATERIAL.replace("   0.3", "   0.x"), "line 28 of mesh\\all.k")):
+        self.assertIn("extent [0, 4] x [0, 1] x [0, 1]", self.dry_run("bar.prm"))
+        for text, message in (("*INCLUDE\nnone.k\n", 'line 2 of "mesh\\all.k": "none.k", relative to the file that names it: There is no such file'),
+                              ("*INCLUDE\n../bar.k\n", '"../bar.k" includes itself'),
+                              ("*INCLUDE_STAMPED_PART\nnodes.k\n", "*INCLUDE_STAMPED_PART is not allowed"),
+                              (ELEMENTS + NODES + MATERIAL.replace("   0.3", "   0.x"), 'line 28 of "mesh\\all.k"')):
             self.write("mesh/all.k", text)
             code, printed, _ = self.convert(main)
             self.assertEqual(code, 1, printed)
@@ -261,4 +228,4 @@ class Forms(unittest.TestCase):
         self.assertIn("UTF-16", printed)
 
 
-unittest.main(argv=sys.argv[:1], verbosity=1)
+main()

@@ -1,0 +1,345 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""*BOUNDARY, *CLOAD, *DLOAD, *DSLOAD, films and fluxes, *INITIAL CONDITIONS."""
+
+from ..scene import NotUnderstood, number
+from .deck import key
+from .mesh import Entry
+
+SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCASTRE": (1, 2, 3, 4, 5, 6),
+              "PINNED": (1, 2, 3), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5), "ZASYMM": (1, 2, 6)}
+TEMPERATURE = 11
+SMOOTH_STEPS = 20
+
+
+class Amplitude:
+    def __init__(self, section):
+        self.section, self.name = section, section.name_in("NAME")
+        self.is_total = key(section.get("TIME", "STEP TIME")).startswith("TOTAL")
+        self.definition = key(section.get("DEFINITION", "TABULAR"))
+        if key(section.get("VALUE", "RELATIVE")) != "RELATIVE":
+            section.known.discard("VALUE")
+        numbers = [value for row in section.rows() for value in row.numbers()]
+        self.points = list(zip(numbers[::2], numbers[1::2]))
+
+    def points_at(self, begin):
+        """Points over the time of a step that begins at a total time."""
+        times = [time for time, _ in self.points]
+        if len(times) < 2 or any(b <= a for a, b in zip(times, times[1:])):
+            self.section.line.fail(f'the times of the amplitude "{self.name}" must increase, of two points at least.')
+        points = self.points
+        if self.definition == "SMOOTH STEP":
+            points = []
+            for (t, a), (next_t, b) in zip(self.points, self.points[1:]):
+                for k in range(SMOOTH_STEPS):
+                    x = k / SMOOTH_STEPS
+                    points.append((t + x * (next_t - t), a + (b - a) * x ** 3 * (10 - 15 * x + 6 * x * x)))
+            points.append(self.points[-1])
+        elif self.definition != "TABULAR":
+            raise NotUnderstood(f"the amplitude \"{self.name}\" has DEFINITION={self.definition} (TABULAR and SMOOTH STEP "
+                                "are understood)")
+        return [(time - (begin if self.is_total else 0), value) for time, value in points]
+
+
+class Conditions:
+    """Reads the conditions of steps. What is prescribed at nodes stays in further steps."""
+
+    def __init__(self, converter):
+        self.converter, self.mesh, self.scene, self.report = \
+            converter, converter.mesh, converter.scene, converter.report
+        self.amplitudes = {}
+        for section in converter.deck.named("AMPLITUDE"):
+            one = Amplitude(section)
+            self.amplitudes[key(one.name)] = one
+        self.held = {}     # by target: values by degree of freedom, as text, with the kind
+        self.loads = {}    # entries of loads by what they act on
+        self.last_texts = {}  # of their functions, and those of their last values
+
+    # Functions of time.
+
+    def function(self, section, value, before=0.0, is_load=True):
+        """The text of a value in the time of the present step, and its last value."""
+        step = self.converter.step
+        name = section.get("AMPLITUDE")
+        if name:
+            amplitude = self.amplitudes.get(key(name))
+            if amplitude is None:
+                section.line.fail(f'There is no *AMPLITUDE "{name}".')
+            points = amplitude.points_at(step.begin)
+            suffix = f"_{step.name}" if amplitude.is_total and step.begin else ""
+            file = self.scene.table("amplitude_" + "".join(c if c.isalnum() else "_" for c in amplitude.name + suffix),
+                                    points)
+            last = [v for t, v in points if t <= step.time] or [points[0][1]]
+            return f"{number(value)}*table({file}, t)", value * last[-1]
+        if step.ramps and step.time and value != before:
+            time = "t" if step.time == 1 else f"t/{number(step.time)}"
+            return f"{number(before)} + {number(value - before)}*{time}" if before else f"{number(value)}*{time}", value
+        return number(value), value
+
+    # At nodes.
+
+    def boundary(self, section):
+        kind = {"": "displacement", "DISPLACEMENT": "displacement", "VELOCITY": "velocity"}.get(key(section.get("TYPE")))
+        if kind is None:
+            raise NotUnderstood(f"TYPE={section.get('TYPE')} is not understood (DISPLACEMENT and VELOCITY are)")
+        if key(section.get("OP", "MOD")) == "NEW":
+            self.held = {target: values for target, values in self.held.items() if False}
+        fixed = section.has("FIXED")
+        for row in section.rows():
+            target = row.text(0)
+            words = key(row.text(1))
+            if words in SYMMETRIES:
+                for dof in SYMMETRIES[words]:
+                    self.hold(section, row, target, dof, 0.0, kind)
+                continue
+            if fixed:
+                raise NotUnderstood("FIXED is not understood")
+            first = row.line.integer(row.text(1), "a degree of freedom")
+            last = row.line.integer(row.text(2), "a degree of freedom") if row.text(2) else first
+            for dof in range(first, last + 1):
+                self.hold(section, row, target, dof, row.number(3), kind)
+
+    def hold(self, section, row, target, dof, value, kind):
+        rigid = self.converter.rigid_of(row.line, target)
+        if 4 <= dof <= 6 and rigid is None:
+            self.report.count(row.line.place, "Degrees of freedom 4 to 6 are not used: nodes of solids do not turn.")
+            return
+        if dof > self.mesh.dimension and dof <= 3:
+            return
+        if not (1 <= dof <= 6 or dof == TEMPERATURE):
+            raise NotUnderstood(f"the degree of freedom {dof} is not understood (1 to 3 and {TEMPERATURE} are)")
+        name = target if rigid is None else ("rigid", rigid)
+        values = self.held.setdefault(name, {"line": row.line})
+        at_start = self.converter.initial_temperature if dof == TEMPERATURE else 0.0
+        before = values[dof][2] if dof in values and values[dof][0] == kind else at_start
+        step = self.converter.step
+        if kind == "displacement" and dof != TEMPERATURE and not step.ramps and value != 0 and \
+                not section.get("AMPLITUDE") and not self.converter.is_model:
+            raise NotUnderstood("a displacement without AMPLITUDE is a jump, which an explicit step does not have")
+        text, last = self.function(section, value, before)
+        values[dof] = (kind, text, last)
+
+    def begin_step(self):
+        """What was prescribed before stays as it was at the end."""
+        for values in self.held.values():
+            for dof, (kind, _, last) in self.items(values):
+                values[dof] = (kind, number(last), last)
+        for target, (word, entries, place) in list(self.loads.items()):
+            text = self.last_texts.get(target)
+            if text:
+                entries = {name: value.replace(text[0], text[1]) if isinstance(value, str) else value
+                           for name, value in entries.items()}
+                self.loads[target] = (word, entries, place)
+                self.last_texts[target] = (text[1], text[1])
+
+    def conditions_of_step(self):
+        """Names of conditions of what is held now."""
+        names = []
+        for target, values in self.held.items():
+            if target[:1] == ("rigid",):
+                self.converter.parts.drive(target[1], values)
+                continue
+            line = values["line"]
+            where = None
+            for kind in ("displacement", "velocity"):
+                dofs = {dof: text for dof, (of_kind, text, _) in self.items(values) if of_kind == kind and dof <= 3}
+                if not dofs:
+                    continue
+                where = where or self.selection(line, target)
+                texts = [dofs.get(dof, "free") for dof in range(1, self.mesh.dimension + 1)]
+                if set(texts) == {"0"}:
+                    entries = {**where, "Type": "clamp"}
+                else:
+                    entries = {**where, "Type": kind, "Function": "; ".join(texts)}
+                names.append(self.add("support" if set(texts) <= {"0", "free"} else "drive", entries, line.place))
+            if TEMPERATURE in values:
+                where = where or self.selection(line, target)
+                names.append(self.add("temperature", {**where, "Type": "temperature",
+                                                      "Function": values[TEMPERATURE][1]}, line.place))
+        for word, entries, place in self.loads.values():
+            names.append(self.add(word, entries, place))
+        return names
+
+    @staticmethod
+    def items(values):
+        return [(dof, value) for dof, value in values.items() if dof != "line"]
+
+    def add(self, word, entries, comment):
+        """A condition; one that is there already is named again."""
+        for name, (_, known) in self.scene.named["Conditions"].items():
+            if known == entries:
+                return name
+        return self.scene.add("Conditions", word, entries, comment)
+
+    def selection(self, line, target):
+        nodes = self.converter.nodes_of(line, target)
+        name = next((name for name, members in self.mesh.node_sets.items() if set(members) == set(nodes)), "")
+        return self.scene.selection(nodes, name)
+
+    # Loads. Each is a word, entries and a place, by what it acts on.
+
+    def keep(self, section, target, what, word, entries, place):
+        if key(section.get("OP", "MOD")) == "NEW":
+            self.loads = {loaded: load for loaded, load in self.loads.items() if loaded[0] != section.name}
+        self.loads[section.name, key(target), what] = (word, entries, place)
+
+    def last_of(self, section, target, what):
+        return self.converter.last_loads.get((section.name, key(target), what), 0.0)
+
+    def value(self, section, target, what, value):
+        text, last = self.function(section, value, self.last_of(section, target, what))
+        self.converter.last_loads[section.name, key(target), what] = last
+        self.last_texts[section.name, key(target), what] = (text, number(last))
+        return text
+
+    def concentrated(self, section):
+        for row in section.rows():
+            target, dof, value = row.text(0), row.line.integer(row.text(1), "a degree of freedom"), row.number(2)
+            if not 1 <= dof <= self.mesh.dimension:
+                raise NotUnderstood(f"the degree of freedom {dof} is not understood (1 to {self.mesh.dimension} are)")
+            rigid = self.converter.rigid_of(row.line, target)
+            if rigid is not None:
+                self.converter.parts.push(rigid, dof, self.value(section, target, dof, value))
+                continue
+            nodes = self.converter.nodes_of(row.line, target)
+            faces = self.mesh.faces_of_nodes(nodes)
+            if not faces:
+                raise NotUnderstood(f'the nodes of "{target}" make no face of the boundary: forces on single nodes are not '
+                                    "possible here")
+            area = self.mesh.area(faces)
+            self.report.note(row.line.place, f"*CLOAD: the force at each of {len(nodes)} nodes is a traction over their "
+                             f"faces, whose area is {area:g}: the sum is the same, its distribution is not.")
+            text = self.value(section, target, dof, value * len(nodes) / area)
+            texts = [text if d == dof else "0" for d in range(1, self.mesh.dimension + 1)]
+            self.keep(section, target, dof, "load", {**self.selection(row.line, target), "Type": "traction",
+                                                     "Function": "; ".join(texts)}, row.line.place)
+
+    def distributed(self, section):
+        """*DLOAD: P1 to P6 on faces of elements, GRAV, BX, BY, BZ."""
+        for row in section.rows():
+            target, word, value = row.text(0), key(row.text(1)), row.number(2)
+            if word == "GRAV":
+                direction = [row.number(k) for k in range(3, 3 + self.mesh.dimension)]
+                row.number(5)
+                text = self.value(section, target, word, value)
+                self.keep(section, target, word, "gravity", {
+                    "Type": "gravity", **self.where_of_elements(row.line, target),
+                    "Function": "; ".join(f"({text})*{number(x)}" if x else "0" for x in direction)}, row.line.place)
+            elif word[:1] == "P" and word[1:].isdigit():
+                faces = self.converter.faces_of_elements(row.line, target, "S" + word[1:])
+                name = self.converter.name_of_faces(faces, f"{target} {word}")
+                self.keep(section, target, word, "pressure", {
+                    "Boundary": name, "Type": "pressure", "Function": self.value(section, target, word, value)},
+                    row.line.place)
+            else:
+                raise NotUnderstood(f"{word} is not understood (P1 to P6 and GRAV are)")
+
+    def where_of_elements(self, line, target):
+        """Entries of a body force, which acts on nodes."""
+        if not target:
+            return {}
+        nodes = self.converter.nodes_of_elements(line, target)
+        names = self.scene.parts_of_nodes(nodes)
+        if names and len(names) == len(self.scene.parts):
+            return {}
+        predicate = self.scene.box_of(set(nodes))
+        if predicate is None:
+            raise NotUnderstood(f'the elements of "{target}" are neither all nor those of a box')
+        return {"Where": predicate}
+
+    def on_surfaces(self, section):
+        """*DSLOAD: P, and TRVEC with a direction."""
+        for row in section.rows():
+            target, word, value = row.text(0), key(row.text(1)), row.number(2)
+            name = self.converter.surface_of(row.line, target)
+            text = self.value(section, target, word, value)
+            if word == "P":
+                entries = {"Boundary": name, "Type": "pressure", "Function": text}
+            elif word == "TRVEC":
+                direction = [row.number(k) for k in range(3, 6)]
+                length = sum(x * x for x in direction) ** 0.5 or 1
+                entries = {"Boundary": name, "Type": "traction", "Function": "; ".join(
+                    f"({text})*{number(x / length)}" if x else "0" for x in direction[:self.mesh.dimension])}
+            else:
+                raise NotUnderstood(f"{word} is not understood (P and TRVEC are)")
+            self.keep(section, target, word, "load", entries, row.line.place)
+
+    def flux(self, section):
+        """*DSFLUX (a surface, S) and *DFLUX (elements, S1 to S6)."""
+        for row in section.rows():
+            target, word, value = row.text(0), key(row.text(1)), row.number(2)
+            name = self.thermal_surface(section, row, target, word, "S")
+            self.keep(section, target, word, "flux", {"Boundary": name, "Type": "heat flux", "Function": self.value(
+                section, target, word, value)}, row.line.place)
+
+    def film(self, section):
+        """*SFILM (a surface, F) and *FILM (elements, F1 to F6): sink temperature and coefficient."""
+        for row in section.rows():
+            target, word = row.text(0), key(row.text(1))
+            name = self.thermal_surface(section, row, target, word, "F")
+            self.keep(section, target, word, "film", {
+                "Boundary": name, "Type": "convection", "Ambient temperature": self.value(section, target, word,
+                                                                                         row.number(2)),
+                "Film coefficient": number(row.number(3))}, row.line.place)
+
+    def thermal_surface(self, section, row, target, word, letter):
+        if word == letter:
+            return self.converter.surface_of(row.line, target)
+        if word[:1] == letter and word[1:].isdigit():
+            faces = self.converter.faces_of_elements(row.line, target, "S" + word[1:])
+            return self.converter.name_of_faces(faces, f"{target} {word}")
+        raise NotUnderstood(f"{word} is not understood ({letter} and {letter}1 to {letter}6 are)")
+
+    # At the start.
+
+    def initial(self, section):
+        kind = key(section.get("TYPE"))
+        if kind == "VELOCITY":
+            values = {}
+            for row in section.rows():
+                dof = row.line.integer(row.text(1), "a degree of freedom")
+                if 1 <= dof <= self.mesh.dimension:
+                    values.setdefault(row.text(0), {"line": row.line})[dof] = row.number(2)
+            for target, components in values.items():
+                velocity = "; ".join(number(components.get(d, 0)) for d in range(1, self.mesh.dimension + 1))
+                self.scene.add("Initial conditions", "flight", {
+                    **self.where_at_start(components["line"], target), "Velocity": velocity}, components["line"].place)
+        elif kind == "TEMPERATURE":
+            for row in section.rows():
+                target, value = row.text(0), row.number(1)
+                if value != self.converter.initial_temperature:
+                    self.scene.add("Initial conditions", "heat", {
+                        **self.where_at_start(row.line, target), "Temperature": number(value)}, row.line.place)
+        elif kind == "STRESS":
+            for row in section.rows():
+                target = row.text(0)
+                xx, yy, zz, xy, xz, yz = (row.number(k) for k in range(1, 7))
+                nodes = self.converter.nodes_of_elements(row.line, target)
+                self.scene.add("Initial conditions", "stress", {
+                    **self.parts_or_box(nodes, target),
+                    "Stress": "; ".join(map(number, (xx, yy, zz, yz, xz, xy)))}, row.line.place)
+        else:
+            raise NotUnderstood(f"TYPE={kind} is not understood (VELOCITY, TEMPERATURE and STRESS are)")
+
+    def where_at_start(self, line, target):
+        rigid = self.converter.rigid_of(line, target)
+        if rigid is not None:
+            return {"Part": rigid}
+        return self.parts_or_box(self.converter.nodes_of(line, target), target)
+
+    def parts_or_box(self, nodes, target):
+        names = self.scene.parts_of_nodes(nodes)
+        if names:
+            return {} if len(names) == len(self.scene.parts) else {"Part": ", ".join(names)}
+        predicate = self.scene.box_of(set(nodes) & self.scene.nodes_of_cells())
+        if predicate is None:
+            raise NotUnderstood(f'the nodes of "{target}" are neither those of parts nor those of a box')
+        return {"Where": predicate}
+
+    def readers(self):
+        return {"BOUNDARY": self.boundary, "CLOAD": self.concentrated, "DLOAD": self.distributed,
+                "DSLOAD": self.on_surfaces, "DSFLUX": self.flux, "DFLUX": self.flux, "SFILM": self.film,
+                "FILM": self.film}
+
+
+def entry_of(line, text):
+    return Entry(line, text)

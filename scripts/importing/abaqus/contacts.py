@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""*CONTACT PAIR, *TIE and *CONTACT (of everything)."""
+
+from itertools import combinations
+
+from ..scene import NotUnderstood, number
+from .deck import key
+
+MOST_PAIRS = 45
+
+
+def frictions(deck):
+    """Coefficients of *SURFACE INTERACTION by name."""
+    result, current = {}, None
+    for section in deck.sections:
+        if section.name == "SURFACE INTERACTION":
+            section.is_read = True
+            current = key(section.name_in("NAME"))
+            result[current] = 0.0
+        elif section.name == "FRICTION" and current is not None:
+            rows = section.rows()
+            result[current] = rows[0].number(0) if rows else 0.0
+        elif section.name in ("STEP", "CONTACT PAIR", "TIE", "MATERIAL"):
+            current = None
+    return result
+
+
+class Contacts:
+    def __init__(self, converter):
+        self.converter, self.scene = converter, converter.scene
+        self.friction = frictions(converter.deck)
+
+    def friction_of(self, section, option="INTERACTION"):
+        name = section.get(option)
+        if not name:
+            return {}
+        if key(name) not in self.friction:
+            section.line.fail(f'There is no *SURFACE INTERACTION "{name}".')
+        value = self.friction[key(name)]
+        return {"Friction": number(value)} if value else {}
+
+    def pair(self, section):
+        friction = self.friction_of(section)
+        for option in ("TYPE", "SMALL SLIDING", "MECHANICAL CONSTRAINT", "CPSET", "ADJUST"):
+            if option in ("SMALL SLIDING", "ADJUST") and option in section.options:
+                continue
+            section.get(option)
+        for row in section.rows():
+            self.add(row, friction)
+
+    def tie(self, section):
+        section.get("NAME")
+        for row in section.rows():
+            self.add(row, {"Type": "tied"})
+
+    def add(self, row, extra):
+        slave, master = (self.converter.surface_of(row.line, row.text(k)) for k in (0, 1))
+        self.scene.add("Body contacts", "joint", {"Slave boundary": slave, "Master boundary": master, **extra},
+                       row.line.place)
+
+    def general(self, section):
+        """*CONTACT with all exterior: each two parts that share no nodes."""
+        parts = [part.name for part in self.scene.parts]
+        following = self.converter.deck.sections[self.converter.deck.sections.index(section) + 1:]
+        extra = {}
+        for one in following:
+            if one.name == "CONTACT INCLUSIONS":
+                if not one.has("ALL EXTERIOR"):
+                    raise NotUnderstood(f"*CONTACT INCLUSIONS without ALL EXTERIOR ({one.line.place}) is not understood")
+                one.is_read = True
+            elif one.name == "CONTACT PROPERTY ASSIGNMENT":
+                for row in one.rows():
+                    row.text(0), row.text(1)
+                    name = key(row.text(2))
+                    if self.friction.get(name):
+                        extra = {"Friction": number(self.friction[name])}
+            elif not one.name.startswith("CONTACT "):
+                break
+        section.rows()
+        pairs = [pair for pair in combinations(parts, 2) if not self.scene.share_nodes(*pair)]
+        rigid = set(self.converter.parts.rigid.values())
+        pairs = [(other, one) if one in rigid else (one, other) for one, other in pairs if not {one, other} <= rigid]
+        if not pairs or len(pairs) > MOST_PAIRS:
+            raise NotUnderstood(f"it is among {len(parts)} parts, of which {len(pairs)} pairs share no nodes: write sections "
+                                "\"Body contact: NAME\" for those that meet")
+        for one, other in pairs:
+            self.scene.add("Body contacts", "joint", {"Slave parts": one, "Master parts": other, **extra},
+                           section.line.place)
+        self.converter.report.note(section.line.place, "*CONTACT: a body that folds and meets itself is not seen.")
+
+    def readers(self):
+        return {"CONTACT PAIR": self.pair, "TIE": self.tie, "CONTACT": self.general}

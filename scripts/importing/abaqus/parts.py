@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""*SOLID SECTION and *RIGID BODY as parts."""
+
+from ..mesh import usable
+from ..scene import Part, number
+from .deck import key
+from .mesh import Entry
+
+
+class Parts:
+    """Makes the parts of a scene. rigid has the names of rigid parts by the indices of their reference nodes."""
+
+    def __init__(self, converter):
+        self.converter, self.scene, self.mesh = converter, converter.scene, converter.mesh
+        self.rigid, self.used_materials = {}, {}
+        self.type_of_cell = {}
+        for body in self.mesh.bodies:
+            for block in body.content.blocks:
+                for element, _, _ in block.elements:
+                    kind, index = body.elements.get(element, (None, 0))
+                    if kind == "cell":
+                        self.type_of_cell[index] = block.type.name
+        for section in converter.deck.named("SOLID SECTION", "MEMBRANE SECTION", "SHELL SECTION"):
+            if section.name == "SOLID SECTION" or self.mesh.dimension == 2:
+                self.read_section(section)
+        for section in converter.deck.named("RIGID BODY"):
+            self.read_rigid(section)
+
+    def read_section(self, section):
+        section.is_read = True
+        name, material = section.name_in("ELSET"), section.name_in("MATERIAL")
+        cells = self.converter.cells_of(section.scope, section.line, name)
+        for row in section.rows():
+            row.number(0)  # a thickness of solids is none
+        if not cells:
+            self.converter.report.note(section.line.place, f'*{section.name}: the set "{name}" has no cells.')
+            return
+        if key(material) not in self.converter.materials:
+            section.line.fail(f'There is no *MATERIAL "{material}".')
+        group = self.converter.name_of_cells(cells, name)
+        part_name = usable(group, ",/=#\\\"")
+        types = {self.type_of_cell[cell] for cell in cells}
+        kind = sorted(types)[0]
+        if kind.startswith("CPS"):
+            self.converter.report.note(section.line.place, f"elements {kind} are of plane stress; two dimensions are plane "
+                                       "strain here.")
+        formulation = "hexahedron" if self.is_one_point(kind) else "fully integrated hexahedron"
+        self.used_materials.setdefault(key(material), self.converter.materials[key(material)])
+        self.scene.parts.append(Part(part_name, group, formulation, usable(material, ",/=#\\\""),
+                                     dict(self.converter.viscosity)))
+
+    @staticmethod
+    def is_one_point(kind):
+        return kind.rstrip("THM").endswith("R")
+
+    def read_rigid(self, section):
+        """A body of cells that moves with a reference node."""
+        section.is_read = True
+        name = section.get("ELSET")
+        cells = self.converter.cells_of(section.scope, section.line, name) if name else []
+        nodes = self.mesh.nodes_of_groups([self.converter.name_of_cells(cells, name)]) if cells else set()
+        parts = [part for part in self.scene.parts if part.group and self.scene.nodes_of_part(part) == nodes]
+        if not parts:
+            section.is_read = False
+            self.converter.report.note(section.line.place, f'*RIGID BODY: the set "{name}" is not the cells of a '
+                                       "*SOLID SECTION, and is left out.")
+            return
+        part = parts[0]
+        part.formulation = "rigid"
+        part.entries = {"Displacement": "; ".join(["free"] * self.mesh.dimension),
+                        "Rotation": "free" if self.mesh.dimension == 3 else "about the axis"}
+        reference = section.name_in("REF NODE")
+        node = self.converter.all_nodes_of(section.line, reference, section.scope)[0]
+        part.entries["Origin"] = ", ".join(map(number, self.mesh.points[node][:self.mesh.dimension]))
+        self.rigid[node] = part.name
+
+    def drive(self, name, values):
+        """What a step prescribes of the reference node of a rigid part."""
+        part = self.scene.part(name)
+        terms = ["free"] * self.mesh.dimension
+        turns = {}
+        for dof, (kind, text, last) in ((dof, value) for dof, value in values.items() if dof != "line"):
+            if dof <= 3:
+                if kind == "velocity" and text != "0":
+                    text = self.integrated(values["line"], text)
+                terms[dof - 1] = text
+            elif dof <= 6:
+                turns[dof - 4] = (kind, text)
+        part.entries["Displacement"] = "; ".join(terms)
+        part.entries.pop("Rotation", None)
+        part.entries.pop("Angle", None)
+        free = [axis for axis in ((0, 1, 2) if self.mesh.dimension == 3 else (2,)) if axis not in turns]
+        moving = [axis for axis, (_, text) in turns.items() if text != "0"]
+        if len(moving) > 1 or (moving and free) or len(free) == 2:
+            values["line"].fail(f'the rotations of the rigid body "{name}" are prescribed in a way that is not possible '
+                                "here: all are held or free, one is free, or one is prescribed.")
+        if moving:
+            kind, text = turns[moving[0]]
+            part.entries["Angle"] = self.integrated(values["line"], text) if kind == "velocity" else text
+        if moving or len(free) == 1:
+            axis = moving[0] if moving else free[0]
+            if self.mesh.dimension == 3:
+                part.entries["Axis"] = ", ".join("1" if d == axis else "0" for d in range(3))
+        if len(free) == 1:
+            part.entries["Rotation"] = "about the axis"
+        elif free:
+            part.entries["Rotation"] = "free"
+
+    @staticmethod
+    def integrated(line, text):
+        """A constant velocity as a displacement."""
+        if "t" in text:
+            line.fail("a velocity of a rigid body that changes in time is not possible here: prescribe its displacement.")
+        return f"{text}*t"
+
+    def push(self, name, dof, text):
+        part = self.scene.part(name)
+        terms = part.entries.get("Force", "; ".join(["0"] * self.mesh.dimension)).split("; ")
+        terms[dof - 1] = text
+        part.entries["Force"] = "; ".join(terms)
+
+
+def reference(line, text):
+    return Entry(line, text)

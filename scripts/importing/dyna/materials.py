@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""*MAT_... and *EOS_... as sections of materials."""
+
+from ..scene import linear_hardening, number, plastic_curve, tabular
+from .cards import form_of
+
+MODELS = ("MAT_001", "MAT_003", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
+NO_FAILURE = 1e10  # a strain
+EOS = ("EOS_GRUNEISEN", "EOS_LINEAR_POLYNOMIAL")
+
+
+class Material:
+    """A material: entries of its section, and remarks about what is left out."""
+
+    def __init__(self, record, curves):
+        self.record, self.curves = record, curves
+        self.line = record.section.line
+        self.number = record.integer("MID")
+        self.density = record.number("RO")
+        self.kind = form_of(record.name)
+        self.failure_strain, self.has_damage = None, False
+        self.equation, self.remarks, self.flow, self.heat = {}, [], {}, {}
+        self.moduli = {}
+        readers = {"MAT_003": self.read_plastic_kinematic, "MAT_024": self.read_piecewise_linear,
+                   "MAT_106": self.read_viscoplastic_thermal, "MAT_020": self.read_rigid}
+        if self.kind == "MAT_015":
+            self.read_johnson_cook()
+        else:
+            self.modulus, self.poisson = record.number("E"), record.number("PR")
+        for name, value in (("density", self.density), ("Young's modulus", self.modulus)):
+            self.refuse_zero(name, value)
+        if self.kind in readers:
+            readers[self.kind]()
+
+    def refuse_zero(self, name, value):
+        if value <= 0:
+            self.line.fail(f"the {name} of material {self.number} is {value:g}. Allowed is a number larger than zero.")
+
+    def hardening(self, yield_stress, tangent):
+        """Linear hardening of a tangent modulus of the uniaxial curve."""
+        self.refuse_zero("yield stress (SIGY)", yield_stress)
+        slope = self.modulus * tangent / (self.modulus - tangent) if tangent < self.modulus else 0
+        return linear_hardening(yield_stress, slope)
+
+    def read_plastic_kinematic(self):
+        record = self.record
+        self.flow = self.hardening(record.number("SIGY"), record.number("ETAN"))
+        if record.number("BETA") < 1:
+            self.remarks.append("BETA < 1, kinematic hardening: hardening is isotropic here.")
+        self.leave_out_rates("SRC", "SRP", "SRC, SRP: the rate dependence of Cowper and Symonds is left out.")
+        self.read_failure_strain("FS")
+
+    def leave_out_rates(self, first, second, remark):
+        if self.record.number(first) > 0:
+            self.record.number(second)
+            self.remarks.append(remark)
+
+    def read_failure_strain(self, name):
+        """Programs write a large number for none."""
+        if 0 < self.record.number(name) < NO_FAILURE:
+            self.failure_strain = self.record.number(name)
+
+    def curve_of_flow(self, number_of_curve):
+        """Points of a curve, or of that of the lowest strain rate of a table."""
+        curves = self.curves
+        if number_of_curve in curves.tables:
+            rate, first = curves.tables[number_of_curve][0]
+            for _, other in curves.tables[number_of_curve][1:]:
+                curves.used.add(other)
+            if len(curves.tables[number_of_curve]) > 1:
+                self.remarks.append(f"LCSS = {number_of_curve} is a table over strain rates: that of the rate {rate:g} is "
+                                    "taken, there is no dependence on the rate here.")
+            number_of_curve = first
+        if number_of_curve not in curves:
+            return None
+        curve = curves[number_of_curve]
+        points = plastic_curve(curve.points, curve.line.fail)
+        if curve.points[0][0] > 0:
+            self.remarks.append(f"The curve of hardening begins at the strain {curve.points[0][0]:g}: it is constant "
+                                "before.")
+        return points
+
+    def read_piecewise_linear(self):
+        record = self.record
+        lcss = record.integer("LCSS")
+        points = []
+        if lcss:
+            points = self.curve_of_flow(lcss) or []
+            if not points:
+                self.remarks.append(f"LCSS = {lcss} is no *DEFINE_CURVE of this file: SIGY and ETAN are taken.")
+                if record.number("SIGY") <= 0:
+                    self.line.fail(f"LCSS = {lcss} of material {self.number} is no *DEFINE_CURVE of this file, and "
+                                   "there is no SIGY.")
+        else:
+            points = [(record.number(f"EPS{k}"), record.number(f"ES{k}")) for k in range(1, 9)]
+            points = [point for point in points if point[1] != 0]
+            points = plastic_curve(points, self.line.fail) if points else []
+        if len(points) > 1:
+            self.flow = tabular(points)
+        elif points:
+            self.flow = self.hardening(points[0][1], 0)
+        else:
+            self.flow = self.hardening(record.number("SIGY"), record.number("ETAN"))
+        if record.number("C") > 0 or record.integer("LCSR"):
+            record.number("P")
+            self.remarks.append("C, P, LCSR: the dependence on the strain rate is left out.")
+        self.read_failure_strain("FAIL")
+
+    def read_rigid(self):
+        """Without stress; motion is that of the part."""
+
+    def read_viscoplastic_thermal(self):
+        record = self.record
+        points = self.curve_of_flow(record.integer("LCSS")) if record.integer("LCSS") else None
+        stress = record.number("SIGY")
+        if not points and record.number("QR1"):
+            # Voce's saturation, as a table.
+            from math import exp
+            terms = [(record.number(f"QR{k}"), record.number(f"CR{k}")) for k in (1, 2)]
+            strains = (0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1)
+            points = [(e, stress + sum(q * (1 - exp(-c * e)) for q, c in terms)) for e in strains]
+        self.flow = tabular(points) if points and len(points) > 1 else self.hardening(stress, 0)
+        self.leave_out_rates("C", "P", "C, P: the dependence on the strain rate is left out.")
+        for field, entry in (("LCE", "Young's modulus"), ("LCPR", "Poisson's ratio"), ("LCALPH", "Thermal expansion")):
+            curve = record.integer(field)
+            if curve and curve in self.curves:
+                self.moduli[entry] = ", ".join(f"{number(x)}: {number(y)}" for x, y in self.curves[curve].points)
+        if record.number("ALPHA") and "Thermal expansion" not in self.moduli:
+            self.moduli["Thermal expansion"] = number(record.number("ALPHA"))
+        curve = record.integer("LCSIGY")
+        if curve and curve in self.curves:
+            self.scale_by_temperature(self.curves[curve].points)
+        record.number("TREF")
+
+    def scale_by_temperature(self, points):
+        """Yield stresses over the temperature scale the table."""
+        rows = self.flow.get("tabular") or {"Plastic strains": "0", "Flow stresses": number(points[0][1])}
+        stresses = [float(text) for text in rows["Flow stresses"].split(",")]
+        self.flow = {"Flow stress": "tabular", "tabular": {
+            "Plastic strains": rows["Plastic strains"], "Temperatures": ", ".join(number(x) for x, _ in points),
+            "Flow stresses": "; ".join(", ".join(number(s - stresses[0] + y) for s in stresses) for _, y in points)}}
+
+    def read_johnson_cook(self):
+        record = self.record
+        shear, self.modulus = record.number("G"), record.number("E")
+        self.poisson = record.number("PR")
+        if self.modulus == 0:
+            self.modulus = 2 * shear * (1 + self.poisson)
+            self.remarks.append("E is 2 G (1 + PR); where PR is blank, set Poisson's ratio.")
+        names = (("Yield stress", "A"), ("Hardening coefficient", "B"), ("Hardening exponent", "N"),
+                 ("Rate coefficient", "C"), ("Thermal exponent", "M"), ("Melting temperature", "TM"),
+                 ("Reference temperature", "TR"), ("Reference rate", "EPSO"))
+        self.flow = {"Flow stress": "johnson cook",
+                     "#heat": "LS-DYNA turns all plastic work into heat.",
+                     "Taylor-Quinney coefficient": 1,
+                     "Specific heat capacity": number(record.number("CP")),
+                     "Initial temperature": number(record.number("TR")),
+                     "johnson cook": {name: number(record.number(field)) for name, field in names}}
+        self.read_damage()
+
+    def read_damage(self):
+        """D1 to D5 and EFMIN."""
+        record = self.record
+        values = [record.number(f"D{k}") for k in range(1, 6)]
+        smallest = record.number("EFMIN") or 1e-6
+        if not any(values):
+            return
+        if values[0] + values[1] <= 0:
+            self.remarks.append("D1 to D5: D1 + D2 is not positive, damage is left out.")
+            return
+        self.has_damage = True
+        if values[2] > 0:
+            self.remarks.append("D3 is above zero: it is taken as -D3, by which tension makes less ductile.")
+        values[2] = -abs(values[2])
+        self.flow["Damage"] = "johnson cook damage"
+        self.flow["johnson cook damage"] = {
+            **{f"D{k + 1}": number(value) for k, value in enumerate(values)},
+            "Reference rate": number(record.number("EPSO")), "Melting temperature": number(record.number("TM")),
+            "Reference temperature": number(record.number("TR")), "Smallest failure strain": number(smallest)}
+
+    def give_equation(self, record):
+        """The equation of state that a part names with this material."""
+        if self.kind == "MAT_001":
+            self.remarks.append(f"The equation of state on {record.line.place} is left out: the model is elastic.")
+            return
+        if record.name != "EOS_GRUNEISEN" and form_of(record.name) == "EOS_LINEAR_POLYNOMIAL":
+            self.give_polynomial(record)
+            return
+        names = (("Sound speed", "C"), ("Hugoniot slope", "S1"), ("Second Hugoniot coefficient", "S2"),
+                 ("Third Hugoniot coefficient", "S3"), ("Gruneisen coefficient", "GAMAO"),
+                 ("Gruneisen correction", "A"))
+        self.equation = {"#eos": f"*{record.section.keyword} on {record.section.line.place}",
+                         "Equation of state": "mie gruneisen",
+                         "mie gruneisen": {name: number(record.number(field)) for name, field in names}}
+        if record.number("E0") or record.number("V0") not in (0, 1):
+            self.remarks.append("E0, V0: the initial state of the equation of state is left out.")
+
+    def give_polynomial(self, record):
+        """A linear one is that of the bulk modulus; others have no counterpart."""
+        bulk = self.modulus / (3 * (1 - 2 * self.poisson))
+        if abs(record.number("C1") - bulk) > 0.02 * bulk:
+            self.remarks.append(f"*{record.section.keyword} on {record.section.line.place}: C1 = {record.number('C1'):g} is "
+                                f"not taken, the bulk modulus is {bulk:g} by E and PR.")
+
+    def entries(self):
+        """Comments, and the entries of the section."""
+        model = "elastic" if self.kind in ("MAT_001", "MAT_020") else "j2 plasticity"
+        title = f": {self.record.title}" if self.record.title else ""
+        if self.kind == "MAT_015" and not self.equation:
+            self.remarks.append("There is no *EOS_GRUNEISEN of its parts: pressure is linear elastic.")
+        section = self.record.section
+        comments = [f"*{section.keyword} on {section.line.place}{title}", *self.remarks]
+        flow = dict(self.flow)
+        if self.heat:
+            flow.pop("Specific heat capacity", None)
+            flow.pop("Initial temperature", None)
+        constants = {"Density": number(self.density), "Young's modulus": number(self.modulus),
+                     "Poisson's ratio": number(self.poisson), **self.moduli}
+        entries = {"Model": model, model: {**constants, **flow, **self.equation}}
+        if self.heat:
+            entries["Heat"] = self.heat
+        return comments, entries

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""*PART and *SECTION_... as parts and their formulations."""
+
+from ..mesh import usable
+from ..scene import PARTICLES, Part, number
+from .cards import PARTS
+
+ELEMENTS_OF_ELFORM = {0: "hexahedron", 1: "hexahedron"}  # others: fully integrated hexahedron
+# What CON1 of a rigid material holds, along the axes; CON2 about them.
+HELD = {0: "", 1: "x", 2: "y", 3: "z", 4: "xy", 5: "yz", 6: "zx", 7: "xyz"}
+
+
+class PartReader:
+    """Makes the parts of a scene; their names by number are in names."""
+
+    def __init__(self, converter):
+        self.converter, self.scene, self.report = converter, converter.scene, converter.report
+        self.names = {}
+        self.rigid = set()  # numbers of rigid parts
+        self.touches_itself = any(section.name.startswith("CONTACT_") and
+                                  ("SINGLE_SURFACE" in section.name or "AUTOMATIC_GENERAL" in section.name)
+                                  for section in converter.deck.sections)
+        taken = set()
+        for record in converter.records_of(*converter.deck.named(*PARTS)):
+            self.read(record, taken)
+
+    def read(self, record, taken):
+        converter, report = self.converter, self.report
+        number_of_part = record.integer("PID")
+        mesh = converter.mesh
+        if number_of_part not in mesh.part_names:
+            report.note(record.line.place, f'the part {number_of_part} "{record.title}" has no solid elements.')
+            converter.forget(record)
+            return
+        form, material, equation, thermal = (record.integer(field) for field in ("SECID", "MID", "EOSID", "TMID"))
+        materials = converter.materials
+        if equation in converter.equations and material in materials:
+            if not materials[material].equation:
+                materials[material].give_equation(converter.equations[equation])
+        elif equation:
+            report.note(record.line.place, f"the equation of state {equation} of part {number_of_part} is not "
+                        "understood.")
+        if material not in materials:
+            report.note(record.line.place, f"the material {material} of part {number_of_part} is not understood: write "
+                        "its section.")
+        elif thermal in converter.thermal:
+            materials[material].heat = converter.heat_of(converter.thermal[thermal])
+        elif thermal:
+            report.note(record.line.place, f"the thermal material {thermal} of part {number_of_part} is not understood.")
+        if form not in converter.forms:
+            report.note(record.line.place, f"there is no *SECTION_SOLID {form}: part {number_of_part} is of one-point "
+                        "hexahedra.")
+        name = usable(record.title, ",/=#\\\"") or f"part {number_of_part}"
+        if name in taken:
+            name += f" ({number_of_part})"
+        taken.add(name)
+        self.names[number_of_part] = name
+        section = converter.forms[form] if form in converter.forms else None
+        self.scene.parts.append(self.part(name, number_of_part, section, material))
+
+    def part(self, name, number_of_part, section, material):
+        name_of_material = f"material {material}"
+        of_material = self.converter.materials.get(material)
+        group = f"part {number_of_part}"
+        if of_material and of_material.kind == "MAT_020":
+            self.rigid.add(number_of_part)
+            return Part(name, group, "rigid", name_of_material, self.rigid_motion(of_material.record))
+        viscosity = dict(self.converter.viscosity)
+        if of_material and of_material.equation:
+            viscosity = viscosity or {"Linear bulk viscosity": 0.06, "Quadratic bulk viscosity": 1.5}
+        if section is not None and section.name == "SECTION_SOLID_SPG":
+            return Part(name, group, PARTICLES, name_of_material, {**self.entries_of_spg(section), **viscosity})
+        elform = section.integer("ELFORM") if section is not None else 1
+        limits = {}
+        if of_material and of_material.failure_strain:
+            limits["Erosion strain"] = number(of_material.failure_strain)
+        if of_material and of_material.has_damage:
+            limits["Erosion damage"] = 1
+        formulation = ELEMENTS_OF_ELFORM.get(elform, "fully integrated hexahedron")
+        if self.scene.mesh.dimension == 2:
+            formulation = "fully integrated hexahedron"
+        return Part(name, group, formulation, name_of_material, {**limits, **viscosity})
+
+    def entries_of_spg(self, form):
+        """Fragments touch each other where bonds break and the file has a contact of everything with itself."""
+        entries = {}
+        form.integer("ELFORM")
+        sizes = [form.number(field) for field in ("DX", "DY", "DZ")]
+        if any(sizes):
+            entries["#sizes"] = "DX, DY, DZ = " + ", ".join(f"{size:g}" for size in sizes)
+            entries["Dilation"] = number(max(sizes))
+        kernel = form.integer("KERNEL")
+        if kernel == 0:
+            entries["Configuration"] = "updated Lagrangian"
+            entries["Rebuild interval"] = form.integer("SMSTEP") or 15
+        elif kernel == 1:
+            entries["Configuration"] = "current"
+        if form.integer("IDAM") == 1 and form.number("FS") > 0:
+            if self.touches_itself:
+                entries["Self-contact"] = "true"
+            entries["Bond failure"] = "effective plastic strain"
+            entries["effective plastic strain"] = {"Limit": number(form.number("FS")),
+                                                   "Stretch": number(max(1, form.number("STRETCH")))}
+        return entries
+
+    def rigid_motion(self, record):
+        """What *MAT_020 leaves free, in global directions."""
+        cmo = record.number("CMO")
+        held, turns = ("", "") if cmo == 0 else \
+            (HELD.get(record.integer("CON1"), ""), HELD.get(record.integer("CON2"), ""))
+        if cmo not in (0, 1):
+            self.report.note(record.line.place, "*MAT_RIGID: CMO is neither 0 nor 1, local constraints are not used: the "
+                             "part is free.")
+        entries = {"Displacement": "; ".join("0" if axis in held else "free"
+                                             for axis in "xyz"[:self.scene.mesh.dimension])}
+        if turns == "xyz":
+            return entries
+        if len(turns) == 2:
+            axis = (set("xyz") - set(turns)).pop()
+            return {**entries, "Axis": ", ".join("1" if a == axis else "0" for a in "xyz"), "Rotation": "about the axis"}
+        if len(turns) == 1:
+            self.report.note(record.line.place, f"*MAT_RIGID: CON2 holds the rotation about {turns} alone, which is not "
+                             "possible here: the part turns freely.")
+        return {**entries, "Rotation": "free" if self.scene.mesh.dimension == 3 else "about the axis"}

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The scene of a keyword file."""
+
+from ..mesh import usable
+from ..scene import NotUnderstood, Scene, number, refuse_mixed_units
+from . import conditions, contacts, control, initial
+from .cards import form_of
+from .curves import Curves, Used
+from .materials import EOS, MODELS, Material
+from .parts import PartReader
+
+OF_THE_MESH = ("KEYWORD", "TITLE", "INCLUDE", "INCLUDE_PATH", "INCLUDE_TRANSFORM", "PARAMETER", "PARAMETER_LOCAL",
+               "DEFINE_TRANSFORMATION", "NODE", "ELEMENT_SOLID", "ELEMENT_SOLID_H20", "ELEMENT_SOLID_H27", "ELEMENT_SHELL")
+# Of these a field that is not understood leaves the thing out: it would act elsewhere, or at another time.
+STRICT = {**conditions.RECORDS, **initial.RECORDS, **contacts.RECORDS}
+# They depend on others.
+LAST = ("CONTACT_",)
+
+
+def scene_of(deck, mesh, target, report):
+    return Converter(deck, mesh, target, report).scene
+
+
+class Converter:
+    def __init__(self, deck, mesh, target, report):
+        deck.report = report
+        self.deck, self.mesh, self.report = deck, mesh, report
+        self.scene = Scene(deck.path, target, report, mesh)
+        self.records, self.integrated = [], {}
+        for section in deck.sections:
+            section.is_read = getattr(section, "is_read", False) or section.name in OF_THE_MESH
+            if section.name == "TITLE" and section.lines:
+                self.scene.title = usable(section.lines[0].text) or self.scene.title
+        self.curves = Curves(deck, report)
+        self.records += [curve.record for curve in self.curves.values()]
+        self.read_materials()
+        self.forms = Used((record.integer("SECID"), record) for record in self.records_of(
+            *deck.named("SECTION_SOLID", "SECTION_SOLID_SPG", *(("SECTION_SHELL",) if mesh.dimension == 2 else ()))))
+        self.viscosity = {}
+        for section in deck.named("CONTROL_BULK_VISCOSITY"):
+            for record in section.records():
+                self.viscosity = {"Linear bulk viscosity": number(record.number("Q2") or 0.06),
+                                  "Quadratic bulk viscosity": number(record.number("Q1") or 1.5)}
+        self.parts = PartReader(self)
+        for material in self.materials.values():
+            self.scene.materials[f"material {material.number}"] = material.entries()
+        for record in self.records_of(*deck.named("CONTROL_TERMINATION")):
+            control.termination(self, record)
+        conditions.hold_nodes(self)
+        for section in sorted(deck.sections, key=lambda section: section.name.startswith(LAST)):
+            self.read(section)
+        self.report_what_is_left_out()
+
+    def read_materials(self):
+        self.materials = {}
+        for section in self.deck.sections:
+            if form_of(section.name) in MODELS:
+                for record in self.records_of(section):
+                    material = Material(record, self.curves)
+                    self.materials[material.number] = material
+        refuse_mixed_units((material.density, material.number, material.line.place)
+                           for material in self.materials.values())
+        self.equations = Used((record.integer("EOSID"), record) for record in self.records_of(
+            *(section for section in self.deck.sections if form_of(section.name) in EOS)))
+        self.thermal = Used((record.integer("TMID"), record) for record in self.records_of(
+            *(section for section in self.deck.sections if form_of(section.name) == "MAT_THERMAL_ISOTROPIC")))
+
+    def heat_of(self, record):
+        """*MAT_THERMAL_ISOTROPIC."""
+        record.number("TRO")
+        temperature = 0.0
+        for section in self.deck.named("INITIAL_TEMPERATURE_SET"):
+            for one in section.records():
+                if one.peek("NSID") == 0:
+                    temperature = one.peek("TEMP")
+        return {"Specific heat capacity": number(record.number("HC")), "Conductivity": number(record.number("TC")),
+                "Initial temperature": number(temperature)}
+
+    def records_of(self, *sections):
+        """The records of sections that are used."""
+        records = []
+        for section in sections:
+            section.is_read = True
+            records += section.records()
+        self.records += records
+        return records
+
+    def forget(self, record):
+        self.records.remove(record)
+
+    def read(self, section):
+        name = section.name
+        if name in control.RECORDS and name != "CONTROL_TERMINATION":
+            for record in self.records_of(section):
+                control.RECORDS[name](self, record)
+        for table in (conditions.SECTIONS, control.SECTIONS):
+            if name in table:
+                section.is_read = True
+                try:
+                    table[name](self, section)
+                except NotUnderstood as reason:
+                    self.leave_out(section, section.lines, section.line.place, reason)
+        reader = STRICT.get(name) or (contacts.contact if name.startswith("CONTACT_") else None)
+        if reader:
+            section.is_read = True
+            for record in section.records():
+                self.read_record(section, record, reader)
+
+    def read_record(self, section, record, reader):
+        try:
+            things = list(reader(self, record))
+            self.refuse_unused(record)
+        except NotUnderstood as reason:
+            self.leave_out(section, record.lines, record.line.place, reason)
+            return
+        for kind, word, entries in things:
+            if entries:
+                self.scene.add(kind, word, entries, record.line.place + (f": {record.title}" if record.title else ""))
+
+    @staticmethod
+    def refuse_unused(record):
+        unused = record.unused()
+        if unused:
+            raise NotUnderstood(", ".join(f"{field.name} = {field.text}" for field in unused) + " is not understood")
+
+    def leave_out(self, section, lines, place, reason):
+        self.report.leave_out(section, lines, f"{reason}, so that this is left out ({place})")
+
+    def report_what_is_left_out(self):
+        for things in (self.curves, self.equations, self.forms, self.thermal):
+            for thing_number, thing in things.unused():
+                record = getattr(thing, "record", thing)
+                if record in self.records:
+                    self.records.remove(record)
+                self.report.note(record.line.place, f"*{record.section.keyword} {thing_number} is used by nothing.")
+        for record in self.records:
+            for field in record.unused():
+                self.report.unused(field.line.place, record.section.keyword, f"{field.name} = {field.text}")
+        for section in self.deck.sections:
+            if not section.is_read and not section.name.startswith("SET_"):
+                self.report.leave_out(section, section.lines)
+
+    # What readers of cards ask.
+
+    def boundary(self, kind, number_of_set, record):
+        """The name of a set of nodes or segments."""
+        name = self.mesh.names.get((kind, number_of_set))
+        if name is None:
+            section = self.mesh.sets.not_read.get((kind, number_of_set))
+            if section:
+                raise NotUnderstood(f"the {kind} {number_of_set} is a *{section.keyword} ({section.line.place}), which is "
+                                    "not read")
+            record.section.line.fail(f"there is no {kind} {number_of_set}.")
+        return name
+
+    def members(self, record, field="NSID"):
+        """The nodes of the set that a field names."""
+        number_of_set = record.integer_of(field, "S")
+        if number_of_set == 0:
+            return sorted(self.scene.nodes_of_cells())
+        name = self.boundary("node set", number_of_set, record)
+        if name not in self.mesh.node_sets:
+            raise NotUnderstood(f"the node set {number_of_set} has no nodes of cells")
+        return self.mesh.node_sets[name]
+
+    def node_set(self, record, field="NSID"):
+        """Entries that select the nodes of a set."""
+        nodes = self.members(record, field)
+        return self.scene.selection(nodes, self.mesh.names.get(("node set", record.integer_of(field, "S")), ""))
+
+    def nodes_as_parts(self, nodes):
+        """Entries of an initial condition."""
+        names = self.scene.parts_of_nodes(nodes)
+        if names:
+            return {} if len(names) == len(self.scene.parts) else {"Part": ", ".join(names)}
+        predicate = self.scene.box_of(set(nodes) & self.scene.nodes_of_cells())
+        if predicate is None:
+            raise NotUnderstood("its nodes are neither those of parts nor those of a box")
+        return {"Where": predicate}
+
+    def part_names(self, numbers):
+        names = [self.parts.names[part] for part in numbers if part in self.parts.names]
+        if len(names) < len(numbers):
+            missing = [str(part) for part in numbers if part not in self.parts.names]
+            raise NotUnderstood(f"the part {', '.join(missing)} has no solid elements")
+        return ", ".join(names)
+
+    def until_the_end(self, record, field):
+        """Reads a time of death that is none before the end."""
+        end = self.scene.end_time
+        if end and field in record.fields and record.fields[field].says_something() and record.peek(field) >= end:
+            record.number(field)
+
+    def numerical(self, record, field):
+        """A field that is not used, and without which the thing is nearly the same."""
+        found = record.fields.get(field)
+        if found and found.says_something():
+            found.is_read = True
+            self.report.unused(found.line.place, record.section.keyword, f"{field} = {found.text}")
+
+    def table(self, curve):
+        """The file of a curve of time."""
+        if curve in self.integrated:
+            return self.scene.table(f"curve_{curve}", self.integrated[curve])
+        return self.scene.table(f"curve_{curve}", self.curves[curve].points)
