@@ -1,148 +1,133 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_heat.h>
 
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/mean_and_largest.h>
-#include <tombolo/contact/tool_heat.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  template <int dim>
-  PartHeat<dim>::PartHeat(const Section &section, PartSurface<dim> &surface)
-      : HeatPartner(ToolHeat<dim>::read_conductance(section)), surface(surface)
+  void HeatPartner::declare_parameters(const Entries &e)
   {
-    for (const char *const entry : {"Tool temperature", "Heat capacity", "Tool effusivity"})
-      if (section.is_set(entry))
-        section.fail(entry, "the surface is that of a part, which has nodes with temperatures and "
-                            "a material of its own; allowed is no such entry.");
-    incoming.assign(surface.nodes_of_part().n_nodes(), 0.);
+    e.text("Conductance", "0", "M/(T^3 temperature)",
+           "h of the heat h (tool temperature - temperature) that enters the body per area in "
+           "contact and time: one number, or pairs `pressure: value` separated by commas, joined "
+           "by straight lines. 0: nothing is conducted. Only in scenes with heat.");
+    e.number("Tool temperature", mandatory, any_number(), "temperature",
+             "The temperature of the tool, at the start where it has a `Heat capacity`. Needed for "
+             "a tool that conducts or has one.");
+    e.number("Heat capacity", "0", any_number(), "M L^2/(T^2 temperature)",
+             "Of the whole tool, whose temperature then changes by its share of the heat of "
+             "friction and by what it conducts; 0 for a tool that keeps its temperature. Only in "
+             "scenes with heat.");
   }
 
-  template <int dim>
-  std::vector<double>
-  PartHeat<dim>::gather(const NodalHeat &nodal_heat, const unsigned int n_values,
-                        const std::function<void(unsigned int, double, double *)> &write) const
+  HeatPartner::HeatPartner(const Section &section, const bool is_part)
+      : is_part(is_part), conductance(section, "Conductance", "pressure")
   {
-    return surface.nodes_of_part().gather(
-        n_values, Quantity::scalars,
-        [&](const unsigned int node, double *const values)
-        {
-          const bool has_got = *nodal_heat.pending->node(node) != 0.;
-          write(node,
-                has_got ? nodal_heat.temperature_of(node) : *nodal_heat.temperature->node(node),
-                values);
-        });
+    if (conductance.smallest() < 0.)
+      section.fail("Conductance", "allowed are numbers from zero on.");
+    if (is_part)
+      return;
+    capacity = section.get_double("Heat capacity");
+    if (!(capacity >= 0.))
+      section.fail("Heat capacity", "allowed is zero or a positive number.");
+    if (has_temperature())
+      initial_temperature = section.get_double("Tool temperature");
   }
-
-  template <int dim>
-  void PartHeat<dim>::find_effusivities(const NodalHeat &nodal_heat)
-  {
-    effusivities = gather(nodal_heat, 1,
-                          [&](const unsigned int node, const double temperature, double *const e)
-                          { *e = nodal_heat.enthalpy->effusivity(node, temperature); });
-  }
-
-  template <int dim>
-  double PartHeat<dim>::effusivity(const std::size_t candidate) const
-  {
-    const auto &place = surface.place(candidate);
-    double result = 0;
-    for (unsigned int c = 0; c < place.weights.size(); ++c)
-      result += place.weights[c] * effusivities[surface.cell(place)[c]];
-    return result;
-  }
-
-  template <int dim>
-  void PartHeat<dim>::add_friction(const std::size_t candidate, const double heat)
-  {
-    const auto &place = surface.place(candidate);
-    for (unsigned int c = 0; c < place.weights.size(); ++c)
-      incoming[surface.cell(place)[c]] += place.weights[c] * heat;
-  }
-
-  template <int dim>
-  void PartHeat<dim>::end_step(const double /*friction*/, const NodalHeat &nodal_heat,
-                               const MPI_Comm /*communicator*/)
-  {
-    const PartLayer<dim> &layer = surface.nodes_of_part();
-    if (conducts())
-    {
-      const NodalEnthalpy &of_nodes = *nodal_heat.enthalpy;
-      const std::vector<double> of_part =
-          gather(nodal_heat, 2,
-                 [&](const unsigned int node, const double temperature, double *const values)
-                 {
-                   values[0] = temperature;
-                   values[1] = of_nodes.capacity(node, temperature);
-                 });
-      std::vector<double> capacities(layer.n_nodes());
-      for (std::size_t a = 0; a < capacities.size(); ++a)
-        capacities[a] = of_part[2 * a + 1];
-      std::vector<const typename PartSurface<dim>::Place *> places;
-      std::vector<double> of_touch, temperatures;
-      temperatures_below.clear();
-      for (const Touch &touch : touches)
-      {
-        const auto &place = surface.place(touch.candidate);
-        double below = 0;
-        for (unsigned int c = 0; c < place.weights.size(); ++c)
-          below += place.weights[c] * of_part[2 * surface.cell(place)[c]];
-        const double of_node = nodal_heat.enthalpy_of(touch.node);
-        const double temperature = of_nodes.temperature(touch.node, of_node);
-        places.push_back(&place);
-        temperatures.push_back(temperature);
-        temperatures_below.push_back(below);
-        of_touch.push_back(mean_capacity(of_nodes, touch.node, of_node, temperature, below));
-      }
-      const std::vector<double> crowding = surface.crowding(places, of_touch, capacities);
-      for (std::size_t i = 0; i < touches.size(); ++i)
-      {
-        const double received = response(touches[i], nodal_heat, of_touch[i] / (1. + crowding[i])) *
-                                (temperatures_below[i] - temperatures[i]);
-        nodal_heat.conduction->add(touches[i].node, received);
-        conducted_heat += received;
-        for (unsigned int c = 0; c < places[i]->weights.size(); ++c)
-          incoming[surface.cell(*places[i])[c]] -= places[i]->weights[c] * received;
-      }
-    }
-    layer.sum(1, Quantity::scalar, incoming);
-    for (const auto &owned : layer.owned())
-      nodal_heat.conduction->add(owned.node, incoming[owned.number]);
-    std::fill(incoming.begin(), incoming.end(), 0.);
-  }
-
-  template <int dim>
-  std::array<double, 2> PartHeat<dim>::temperatures_in_contact(const MPI_Comm communicator) const
-  {
-    return mean_and_largest(temperatures_below, communicator);
-  }
-
-  template class PartHeat<2>;
-  template class PartHeat<3>;
 
   template <int dim>
   ContactHeat<dim>::ContactHeat(const Section &section, const ContactSettings &settings,
                                 const std::vector<unsigned int> &candidates,
                                 PartSurface<dim> *const surface)
-      : settings(settings), candidates(candidates)
+      : settings(settings), candidates(candidates), surface(surface),
+        partner(section, surface != nullptr), tool_temperature(partner.initial_temperature)
   {
+    if (surface == nullptr)
+      return;
+    for (const char *const entry : {"Tool temperature", "Heat capacity", "Tool effusivity"})
+      if (section.is_set(entry))
+        section.fail(entry, "the surface is that of a part, which has nodes with temperatures and "
+                            "a material of its own; allowed is no such entry.");
+    incoming.assign(surface->nodes_of_part().n_nodes(), 0.);
+  }
+
+  template <int dim>
+  void ContactHeat<dim>::list(Records &records)
+  {
+    if (settings.splits_by_effusivity)
+      records.sums("friction heat of bodies", friction_of_bodies);
     if (surface != nullptr)
-      part = std::make_unique<PartHeat<dim>>(section, *surface);
-    else
-      tool = ToolHeat<dim>::create(section);
+      records.group("heat of the part").sums("conducted", conducted);
+    else if (partner.has_temperature())
+    {
+      Records &of_tool = records.group("heat of the tool");
+      of_tool.value("temperature", tool_temperature);
+      of_tool.sums("conducted", conducted);
+    }
+  }
+
+  template <int dim>
+  std::vector<double>
+  ContactHeat<dim>::gather(const NodalHeat &nodal_heat, const unsigned int n_values,
+                           const std::function<void(unsigned int, double, double *)> &write) const
+  {
+    return surface->nodes_of_part().gather(
+        n_values, Quantity::scalars,
+        [&](const unsigned int node, double *const values)
+        { write(node, nodal_heat.present_temperature(node), values); });
+  }
+
+  template <int dim>
+  double ContactHeat<dim>::at_place(const std::size_t candidate,
+                                    const std::vector<double> &of_nodes,
+                                    const unsigned int stride) const
+  {
+    const auto &place = surface->place(candidate);
+    double result = 0;
+    for (unsigned int c = 0; c < place.weights.size(); ++c)
+      result += place.weights[c] * of_nodes[stride * surface->cell(place)[c]];
+    return result;
+  }
+
+  template <int dim>
+  void ContactHeat<dim>::add_to_part(const std::size_t candidate, const double heat)
+  {
+    const auto &place = surface->place(candidate);
+    for (unsigned int c = 0; c < place.weights.size(); ++c)
+      incoming[surface->cell(place)[c]] += place.weights[c] * heat;
   }
 
   template <int dim>
   void ContactHeat<dim>::begin_step(const NodalHeat &nodal_heat)
   {
     friction_of_tool = 0.;
-    if (HeatPartner *const other = partner())
-      other->begin_step();
-    if (part && settings.splits_by_effusivity)
-      part->find_effusivities(nodal_heat);
+    touches.clear();
+    if (surface != nullptr && settings.splits_by_effusivity)
+      effusivities = gather(nodal_heat, 1,
+                            [&](const unsigned int node, const double temperature, double *const e)
+                            { *e = nodal_heat.enthalpy->effusivity(node, temperature); });
+  }
+
+  template <int dim>
+  void ContactHeat<dim>::add_contact(const std::size_t k, const double normal_force,
+                                     const double area, const double time_step)
+  {
+    if (conducts() && area > 0.)
+      touches.push_back(
+          {k, candidates[k], partner.conductance.value(normal_force / area) * area * time_step});
+  }
+
+  template <int dim>
+  void ContactHeat<dim>::add_exposure(NodalVector &exposure) const
+  {
+    for (const Touch &touch : touches)
+      *exposure.node(touch.node) += touch.exposure;
   }
 
   template <int dim>
@@ -156,37 +141,106 @@ namespace tombolo
     {
       const double of_node = nodal_heat.temperature_of(candidates[candidate]);
       const double of_body = nodal_heat.enthalpy->effusivity(candidates[candidate], of_node);
-      const double of_other =
-          part ? part->effusivity(candidate)
-               : settings.tool_effusivity.value(tool ? tool->temperature() : of_node);
+      const double of_other = surface != nullptr
+                                  ? at_place(candidate, effusivities)
+                                  : settings.tool_effusivity.value(
+                                        partner.has_temperature() ? tool_temperature : of_node);
       fraction = of_body / (of_body + of_other);
       friction_of_bodies += fraction * heat;
       friction_of_tool += (1. - fraction) * heat;
     }
     nodal_heat.friction->add(candidates[candidate], fraction * heat);
-    if (part)
-      part->add_friction(candidate, (1. - fraction) * heat);
+    if (surface != nullptr)
+      add_to_part(candidate, (1. - fraction) * heat);
   }
 
   template <int dim>
-  void ContactHeat<dim>::end_forces(const double heat)
+  void ContactHeat<dim>::find_capacities(const NodalHeat &nodal_heat,
+                                         const std::vector<double> &temperatures,
+                                         std::vector<double> &capacities)
   {
-    if (!settings.splits_by_effusivity)
-      friction_of_tool = (1. - settings.heat_fraction) * heat;
+    const NodalEnthalpy &of_nodes = *nodal_heat.enthalpy;
+    std::vector<double> of_part;
+    if (surface != nullptr)
+      of_part = gather(nodal_heat, 2,
+                       [&](const unsigned int node, const double temperature, double *const values)
+                       {
+                         values[0] = temperature;
+                         values[1] = of_nodes.capacity(node, temperature);
+                       });
+    below.assign(touches.size(), tool_temperature);
+    for (std::size_t i = 0; i < touches.size(); ++i)
+    {
+      const unsigned int node = touches[i].node;
+      if (surface != nullptr)
+        below[i] = at_place(touches[i].candidate, of_part, 2);
+      const double mean = (of_nodes.enthalpy(node, below[i]) - nodal_heat.enthalpy_of(node)) /
+                          (below[i] - temperatures[i]);
+      // The mean is all round-off where the temperatures are alike.
+      capacities.push_back(!of_nodes.is_linear() && mean > 0. && std::isfinite(mean)
+                               ? mean
+                               : of_nodes.capacity(node, temperatures[i]));
+    }
+    if (surface == nullptr)
+      return;
+    std::vector<double> of_nodes_of_part;
+    for (std::size_t a = 1; a < of_part.size(); a += 2)
+      of_nodes_of_part.push_back(of_part[a]);
+    std::vector<const typename PartSurface<dim>::Place *> places;
+    for (const Touch &touch : touches)
+      places.push_back(&surface->place(touch.candidate));
+    const std::vector<double> crowding = surface->crowding(places, capacities, of_nodes_of_part);
+    for (std::size_t i = 0; i < touches.size(); ++i)
+      capacities[i] /= 1. + crowding[i];
   }
 
   template <int dim>
   void ContactHeat<dim>::exchange(const NodalHeat &nodal_heat, const MPI_Comm communicator)
   {
-    if (HeatPartner *const other = partner())
-      other->end_step(friction_of_tool, nodal_heat, communicator);
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::add_shares(ContactBalance &shares) const
-  {
-    shares.conducted = partner() != nullptr ? partner()->conducted() : 0.;
-    shares.friction_of_bodies = friction_of_bodies;
+    if (!partner.has_temperature())
+      return;
+    std::vector<double> temperatures, responses;
+    for (const Touch &touch : touches)
+      temperatures.push_back(nodal_heat.temperature_of(touch.node));
+    if (conducts())
+      find_capacities(nodal_heat, temperatures, responses);
+    // a_i, of which each of several surfaces has its share.
+    for (std::size_t i = 0; i < touches.size(); ++i)
+    {
+      const double exposure = nodal_heat.exposure != nullptr
+                                  ? *nodal_heat.exposure->node(touches[i].node)
+                                  : touches[i].exposure;
+      const double share = exposure > 0. ? touches[i].exposure / exposure : 1.;
+      responses[i] = share * (-responses[i] * std::expm1(-exposure / responses[i]));
+    }
+    if (partner.capacity > 0.)
+    {
+      // Differences to the temperature before, so that a tool that nothing heats keeps it exactly.
+      std::array<double, 2> sums{{friction_of_tool, 0.}};
+      for (std::size_t i = 0; i < touches.size(); ++i)
+      {
+        sums[0] -= responses[i] * (tool_temperature - temperatures[i]);
+        sums[1] += responses[i];
+      }
+      sums = ordered_sum(sums, communicator);
+      tool_temperature += sums[0] / (partner.capacity + sums[1]);
+      below.assign(touches.size(), tool_temperature);
+    }
+    for (std::size_t i = 0; i < touches.size(); ++i)
+    {
+      const double received = responses[i] * (below[i] - temperatures[i]);
+      nodal_heat.conduction->add(touches[i].node, received);
+      conducted += received;
+      if (surface != nullptr)
+        add_to_part(touches[i].candidate, -received);
+    }
+    if (surface == nullptr)
+      return;
+    const PartLayer<dim> &layer = surface->nodes_of_part();
+    layer.sum(1, Quantity::scalar, incoming);
+    for (const auto &owned : layer.owned())
+      nodal_heat.conduction->add(owned.node, incoming[owned.number]);
+    std::fill(incoming.begin(), incoming.end(), 0.);
   }
 
   template <int dim>
@@ -195,9 +249,16 @@ namespace tombolo
     if (!settings.splits_by_effusivity)
       sums.friction_of_bodies = settings.heat_fraction * sums.friction;
     sums.heat_of_bodies = sums.friction_of_bodies + sums.conducted;
-    sums.heat_of_tool =
-        tool && tool->has_capacity() ? tool->stored() : sums.friction - sums.heat_of_bodies;
-    sums.tool_temperature = tool ? tool->temperature() : 0.;
+    sums.heat_of_tool = partner.capacity > 0.
+                            ? partner.capacity * (tool_temperature - partner.initial_temperature)
+                            : sums.friction - sums.heat_of_bodies;
+    sums.tool_temperature = tool_temperature;
+  }
+
+  template <int dim>
+  std::array<double, 2> ContactHeat<dim>::temperatures_of_part(const MPI_Comm communicator) const
+  {
+    return mean_and_largest(below, communicator);
   }
 
   template class ContactHeat<2>;

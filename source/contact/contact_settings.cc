@@ -1,14 +1,42 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_settings.h>
 
-#include <tombolo/contact/friction_coefficient.h>
-#include <tombolo/contact/heat_fraction.h>
-
 namespace tombolo
 {
   using namespace dealii;
 
-  ContactSettings::ContactSettings(const Entries &e, const bool has_heat) : has_heat(has_heat)
+  void FrictionSettings::read_friction(const Entries &e, const std::string &documentation)
+  {
+    friction = e.object<TemperatureTable>("Friction", "0", "", documentation);
+    e.refuse(!(friction.smallest() >= 0. && friction.largest() <= 10.), "Friction",
+             friction.is_constant() ? "allowed is a number from 0 to 10."
+                                    : "allowed are coefficients from 0 to 10.");
+    e.refuse(!friction.is_constant() && !has_heat, "Friction",
+             "the scene has no temperature; allowed is one number, or materials with a section "
+             "\"Heat\".");
+  }
+
+  void FrictionSettings::read_heat_fraction(const Entries &e, const std::string &documentation)
+  {
+    const std::string text = e.text("Heat fraction", "0.5", "", documentation);
+    splits_by_effusivity = text == "by effusivity";
+    if (e.declares() || splits_by_effusivity)
+      return;
+    heat_fraction = -1.;
+    try
+    {
+      heat_fraction = Utilities::string_to_double(text);
+    }
+    catch (const ExceptionBase &)
+    {
+      e.section().fail("Heat fraction", "allowed is a number from 0 to 1, or \"by effusivity\".");
+    }
+    e.refuse(!(heat_fraction >= 0. && heat_fraction <= 1.), "Heat fraction",
+             "allowed is a number from 0 to 1.");
+  }
+
+  ContactSettings::ContactSettings(const Entries &e, const bool has_heat)
+      : FrictionSettings(has_heat)
   {
     const std::string method = e.choice(
         "Method", "penalty", "penalty|kinematic|surface",
@@ -33,12 +61,10 @@ namespace tombolo
                    "Fraction of critical damping while a node approaches, from 0 to 1.");
       law = ContactLaw(stiffness, damping);
     }
-    friction = read_friction(
-        e,
-        "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless contact. In scenes "
-        "with heat also pairs `temperature: value` separated by commas, over the temperature of "
-        "the body, joined by straight lines.",
-        has_heat);
+    read_friction(
+        e, "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless contact. In scenes "
+           "with heat also pairs `temperature: value` separated by commas, over the temperature of "
+           "the body, joined by straight lines.");
     const std::string limit =
         e.text("Shear limit", "", "M/(L T^2)",
                "The largest traction along the surface, which friction does not exceed however "
@@ -67,12 +93,10 @@ namespace tombolo
           "and where another one is touched first. Empty: all may be.");
     if (!e.when(has_heat))
       return;
-    splits_by_effusivity =
-        e.text("Heat fraction", "0.5", "",
-               "Share of the heat of friction that enters the body, from 0 to 1; the rest is the "
-               "surface's. `by effusivity`: e/(e + `Tool effusivity`) at the present temperatures, "
-               "with the e = √(k ρ c) of the body at the node. Only in scenes with heat.") ==
-        by_effusivity;
+    read_heat_fraction(
+        e, "Share of the heat of friction that enters the body, from 0 to 1; the rest is the "
+           "surface's. `by effusivity`: e/(e + `Tool effusivity`) at the present temperatures, "
+           "with the e = √(k ρ c) of the body at the node. Only in scenes with heat.");
     if (e.when(splits_by_effusivity && e.section().get("Surface") != surface_of_part))
     {
       tool_effusivity = e.object<TemperatureTable>(
@@ -83,7 +107,5 @@ namespace tombolo
       e.refuse(!(tool_effusivity.smallest() > 0.), "Tool effusivity",
                "allowed are numbers above 0.");
     }
-    else if (!splits_by_effusivity)
-      heat_fraction = read_heat_fraction(e.section());
   }
 } // namespace tombolo

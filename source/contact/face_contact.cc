@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/face_contact.h>
-
-#include <tombolo/contact/contact_candidates.h>
+#include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/places_as_nodes.h>
+#include <tombolo/contact/spring_contact.h>
+#include <tombolo/mesh/face_shapes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,392 +19,426 @@ namespace tombolo
     constexpr unsigned int points_per_direction = 3;
 
     template <int dim>
-    ContactFaces<dim> faces_of(const Section &section, const Mesh<dim> &mesh,
-                               const Nodes<dim> &nodes)
+    ContactFaces<dim> faces_of(ContactScene<dim> &scene)
     {
+      const Section &section = scene.section;
+      const Nodes<dim> &nodes = scene.nodes;
       if (nodes.degree() > 1)
         section.fail("Method", "elements have degree " + std::to_string(nodes.degree()) +
                                    ", and `surface` needs degree 1; allowed is penalty or "
                                    "kinematic.");
       if (!section.get("Where").empty())
         section.fail("Where", "with `Method = surface` faces touch; allowed is a `Boundary`.");
-      const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
+      const std::set<types::boundary_id> boundaries = contact_boundaries(scene);
       return ContactFaces<dim>(
           nodes, [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
           { return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0; });
     }
   } // namespace
 
+  /**
+   * Contact of the faces of a body with a rigid surface: quadrature points on current faces have
+   * depths, and each node on them the weighted and normalized one,
+   *
+   * @verbatim
+   *   δ_I = ∫ N_I <-g> dA / A_I,   A_I = ∫ N_I dA,   p(x) = Σ_I N_I(x) f_I / A_I  where g(x) < 0
+   * @endverbatim
+   *
+   * with f_I of ContactLaw for the mass of the node. The pressure acts at the points behind the
+   * surface along the normal there: the normal forces are the derivative of Σ_I ½ k_I δ_I² but for
+   * the change of areas. So a face does not fall between two flanks of a tool, and the pressure of
+   * a node does not depend on how much of its faces is beyond an edge. Friction follows ContactLaw
+   * in the mean motion of the points behind the surface.
+   *
+   * In static steps the pressure at a point is that of its own depth,
+   *
+   * @verbatim
+   *   p(x) = <-g(x)> Σ_I N_I(x) k_I / A_I
+   * @endverbatim
+   *
+   * so that forces do not jump where a point of a pressed node comes into contact, and are in
+   * proportion to how far a body is pressed: works by the mean of two forces are exact. The sum of
+   * the pressure is that of the f_I. Points share out the friction of a node by their depths, and
+   * so are motions weighted.
+   *
+   * Faces are those of cells of degree 1 on the boundary of the mesh.
+   */
   template <int dim>
-  FaceContact<dim>::FaceContact(const Section &section, const Mesh<dim> &mesh,
-                                const Nodes<dim> &nodes, const NodalState &state,
-                                const bool has_heat, const std::vector<double> &volume)
-      : SpringContact<dim>(section, mesh, nodes, state,
-                           std::vector<bool>(state.partition()->n_owned(), false), has_heat,
-                           volume),
-        faces(faces_of(section, mesh, nodes)), shapes(1, points_per_direction)
+  class FaceContact : public SpringContact<dim>
   {
-    set_partition(state.partition());
-    last_position.copy_from(state.position);
-    this->records.nodal("last position", dim, last_position);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    SurfaceContact<dim>::set_partition(partition);
-    faces.set_partition(partition);
-    sums.reinit(partition, Quantity::scalars);
-    pressures.reinit(partition, Quantity::scalar);
-    for (NodalVector *const vector : {&normals, &motions, &tangentials, &forces})
-      vector->reinit(partition);
-    if (last_position.partition() == nullptr)
-      last_position.reinit(partition, Quantity::position);
-    else if (last_position.partition() != partition)
-      last_position.move_to(partition);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::find_points(const NodalVector &position, const Clock &clock)
-  {
-    const double begin = clock.time - clock.previous_step;
-    const auto numbers_of = [](const std::size_t n)
+  public:
+    /** As that of SurfaceContact. Throws InputError. Collective. */
+    explicit FaceContact(ContactScene<dim> &scene)
+        : SpringContact<dim>(scene), faces(faces_of(scene)), shapes(1, points_per_direction)
     {
-      std::vector<unsigned int> numbers(n);
-      std::iota(numbers.begin(), numbers.end(), 0u);
-      return numbers;
-    };
-    // Faces that are farther from the surface than their size have no point behind it.
-    std::vector<Tensor<1, dim>> places;
-    std::vector<double> sizes, gaps;
-    for (const auto &face : faces.faces())
-    {
-      const FaceCorners<dim> corners = faces.corners(face, position);
-      Tensor<1, dim> middle;
-      for (const auto &corner : corners)
-        middle += corner / double(corners.size());
-      double size = 0;
-      for (const auto &corner : corners)
-        size = std::max(size, (corner - middle).norm());
-      places.push_back(middle);
-      sizes.push_back(size);
+      set_partition(scene.state.partition());
+      last_position.copy_from(scene.state.position);
+      this->records.nodal("last position", dim, last_position);
     }
-    this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
-                                 clock.time, gaps);
-    points.clear();
-    places.clear();
-    for (unsigned int f = 0; f < faces.faces().size(); ++f)
+
+    void set_partition(const std::shared_ptr<const NodePartition> &partition) override
     {
-      const FaceCorners<dim> corners = faces.corners(faces.faces()[f], position);
-      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      SurfaceContact<dim>::set_partition(partition);
+      faces.set_partition(partition);
+      sums.reinit(partition, Quantity::scalars);
+      pressures.reinit(partition, Quantity::scalar);
+      for (NodalVector *const vector : {&normals, &motions, &tangentials, &forces})
+        vector->reinit(partition);
+      if (last_position.partition() == nullptr)
+        last_position.reinit(partition, Quantity::position);
+      else if (last_position.partition() != partition)
+        last_position.move_to(partition);
+    }
+
+    void add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
+                    std::vector<unsigned int> &loaded_nodes, const NodalHeat &nodal_heat) override
+    {
+      if (!this->begin_forces(state, clock, nodal_heat))
+        return;
+      sum_points(state.position, clock);
+      double mass_in_contact = 0;
+      for (const unsigned int node : this->candidates)
+        if (sums.node(node)[pressed] > 0.)
+          mass_in_contact += *state.mass.node(node);
+      const double ratio = this->mass_ratio(mass_in_contact);
+      for (std::size_t k = 0; k < this->candidates.size(); ++k)
+        advance_node(k, *state.mass.node(this->candidates[k]) / ratio, clock, nodal_heat);
+      scatter();
+      for (std::size_t k = 0; k < this->candidates.size(); ++k)
       {
-        const double weight =
-            shapes.weights[q] *
-            shapes.normal(q, [&](const unsigned int k) { return corners[k]; }).norm();
-        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          sums.node(faces.faces()[f].nodes[k])[area] += weight * shapes.value(q, k);
-        if (gaps[f] > sizes[f])
-          continue;
-        Tensor<1, dim> place;
-        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          place += shapes.value(q, k) * corners[k];
-        points.push_back({f, q, weight, 0., weight, {}, {}});
-        places.push_back(place);
+        const auto x = vector_of<dim>(state.position.node(this->candidates[k]));
+        const auto force = vector_of<dim>(forces.node(this->candidates[k]));
+        if (force.norm_square() > 0. || this->histories[k].force.norm_square() > 0.)
+          this->set_force(k, x, force,
+                          this->surface->motion(x, clock.time - clock.previous_step, clock.time),
+                          true, loads, loaded_nodes);
+        else
+          this->histories[k] = {force, x};
       }
-    }
-    this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
-                                 clock.time, gaps);
-    std::size_t n_behind = 0;
-    for (std::size_t p = 0; p < points.size(); ++p)
-    {
-      if (!(gaps[p] < this->touch_distance))
-        continue;
-      Point point = points[p];
-      point.depth = std::max(0., -gaps[p]);
-      if (is_static())
-        point.rubbing *= point.depth + this->touch_distance;
-      point.normal = this->surface->normal(places[p], clock.time);
-      point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
-      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-        point.motion -= shapes.value(point.q, k) *
-                        vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
-      points[n_behind++] = point;
-    }
-    points.resize(n_behind);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::gather()
-  {
-    for (const Point &point : points)
-      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-      {
-        const unsigned int node = faces.faces()[point.face].nodes[k];
-        const double weight = point.weight * shapes.value(point.q, k);
-        const double rubbing = point.rubbing * shapes.value(point.q, k);
-        sums.node(node)[depth] += weight * point.depth;
-        sums.node(node)[squares] += weight * point.depth * point.depth;
-        sums.node(node)[pressed] += rubbing;
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          normals.node(node)[d] += rubbing * point.normal[d];
-          motions.node(node)[d] += rubbing * point.motion[d];
-        }
-      }
-    for (NodalVector *const vector : {&sums, &normals, &motions})
-      vector->add_to_owners();
-  }
-
-  template <int dim>
-  void FaceContact<dim>::sum_points(const NodalVector &position, const Clock &clock)
-  {
-    for (NodalVector *const vector : {&sums, &normals, &motions})
-      for (const unsigned int node : faces.owned_nodes())
-        std::fill_n(vector->node(node), node_stride, 0.);
-    find_points(position, clock);
-    gather();
-  }
-
-  template <int dim>
-  std::vector<double> FaceContact<dim>::depths_at(const NodalVector &position, const Clock &clock)
-  {
-    sum_points(position, clock);
-    std::vector<double> result;
-    for (const unsigned int node : this->candidates)
-      result.push_back(sums.node(node)[area] > 0. ? sums.node(node)[depth] / sums.node(node)[area]
-                                                  : 0.);
-    return result;
-  }
-
-  template <int dim>
-  void FaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
-                                      const NodalVector &from, NodalVector &position,
-                                      NodalVector &is_bound)
-  {
-    const std::vector<double> was = depths_at(from, clock);
-    const std::vector<double> is = depths_at(position, clock);
-    for (std::size_t k = 0; k < this->candidates.size(); ++k)
-    {
-      const unsigned int node = this->candidates[k];
-      const auto normal = vector_of<dim>(normals.node(node));
-      if (!(was[k] > 0. || is[k] > 0.) || !(*slides.node(node) > 0.))
-        continue;
-      *is_bound.node(node) = 1.;
-      const double excess = is[k] - was[k];
-      for (unsigned int d = 0; d < dim && excess > 0.; ++d)
-        position.node(node)[d] += excess * normal[d] / normal.norm();
-    }
-  }
-
-  template <int dim>
-  void FaceContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
-                                     const Clock &clock)
-  {
-    SpringContact<dim>::place_nodes(state, before, clock);
-    last_position.fill(
-        [&](const unsigned int i, double *const place)
-        {
-          for (unsigned int d = 0; d < dim; ++d)
-            place[d] += state.position.node(i)[d] - before.node(i)[d];
-        });
-  }
-
-  template <int dim>
-  double FaceContact<dim>::mass_in_contact(const NodalState &state) const
-  {
-    double mass = 0;
-    for (const unsigned int node : this->candidates)
-      if (sums.node(node)[pressed] > 0.)
-        mass += *state.mass.node(node);
-    return mass;
-  }
-
-  template <int dim>
-  bool FaceContact<dim>::advance_node(const std::size_t k, const double mass, const Clock &clock,
-                                      const NodalHeat &nodal_heat)
-  {
-    const unsigned int node = this->candidates[k];
-    const ContactSpring<dim> &spring = this->springs[k];
-    const double *const of_node = sums.node(node);
-    Tensor<1, dim> normal = vector_of<dim>(normals.node(node));
-    *pressures.node(node) = 0.;
-    std::fill_n(tangentials.node(node), node_stride, 0.);
-    if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
-    {
-      if (spring.is_closed())
-        this->release(k, mass == 0. ? 0. : -spring.depth, mass == 0., nodal_heat);
-      return false;
-    }
-    normal /= normal.norm();
-    // In explicit steps over the whole area, as the depth: forces act on the pressed share of it.
-    const double whole = is_static() ? of_node[pressed] : of_node[area];
-    const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / whole;
-    this->press(k, {of_node[depth] / of_node[area], motion, normal, mass, of_node[pressed] / whole},
-                clock, nodal_heat);
-    *pressures.node(node) =
-        (is_static() ? spring.stiffness : spring.normal_force()) / of_node[area];
-    for (unsigned int d = 0; d < dim; ++d)
-      tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / whole;
-    return true;
-  }
-
-  template <int dim>
-  void FaceContact<dim>::scatter()
-  {
-    pressures.update_ghosts();
-    tangentials.update_ghosts();
-    const auto add = [&](const Point &point)
-    {
-      const auto &nodes = faces.faces()[point.face].nodes;
-      const double pressing = point.weight * (is_static() ? point.depth : 1.);
-      Tensor<1, dim> force;
-      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-        force +=
-            shapes.value(point.q, k) * (pressing * *pressures.node(nodes[k]) * point.normal +
-                                        point.rubbing * vector_of<dim>(tangentials.node(nodes[k])));
-      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          forces.node(nodes[k])[d] += shapes.value(point.q, k) * force[d];
-    };
-    add_up({&forces}, [&] { std::for_each(points.begin(), points.end(), add); });
-  }
-
-  template <int dim>
-  void FaceContact<dim>::add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
-                                    std::vector<unsigned int> &loaded_nodes,
-                                    const NodalHeat &nodal_heat)
-  {
-    this->begin_forces(state, clock, nodal_heat);
-    if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
-    {
-      this->forget_motion(state);
       last_position.copy_from(state.position);
-      return;
+      this->end_forces();
     }
-    sum_points(state.position, clock);
-    const double ratio = this->mass_ratio(mass_in_contact(state));
-    const double friction_heat_before = this->friction_heat;
-    for (std::size_t k = 0; k < this->candidates.size(); ++k)
-      advance_node(k, *state.mass.node(this->candidates[k]) / ratio, clock, nodal_heat);
-    scatter();
-    const double begin = clock.time - clock.previous_step;
-    const RigidTranslation<dim> &of_tool = this->surface->translation();
-    const Tensor<1, dim> translation =
-        of_tool.displacement(clock.time) - of_tool.displacement(begin);
-    for (std::size_t k = 0; k < this->candidates.size(); ++k)
+
+    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
+                      NodalVector &position, NodalVector &is_bound) override
+    {
+      const std::vector<double> was = depths_at(from, clock);
+      const std::vector<double> is = depths_at(position, clock);
+      for (std::size_t k = 0; k < this->candidates.size(); ++k)
+      {
+        const unsigned int node = this->candidates[k];
+        const auto normal = vector_of<dim>(normals.node(node));
+        if (!(was[k] > 0. || is[k] > 0.) || !(*slides.node(node) > 0.))
+          continue;
+        *is_bound.node(node) = 1.;
+        const double excess = is[k] - was[k];
+        for (unsigned int d = 0; d < dim && excess > 0.; ++d)
+          position.node(node)[d] += excess * normal[d] / normal.norm();
+      }
+    }
+
+    void place_nodes(const NodalState &state, const NodalVector &before,
+                     const Clock &clock) override
+    {
+      SpringContact<dim>::place_nodes(state, before, clock);
+      last_position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            for (unsigned int d = 0; d < dim; ++d)
+              place[d] += state.position.node(i)[d] - before.node(i)[d];
+          });
+    }
+
+    void forget_motion(const NodalState &state) override
+    {
+      SpringContact<dim>::forget_motion(state);
+      last_position.copy_from(state.position);
+    }
+
+    void find_stiffness(const NodalState &state, const Clock &clock,
+                        std::vector<ContactStiffness<dim>> &result) override
+    {
+      ContactRows<dim> rows;
+      for (const Point &point : points)
+      {
+        const auto &nodes = faces.faces()[point.face].global_nodes;
+        for (unsigned int i = 0; i < shapes.n_nodes; ++i)
+          for (unsigned int j = 0; j < shapes.n_nodes; ++j)
+          {
+            const double values = shapes.value(point.q, i) * shapes.value(point.q, j);
+            rows.add(nodes[i], nodes[j], point.weight * values * point.normal,
+                     point.rubbing * values);
+          }
+        add_pressure(point, state, clock.time, result);
+      }
+      rows.collect(*state.partition());
+      // Zero across planes of symmetry, as what points add there.
+      const NodalVector kept =
+          nodal_field(state.partition(), Quantity::vector, this->candidates,
+                      [](const std::size_t, double *const value) { std::fill_n(value, dim, 1.); });
+      for (std::size_t k = 0; k < this->springs.size(); ++k)
+      {
+        const ContactSpring<dim> &spring = this->springs[k];
+        if (!spring.is_closed())
+          continue;
+        ContactStiffness<dim> stiffness;
+        stiffness.node = this->candidates[k];
+        stiffness.direction = vector_of<dim>(normals.node(stiffness.node));
+        stiffness.direction /= stiffness.direction.norm();
+        const double *const of_node = sums.node(stiffness.node);
+        stiffness.entries = rows.row(state.partition()->global_index(stiffness.node));
+        // So that the change of the depth is that of the force over its share of the node.
+        for (auto &entry : stiffness.entries)
+          entry.normal *= of_node[pressed] / of_node[area];
+        add_spring(spring, 1. / (of_node[pressed] * of_node[pressed]), stiffness);
+        // The points have the pressure, and the more of the friction the deeper they are.
+        stiffness.normal = 0.;
+        stiffness.slip +=
+            spring.stiffness * of_node[area] / std::pow(of_node[pressed], 3) * spring.elastic_slip;
+        stiffness.keep(kept.node(stiffness.node));
+        result.push_back(std::move(stiffness));
+      }
+    }
+
+  private:
+    /** A quadrature point behind the surface. */
+    struct Point
+    {
+      unsigned int face, q;
+      double weight;  ///< area [L^(dim-1)]
+      double depth;   ///< <-g> [L]
+      double rubbing; ///< weight of motion and friction: the area, in static steps times the depth
+      Tensor<1, dim> normal, motion;
+    };
+
+    /** Slots of the sums at nodes. */
+    enum Sum : unsigned int
+    {
+      area,    ///< A_I
+      depth,   ///< ∫ N_I <-g> dA
+      pressed, ///< ∫ N_I dA over the points behind the surface, by the weights of rubbing
+      squares  ///< ∫ N_I <-g>² dA
+    };
+
+    /** Finds the points behind the surface at t_n, and A_I. */
+    void find_points(const NodalVector &position, const Clock &clock)
+    {
+      const double begin = clock.time - clock.previous_step;
+      const auto numbers_of = [](const std::size_t n)
+      {
+        std::vector<unsigned int> numbers(n);
+        std::iota(numbers.begin(), numbers.end(), 0u);
+        return numbers;
+      };
+      // Faces that are farther from the surface than their size have no point behind it.
+      std::vector<Tensor<1, dim>> places;
+      std::vector<double> sizes, gaps;
+      for (const auto &face : faces.faces())
+      {
+        const FaceCorners<dim> corners = faces.corners(face, position);
+        Tensor<1, dim> middle;
+        for (const auto &corner : corners)
+          middle += corner / double(corners.size());
+        double size = 0;
+        for (const auto &corner : corners)
+          size = std::max(size, (corner - middle).norm());
+        places.push_back(middle);
+        sizes.push_back(size);
+      }
+      this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
+                                   clock.time, gaps);
+      points.clear();
+      places.clear();
+      for (unsigned int f = 0; f < faces.faces().size(); ++f)
+      {
+        const FaceCorners<dim> corners = faces.corners(faces.faces()[f], position);
+        for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+        {
+          const double weight =
+              shapes.weights[q] *
+              shapes.normal(q, [&](const unsigned int k) { return corners[k]; }).norm();
+          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+            sums.node(faces.faces()[f].nodes[k])[area] += weight * shapes.value(q, k);
+          if (gaps[f] > sizes[f])
+            continue;
+          Tensor<1, dim> place;
+          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+            place += shapes.value(q, k) * corners[k];
+          points.push_back({f, q, weight, 0., weight, {}, {}});
+          places.push_back(place);
+        }
+      }
+      this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
+                                   clock.time, gaps);
+      std::size_t n_behind = 0;
+      for (std::size_t p = 0; p < points.size(); ++p)
+      {
+        if (!(gaps[p] < this->touch_distance))
+          continue;
+        Point point = points[p];
+        point.depth = std::max(0., -gaps[p]);
+        if (is_static())
+          point.rubbing *= point.depth + this->touch_distance;
+        point.normal = this->surface->normal(places[p], clock.time);
+        point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          point.motion -= shapes.value(point.q, k) *
+                          vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
+        points[n_behind++] = point;
+      }
+      points.resize(n_behind);
+    }
+
+    /** Sums over points at nodes. Collective. */
+    void gather()
+    {
+      for (const Point &point : points)
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+        {
+          const unsigned int node = faces.faces()[point.face].nodes[k];
+          const double weight = point.weight * shapes.value(point.q, k);
+          const double rubbing = point.rubbing * shapes.value(point.q, k);
+          sums.node(node)[depth] += weight * point.depth;
+          sums.node(node)[squares] += weight * point.depth * point.depth;
+          sums.node(node)[pressed] += rubbing;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            normals.node(node)[d] += rubbing * point.normal[d];
+            motions.node(node)[d] += rubbing * point.motion[d];
+          }
+        }
+      for (NodalVector *const vector : {&sums, &normals, &motions})
+        vector->add_to_owners();
+    }
+
+    /** Both. Collective. */
+    void sum_points(const NodalVector &position, const Clock &clock)
+    {
+      for (NodalVector *const vector : {&sums, &normals, &motions})
+        for (const unsigned int node : faces.owned_nodes())
+          std::fill_n(vector->node(node), node_stride, 0.);
+      find_points(position, clock);
+      gather();
+    }
+
+    std::vector<double> depths_at(const NodalVector &position, const Clock &clock) override
+    {
+      sum_points(position, clock);
+      std::vector<double> result;
+      for (const unsigned int node : this->candidates)
+        result.push_back(sums.node(node)[area] > 0. ? sums.node(node)[depth] / sums.node(node)[area]
+                                                    : 0.);
+      return result;
+    }
+
+    /** Normal and tangential force per area of a candidate. */
+    void advance_node(const std::size_t k, const double mass, const Clock &clock,
+                      const NodalHeat &nodal_heat)
     {
       const unsigned int node = this->candidates[k];
-      NodeHistory &history = this->histories[k];
-      const Tensor<1, dim> force_before = history.force;
-      const auto x = vector_of<dim>(state.position.node(node));
-      history.position = x;
-      history.force = vector_of<dim>(forces.node(node));
-      if (force_before.norm_square() == 0. && history.force.norm_square() == 0.)
-        continue;
-      this->of_surface.add_force(history.force, x);
-      this->of_surface.add_work(force_before + history.force,
-                                this->surface->motion(x, begin, clock.time), translation);
-      for (unsigned int d = 0; d < dim; ++d)
-        loads.node(node)[d] += history.force[d];
-      loaded_nodes.push_back(node);
-    }
-    last_position.copy_from(state.position);
-    this->end_forces(friction_heat_before);
-  }
-
-  template <int dim>
-  void FaceContact<dim>::forget_motion(const NodalState &state)
-  {
-    SpringContact<dim>::forget_motion(state);
-    last_position.copy_from(state.position);
-  }
-
-  template <int dim>
-  typename FaceContact<dim>::NodeSums FaceContact<dim>::node_sums() const
-  {
-    NodeSums result = SpringContact<dim>::node_sums();
-    if (!is_static())
-      return result;
-    // The depths of the points of a node differ from its mean.
-    for (std::size_t k = 0; k < this->springs.size(); ++k)
-    {
-      const double *const of_node = sums.node(this->candidates[k]);
-      const double mean_depth = this->springs[k].depth;
-      if (this->springs[k].is_closed() && of_node[area] > 0.)
-        result.elastic += 0.5 * this->springs[k].stiffness *
-                          (of_node[squares] / of_node[area] - mean_depth * mean_depth);
-    }
-    return result;
-  }
-
-  template <int dim>
-  void FaceContact<dim>::add_pressure(const Point &point, const NodalState &state,
-                                      const double time,
-                                      std::vector<ContactStiffness<dim>> &result) const
-  {
-    const auto &face = faces.faces()[point.face];
-    Tensor<1, dim> place;
-    ContactStiffness<dim> stiffness;
-    for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-    {
-      const double value = shapes.value(point.q, k);
-      stiffness.normal += point.weight * value * *pressures.node(face.nodes[k]);
-      stiffness.slip += point.weight * value * vector_of<dim>(tangentials.node(face.nodes[k]));
-      place += value * vector_of<dim>(state.position.node(face.nodes[k]));
-      stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
-    }
-    stiffness.along = curvature_stiffness(*this->surface, place, stiffness.normal * point.depth,
-                                          time, this->way_along_surface());
-    stiffness.node = face.nodes[0];
-    result.push_back(std::move(stiffness));
-  }
-
-  template <int dim>
-  void FaceContact<dim>::find_stiffness(const NodalState &state, const Clock &clock,
-                                        std::vector<ContactStiffness<dim>> &result)
-  {
-    ContactRows<dim> rows;
-    for (const Point &point : points)
-    {
-      const auto &nodes = faces.faces()[point.face].global_nodes;
-      for (unsigned int i = 0; i < shapes.n_nodes; ++i)
-        for (unsigned int j = 0; j < shapes.n_nodes; ++j)
-        {
-          const double values = shapes.value(point.q, i) * shapes.value(point.q, j);
-          rows.add(nodes[i], nodes[j], point.weight * values * point.normal,
-                   point.rubbing * values);
-        }
-      add_pressure(point, state, clock.time, result);
-    }
-    rows.collect(*state.partition());
-    // Zero across planes of symmetry, as what points add there.
-    const NodalVector kept =
-        nodal_field(state.partition(), Quantity::vector, this->candidates,
-                    [](const std::size_t, double *const value) { std::fill_n(value, dim, 1.); });
-    for (std::size_t k = 0; k < this->springs.size(); ++k)
-    {
       const ContactSpring<dim> &spring = this->springs[k];
-      if (!spring.is_closed())
-        continue;
+      const double *const of_node = sums.node(node);
+      Tensor<1, dim> normal = vector_of<dim>(normals.node(node));
+      *pressures.node(node) = 0.;
+      std::fill_n(tangentials.node(node), node_stride, 0.);
+      if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
+      {
+        if (spring.is_closed())
+          this->release(k, mass == 0. ? 0. : -spring.depth, mass == 0., nodal_heat);
+        return;
+      }
+      normal /= normal.norm();
+      // In explicit steps over the whole area, as the depth: forces act on the pressed share of it.
+      const double whole = is_static() ? of_node[pressed] : of_node[area];
+      const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / whole;
+      this->press(k,
+                  {of_node[depth] / of_node[area], motion, normal, mass, of_node[pressed] / whole},
+                  clock, nodal_heat);
+      *pressures.node(node) =
+          (is_static() ? spring.stiffness : spring.normal_force()) / of_node[area];
+      for (unsigned int d = 0; d < dim; ++d)
+        tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / whole;
+    }
+
+    /** Forces of the points on nodes. Collective. */
+    void scatter()
+    {
+      pressures.update_ghosts();
+      tangentials.update_ghosts();
+      const auto add = [&](const Point &point)
+      {
+        const auto &nodes = faces.faces()[point.face].nodes;
+        const double pressing = point.weight * (is_static() ? point.depth : 1.);
+        Tensor<1, dim> force;
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          force += shapes.value(point.q, k) *
+                   (pressing * *pressures.node(nodes[k]) * point.normal +
+                    point.rubbing * vector_of<dim>(tangentials.node(nodes[k])));
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            forces.node(nodes[k])[d] += shapes.value(point.q, k) * force[d];
+      };
+      add_up({&forces}, [&] { std::for_each(points.begin(), points.end(), add); });
+    }
+
+    /** Points share out what nodes have of their own depth. */
+    bool is_static() const
+    {
+      return this->touch_distance > 0.;
+    }
+
+    /** How the pressure at a point changes with its depth, turns with the surface, and takes
+     * friction with it. */
+    void add_pressure(const Point &point, const NodalState &state, const double time,
+                      std::vector<ContactStiffness<dim>> &result) const
+    {
+      const auto &face = faces.faces()[point.face];
+      Tensor<1, dim> place;
       ContactStiffness<dim> stiffness;
-      stiffness.node = this->candidates[k];
-      stiffness.direction = vector_of<dim>(normals.node(stiffness.node));
-      stiffness.direction /= stiffness.direction.norm();
-      const double *const of_node = sums.node(stiffness.node);
-      stiffness.entries = rows.row(state.partition()->global_index(stiffness.node));
-      // So that the change of the depth is that of the force over its share of the node.
-      for (auto &entry : stiffness.entries)
-        entry.normal *= of_node[pressed] / of_node[area];
-      add_spring(spring, 1. / (of_node[pressed] * of_node[pressed]), stiffness);
-      // The points have the pressure, and the more of the friction the deeper they are.
-      stiffness.normal = 0.;
-      stiffness.slip +=
-          spring.stiffness * of_node[area] / std::pow(of_node[pressed], 3) * spring.elastic_slip;
-      stiffness.keep(kept.node(stiffness.node));
+      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+      {
+        const double value = shapes.value(point.q, k);
+        stiffness.normal += point.weight * value * *pressures.node(face.nodes[k]);
+        stiffness.slip += point.weight * value * vector_of<dim>(tangentials.node(face.nodes[k]));
+        place += value * vector_of<dim>(state.position.node(face.nodes[k]));
+        stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
+      }
+      stiffness.along = curvature_stiffness(*this->surface, place, stiffness.normal * point.depth,
+                                            time, this->way_along_surface());
+      stiffness.node = face.nodes[0];
       result.push_back(std::move(stiffness));
     }
+
+    void add_node_sums(ContactBalance &shares) const override
+    {
+      SpringContact<dim>::add_node_sums(shares);
+      // In static steps the depths of the points of a node differ from its mean.
+      for (std::size_t k = 0; k < this->springs.size() && is_static(); ++k)
+      {
+        const double *const of_node = sums.node(this->candidates[k]);
+        const double mean_depth = this->springs[k].depth;
+        if (this->springs[k].is_closed() && of_node[area] > 0.)
+          shares.elastic += 0.5 * this->springs[k].stiffness *
+                            (of_node[squares] / of_node[area] - mean_depth * mean_depth);
+      }
+    }
+
+    ContactFaces<dim> faces;
+    FaceShapes<dim> shapes;
+    std::vector<Point> points;
+    NodalVector sums, normals, motions; ///< at nodes
+    NodalVector pressures;              ///< per area, at nodes; in static steps per area and depth
+    NodalVector tangentials;            ///< per weight of rubbing, at nodes
+    NodalVector forces, last_position;
+  };
+
+  template <int dim>
+  std::unique_ptr<SurfaceContact<dim>> make_face_contact(ContactScene<dim> &scene)
+  {
+    scene.can_be_exposed.assign(scene.can_be_exposed.size(), false);
+    return std::make_unique<FaceContact<dim>>(scene);
   }
 
-  template class FaceContact<2>;
-  template class FaceContact<3>;
+  template std::unique_ptr<SurfaceContact<2>> make_face_contact(ContactScene<2> &);
+  template std::unique_ptr<SurfaceContact<3>> make_face_contact(ContactScene<3> &);
 } // namespace tombolo

@@ -26,23 +26,13 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  KinematicContact<dim>::KinematicContact(const Section &section, const Mesh<dim> &mesh,
-                                          const Nodes<dim> &nodes, const NodalState &state,
-                                          const std::vector<bool> &can_be_exposed,
-                                          const bool has_heat, const std::vector<double> &volume)
-      : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume),
-        normal_forces(this->candidates.size())
+  KinematicContact<dim>::KinematicContact(ContactScene<dim> &scene)
+      : SurfaceContact<dim>(scene), normal_forces(this->candidates.size())
   {
     this->records.sums("loss of tool", loss_of_tool);
     this->records.at_nodes(this->candidates, normal_forces)
         .vector(
             "normal force", [](Tensor<1, dim> & force) -> auto & { return force; });
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &KinematicContact<dim>::candidate_nodes() const
-  {
-    return this->candidates;
   }
 
   template <int dim>
@@ -241,12 +231,8 @@ namespace tombolo
     this->begin_forces(state, clock, nodal_heat);
     measure_depths(state, clock.time);
     const double begin = clock.time - clock.previous_step;
-    const RigidTranslation<dim> &of_tool = this->surface->translation();
-    const Tensor<1, dim> translation =
-        of_tool.displacement(clock.time) - of_tool.displacement(begin);
-    const double friction_heat_before = this->friction_heat;
     if (clock.step > 0)
-      this->damping_heat += std::exchange(loss_of_tool, 0.);
+      this->totals.damping += std::exchange(loss_of_tool, 0.);
     auto constraint = constraints.begin();
     for (std::size_t k = 0; k < this->candidates.size(); ++k)
     {
@@ -264,40 +250,34 @@ namespace tombolo
         normal_forces[k] = constraint->normal_force * constraint->normal;
         friction_force = constraint->friction_force;
       }
-      const Tensor<1, dim> motion_of_node = x - history.position;
       const Tensor<1, dim> force_before = history.force;
-      history.position = x;
-      history.force = normal_forces[k] + friction_force;
+      const Tensor<1, dim> force = normal_forces[k] + friction_force;
       if (touches || force_before.norm_square() > 0.)
       {
         const Tensor<1, dim> of_surface = this->surface->motion(x, begin, clock.time);
-        const Tensor<1, dim> motion = motion_of_node - of_surface;
-        this->damping_heat -= 0.5 * (normal_force_before + normal_forces[k]) * motion;
+        const Tensor<1, dim> motion = x - history.position - of_surface;
+        this->totals.damping -= 0.5 * (normal_force_before + normal_forces[k]) * motion;
         double friction_heat = -0.5 * (friction_force_before + friction_force) * motion;
         if (touches && clock.step == 0)
         {
           // The kinetic energy of bodies at t_0 lacks the square of what forces change in half a
           // step; that of a tool loses it in the next one.
-          this->damping_heat += 0.25 * normal_forces[k] * constraint->response;
+          this->totals.damping += 0.25 * normal_forces[k] * constraint->response;
           friction_heat += 0.25 * friction_force * constraint->response;
-          loss_of_tool -= 0.25 * history.force * constraint->response_of_surface;
+          loss_of_tool -= 0.25 * force * constraint->response_of_surface;
         }
         if (this->settings.friction.largest() > 0.)
           this->add_friction_heat(k, friction_heat, nodal_heat);
-        this->of_surface.add_work(force_before + history.force, of_surface, translation);
+        this->set_force(k, x, force, of_surface, touches, loads, loaded_nodes);
       }
+      else
+        history = {force, x};
       if (touches)
-      {
-        this->of_surface.add_force(history.force, x);
-        for (unsigned int d = 0; d < dim; ++d)
-          loads.node(node)[d] += history.force[d];
-        loaded_nodes.push_back(node);
         this->add_contact(k, constraint->normal_force, this->area(k, constraint->normal), clock);
-      }
       if (is_behind)
         ++constraint;
     }
-    this->end_forces(friction_heat_before);
+    this->end_forces();
     constraints.clear();
   }
 
@@ -315,13 +295,11 @@ namespace tombolo
   }
 
   template <int dim>
-  typename KinematicContact<dim>::NodeSums KinematicContact<dim>::node_sums() const
+  void KinematicContact<dim>::add_node_sums(ContactBalance &shares) const
   {
-    NodeSums sums;
     for (const Tensor<1, dim> &force : normal_forces)
-      sums.n_nodes += force.norm_square() > 0. ? 1. : 0.;
-    sums.deepest = deepest;
-    return sums;
+      shares.n_nodes += force.norm_square() > 0. ? 1. : 0.;
+    shares.penetration = deepest;
   }
 
   template class KinematicContact<2>;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_contact.h>
 
-#include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/body_distance.h>
-#include <tombolo/contact/mortar_geometry.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/surface_section.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -28,6 +28,42 @@ namespace tombolo
     {
       const double depth = -history.gap - history.offset;
       return history.is_bonded ? depth : std::max(0., depth);
+    }
+
+    /** Throws the InputError that tied bodies are apart, with the distance of the nearest of these
+     * owned nodes. Collective. */
+    template <int dim>
+    [[noreturn]] void refuse_distance(const Section &section, const NodalState &state,
+                                      const std::vector<unsigned int> &slave_nodes,
+                                      const std::vector<unsigned int> &master_nodes,
+                                      const MPI_Comm communicator)
+    {
+      std::vector<double> places;
+      for (const unsigned int node : master_nodes)
+        for (unsigned int d = 0; d < dim; ++d)
+          places.push_back(state.initial_position.node(node)[d]);
+      double least = std::numeric_limits<double>::max();
+      std::string where;
+      for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, places))
+        for (std::size_t i = 0; i < of_rank.size(); i += dim)
+          for (const unsigned int node : slave_nodes)
+          {
+            const double *const x = state.initial_position.node(node);
+            const double distance = (vector_of<dim>(x) - vector_of<dim>(of_rank.data() + i)).norm();
+            if (distance < least)
+            {
+              least = distance;
+              where = place_text(vector_of<dim>(x));
+            }
+          }
+      const double least_of_all = Utilities::MPI::min(least, communicator);
+      std::ostringstream message;
+      message << section.describe("Type") << ": the tied bodies are apart: the nearest nodes, at "
+              << where << ", are " << least
+              << " from each other, or their faces do not face each other; allowed is 10 % of the "
+                 "thickness of the thinner cells.";
+      throw_on_all_ranks<InputError>(least > least_of_all ? "" : message.str(), communicator);
+      section.fail("Type", "the tied bodies are apart.");
     }
   } // namespace
 
@@ -61,7 +97,8 @@ namespace tombolo
     histories.resize(slaves.owned_nodes().size());
     start(section, nodes, state);
     stiffness.list(records, slaves, masters, !settings.is_tied);
-    records.sums("heat, work and impulse", totals.shares());
+    records.sums("heat, work and impulse", totals.friction, totals.damping, totals.conducted,
+                 interleaved(totals.impulse, totals.force, dim));
     NodeHistory::list(records, slaves.owned_nodes(), histories, !settings.is_tied);
   }
 
@@ -107,7 +144,7 @@ namespace tombolo
       if (!segments.find_normal(node, history.normal))
         continue;
       ++n_near;
-      history.area = segments.sums().scalars.node(node)[MortarSegments<dim>::area];
+      history.area = segments.area_of(node);
       history.gap =
           -(vector_of<dim>(segments.sums().gap.node(node)) * history.normal) / history.area;
       history.offset = settings.is_tied ? history.gap : std::max(0., -history.gap);
@@ -120,7 +157,14 @@ namespace tombolo
     std::vector<double> depths;
     for (const NodeHistory &history : histories)
       depths.push_back(history.offset);
-    refuse_overlap<dim>(section, nodes, state, slaves.owned_nodes(), depths);
+    refuse_depth<dim>(nodes, state, slaves.owned_nodes(), depths,
+                      [&](const std::string &depth, const std::string &node)
+                      {
+                        return section.describe("") +
+                               ": the bodies overlap at the start: the slave is " + depth +
+                               " deep in the master around " + node +
+                               ". Move a body, or set `Initial overlap = resolve`.";
+                      });
   }
 
   template <int dim>
@@ -149,11 +193,7 @@ namespace tombolo
     using Segments = MortarSegments<dim>;
     const auto fill = [&](const unsigned int node, const unsigned int slot, const double area)
     {
-      double theta = *nodal_heat.temperature->node(node);
-      const double pending = *nodal_heat.pending->node(node);
-      if (pending != 0.)
-        theta = nodal_heat.enthalpy->temperature(node, nodal_heat.enthalpy->enthalpy(node, theta) +
-                                                           pending);
+      const double theta = nodal_heat.present_temperature(node);
       const double capacity = nodal_heat.enthalpy->capacity(node, theta);
       thermal.node(node)[Segments::temperature] = theta;
       thermal.node(node)[slot] = capacity > 0. ? area / capacity : 0.;
@@ -214,7 +254,7 @@ namespace tombolo
       history.area = history.offset = 0.;
       return;
     }
-    const double area = sums.scalars.node(node)[MortarSegments<dim>::area];
+    const double area = segments.area_of(node);
     const Tensor<1, dim> gap = vector_of<dim>(sums.gap.node(node)) / area;
     if (settings.is_tied)
     {
@@ -281,8 +321,7 @@ namespace tombolo
       heat_flow.node(node)[1] = friction;
       heat_flow.node(node)[2] = heat_fraction(node);
     }
-    history.traction =
-        spring.normal_force() * history.normal - spring.stiffness * spring.elastic_slip;
+    history.traction = spring.force(history.normal);
   }
 
   template <int dim>
@@ -332,9 +371,19 @@ namespace tombolo
   }
 
   template <int dim>
-  double MortarContact<dim>::stable_fraction() const
+  ContactBalance MortarContact<dim>::balance() const
   {
-    return settings.is_tied ? settings.bond.stable_fraction() : settings.law.stable_fraction();
+    ContactBalance result;
+    for (const NodeHistory &history : histories)
+    {
+      result.elastic += history.area * history.spring.elastic_energy();
+      result.n_nodes += history.spring.is_closed() ? 1. : 0.;
+      result.area += history.spring.is_closed() ? history.area : 0.;
+      result.penetration = std::max(result.penetration, history.spring.depth);
+    }
+    totals.add_to(result);
+    result.sum_over_ranks(communicator);
+    return result;
   }
 
   template class MortarContact<2>;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_history.h>
 
-#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/format.h>
 #include <tombolo/contact/mean_and_largest.h>
-#include <tombolo/contact/mortar_geometry.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/records.h>
 
@@ -18,42 +17,6 @@
 namespace tombolo
 {
   using namespace dealii;
-
-  template <int dim>
-  ContactBalance MortarTotals<dim>::balance(const std::vector<MortarHistory<dim>> &histories,
-                                            const MPI_Comm communicator) const
-  {
-    ContactBalance result;
-    double elastic = 0, n_closed = 0, deepest = 0, area = 0;
-    for (const MortarHistory<dim> &history : histories)
-    {
-      elastic += history.area * history.spring.elastic_energy();
-      n_closed += history.spring.is_closed() ? 1. : 0.;
-      area += history.spring.is_closed() ? history.area : 0.;
-      deepest = std::max(deepest, history.spring.depth);
-    }
-    std::vector<double> sums{elastic, friction, damping, n_closed, conducted, area};
-    const std::size_t first_vector = sums.size();
-    for (unsigned int d = 0; d < dim; ++d)
-      sums.insert(sums.end(), {force[d], impulse[d]});
-    sums = ordered_sum(sums, communicator);
-    result.elastic = sums[0];
-    result.friction = sums[1];
-    result.damping = sums[2];
-    result.n_nodes = sums[3];
-    result.conducted = sums[4];
-    result.area = sums[5];
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      result.force[d] = sums[first_vector + 2 * d];
-      result.impulse[d] = sums[first_vector + 2 * d + 1];
-    }
-    result.penetration = Utilities::MPI::max(deepest, communicator);
-    return result;
-  }
-
-  template struct MortarTotals<2>;
-  template struct MortarTotals<3>;
 
   template <int dim>
   void MortarHistory<dim>::list(Records &records, const std::vector<unsigned int> &nodes,
@@ -158,6 +121,35 @@ namespace tombolo
             sums[Segments::area]);
     }
     return mean_and_largest(values, communicator);
+  }
+
+  template <int dim>
+  std::string MortarHistory<dim>::describe_tie(const NodalVector &position,
+                                               const std::vector<unsigned int> &slave_nodes,
+                                               const std::vector<MortarHistory> &histories,
+                                               const MPI_Comm communicator)
+  {
+    unsigned long n_tied = 0;
+    std::vector<double> first; // of the free ones
+    for (std::size_t k = 0; k < slave_nodes.size(); ++k)
+    {
+      const double *const x = position.node(slave_nodes[k]);
+      if (histories[k].area > 0.)
+        ++n_tied;
+      else if (const std::vector<double> place(x, x + dim); first.empty() || place < first)
+        first = place;
+    }
+    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, first))
+      if (!of_rank.empty() && (first.empty() || of_rank < first))
+        first = of_rank;
+    n_tied = Utilities::MPI::sum(n_tied, communicator);
+    const unsigned long n_nodes = Utilities::MPI::sum(slave_nodes.size(), communicator);
+    const std::string text =
+        std::to_string(n_tied) + " of " + std::to_string(n_nodes) + " slave nodes are tied";
+    return first.empty() ? text
+                         : text + ", " + std::to_string(n_nodes - n_tied) +
+                               " not, where no master is near: the first at " +
+                               place_text(vector_of<dim>(first.data()));
   }
 
   template struct MortarHistory<2>;

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_settings.h>
 
-#include <tombolo/contact/friction_coefficient.h>
-#include <tombolo/contact/heat_fraction.h>
-
 #include <cmath>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  MortarSettings::MortarSettings(const Entries &e, const bool has_heat) : has_heat(has_heat)
+  MortarSettings::MortarSettings(const Entries &e, const bool has_heat) : FrictionSettings(has_heat)
   {
     is_tied = e.choice("Type", "touching", "touching|tied",
                        "`touching`: the bodies push each other, with friction. `tied`: they are "
@@ -29,12 +26,11 @@ namespace tombolo
       law = ContactLaw(stiffness, e.number("Damping", "0.2", from_to(0., 1.), "",
                                            "Fraction of critical damping while bodies approach, "
                                            "from 0 to 1. Tied bodies have none."));
-      friction = read_friction(
+      read_friction(
           e,
           "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless contact. In scenes "
           "with heat also pairs `temperature: value` separated by commas, over the mean "
-          "temperature of both sides.",
-          has_heat);
+          "temperature of both sides.");
       if (!e.text("Shear limit", "", "M/(L T^2)",
                   "The largest traction along the surface, which friction does not exceed however "
                   "large the pressure. Empty: there is no limit. Only with `Friction`.")
@@ -46,16 +42,11 @@ namespace tombolo
       }
     }
     if (e.when(!is_tied && has_heat))
-    {
-      splits_by_effusivity =
-          e.text("Heat fraction", "0.5", "",
-                 "Share of the heat of friction that enters the slave, from 0 to 1; the rest "
-                 "enters the master. `by effusivity`: e_s/(e_s + e_m) with the √(k ρ c) of slave "
-                 "and master at the present temperatures. Only in scenes with heat.") ==
-          by_effusivity;
-      if (!e.declares() && !splits_by_effusivity)
-        heat_fraction = read_heat_fraction(e.section());
-    }
+      read_heat_fraction(
+          e, "Share of the heat of friction that enters the slave, from 0 to 1; the rest "
+             "enters the master. `by effusivity`: e_s/(e_s + e_m) with the √(k ρ c) of slave "
+             "and master at the present temperatures. Only in scenes with heat.");
+
     if (e.when(has_heat))
     {
       conductance = e.object<TemperatureTable>(

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_stiffness.h>
 
-#include <tombolo/contact/mortar_geometry.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace tombolo
 {
@@ -16,6 +16,17 @@ namespace tombolo
   {
     /** Masses per area are found again every so many steps. */
     constexpr unsigned long steps_between_masses = 16;
+
+    /** The least mass over area of these nodes. */
+    double least_mass_per_area(const std::vector<unsigned int> &nodes,
+                               const std::vector<double> &areas, const NodalVector &mass)
+    {
+      double least = std::numeric_limits<double>::max();
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        if (*mass.node(nodes[k]) > 0. && areas[k] > 0.)
+          least = std::min(least, *mass.node(nodes[k]) / areas[k]);
+      return least;
+    }
   } // namespace
 
   template <int dim>

@@ -322,40 +322,36 @@ namespace tombolo
   template <int dim>
   void PartSurface<dim>::list(Records &records, const std::vector<unsigned int> &candidates)
   {
-    records.archived([this, &candidates](StateArchive &archive)
-                     { serialize(archive, candidates); });
-  }
-
-  template <int dim>
-  void PartSurface<dim>::serialize(StateArchive &archive,
-                                   const std::vector<unsigned int> &candidates)
-  {
-    std::vector<unsigned int> nodes;
-    std::vector<std::array<double, 3>> values;
-    for (const auto &owned : layer->owned())
-    {
-      nodes.push_back(owned.node);
-      std::array<double, 3> value{};
-      for (unsigned int d = 0; d < dim; ++d)
-        value[d] = positions[owned.number][d];
-      values.push_back(value);
-    }
-    archive.nodal("position", nodes, values);
-    std::vector<std::array<double, 3>> side_of_candidates(candidates.size());
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      side_of_candidates[k][0] = static_cast<double>(sides[candidates[k]]);
-    archive.nodal("side", candidates, side_of_candidates);
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      sides[candidates[k]] = static_cast<Side>(side_of_candidates[k][0]);
-    if (!archive.is_reading())
-      return;
-    std::size_t k = 0;
-    const std::vector<double> all = layer->gather(dim, Quantity::position,
-                                                  [&](unsigned int, double *const x)
-                                                  { std::copy_n(values[k++].data(), dim, x); });
-    for (std::size_t a = 0; a < positions.size(); ++a)
-      positions[a] = vector_of<dim>(&all[dim * a]);
-    refit();
+    records.archived(
+        [this, &candidates](StateArchive &archive)
+        {
+          std::vector<unsigned int> nodes;
+          std::vector<std::array<double, 3>> values;
+          for (const auto &owned : layer->owned())
+          {
+            nodes.push_back(owned.node);
+            std::array<double, 3> value{};
+            for (unsigned int d = 0; d < dim; ++d)
+              value[d] = positions[owned.number][d];
+            values.push_back(value);
+          }
+          archive.nodal("position", nodes, values);
+          std::vector<std::array<double, 3>> side_of_candidates(candidates.size());
+          for (std::size_t k = 0; k < candidates.size(); ++k)
+            side_of_candidates[k][0] = static_cast<double>(sides[candidates[k]]);
+          archive.nodal("side", candidates, side_of_candidates);
+          for (std::size_t k = 0; k < candidates.size(); ++k)
+            sides[candidates[k]] = static_cast<Side>(side_of_candidates[k][0]);
+          if (!archive.is_reading())
+            return;
+          std::size_t k = 0;
+          const std::vector<double> all = layer->gather(
+              dim, Quantity::position,
+              [&](unsigned int, double *const x) { std::copy_n(values[k++].data(), dim, x); });
+          for (std::size_t a = 0; a < positions.size(); ++a)
+            positions[a] = vector_of<dim>(&all[dim * a]);
+          refit();
+        });
   }
 
   template <int dim>

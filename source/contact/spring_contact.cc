@@ -21,20 +21,15 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  SpringContact<dim>::SpringContact(const Section &section, const Mesh<dim> &mesh,
-                                    const Nodes<dim> &nodes, const NodalState &state,
-                                    const std::vector<bool> &can_be_exposed, const bool has_heat,
-                                    const std::vector<double> &volume, MasterPart<dim> master)
-      : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume,
-                            std::move(master)),
-        springs(this->candidates.size())
+  SpringContact<dim>::SpringContact(ContactScene<dim> &scene)
+      : SurfaceContact<dim>(scene), springs(this->candidates.size())
   {
     using Spring = ContactSpring<dim>;
     this->records.at_nodes(this->candidates, springs)
         .numbers(scalars_of_springs, &Spring::stiffness, &Spring::depth, &Spring::damping_force)
         .vector(slips_of_springs, &Spring::elastic_slip)
         .continues(this->settings.is_of_faces ? "last position" : "");
-    this->records.on_division([this, &state](StateArchive &archive)
+    this->records.on_division([this, &state = scene.state](StateArchive &archive)
                               { close_springs(state, archive); });
   }
 
@@ -51,7 +46,7 @@ namespace tombolo
   {
     ContactSpring<dim> &spring = springs[candidate];
     this->settings.law.press(press.depth, press.motion, press.normal, press.mass, clock.stable_step,
-                             clock.previous_step, spring, this->damping_heat);
+                             clock.previous_step, spring, this->totals.damping);
     const double area = this->area(candidate, press.normal);
     if (this->settings.friction.largest() > 0.)
     {
@@ -70,7 +65,7 @@ namespace tombolo
   {
     this->add_friction_heat(
         candidate,
-        ContactLaw::release(approach, has_eroded, springs[candidate], this->damping_heat),
+        ContactLaw::release(approach, has_eroded, springs[candidate], this->totals.damping),
         nodal_heat);
   }
 
@@ -120,16 +115,14 @@ namespace tombolo
   }
 
   template <int dim>
-  typename SpringContact<dim>::NodeSums SpringContact<dim>::node_sums() const
+  void SpringContact<dim>::add_node_sums(ContactBalance &shares) const
   {
-    NodeSums sums;
     for (const ContactSpring<dim> &spring : springs)
     {
-      sums.elastic += spring.elastic_energy();
-      sums.n_nodes += spring.is_closed() ? 1. : 0.;
-      sums.deepest = std::max(sums.deepest, spring.depth);
+      shares.elastic += spring.elastic_energy();
+      shares.n_nodes += spring.is_closed() ? 1. : 0.;
+      shares.penetration = std::max(shares.penetration, spring.depth);
     }
-    return sums;
   }
 
   template <int dim>

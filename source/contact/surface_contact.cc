@@ -2,9 +2,7 @@
 #include <tombolo/contact/surface_contact.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/contact_candidates.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surface_section.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,40 +13,26 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  ContactAreas<dim>::ContactAreas(const Nodes<dim> &nodes,
-                                  const std::set<types::boundary_id> &boundaries,
-                                  const std::vector<unsigned int> &candidates,
-                                  const std::vector<double> &volume)
-      : faces(nodes, boundaries)
+  SurfaceContact<dim>::SurfaceContact(ContactScene<dim> &scene)
+      : communicator(scene.nodes.communicator()), settings(scene.section, scene.has_heat),
+        surface(create_surface<dim>(scene.section)), contact_name(scene.section.name())
   {
-    for (const unsigned int node : candidates)
-      inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));
-  }
-
-  template class ContactAreas<2>;
-  template class ContactAreas<3>;
-
-  template <int dim>
-  SurfaceContact<dim>::SurfaceContact(const Section &section, const Mesh<dim> &mesh,
-                                      const Nodes<dim> &nodes, const NodalState &state,
-                                      const std::vector<bool> &can_be_exposed, const bool has_heat,
-                                      const std::vector<double> &volume, MasterPart<dim> master)
-      : communicator(nodes.communicator()), settings(section, has_heat),
-        surface(create_surface<dim>(section)), contact_name(section.name())
-  {
-    surface->load(nodes.communicator());
+    const Section &section = scene.section;
+    const NodalState &state = scene.state;
+    surface->load(communicator);
     part = surface->of_part();
     if (part)
-      part->take(std::move(master), state);
-    of_surface.position = surface->reference_point(0.);
-    const auto boundaries = contact_boundaries(section, mesh);
-    candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
+      part->take(std::move(scene.master), state);
+    totals.position = surface->reference_point(0.);
+    const auto boundaries = contact_boundaries(scene);
+    candidates = find_contact_candidates(scene, boundaries);
     if (part)
       part->drop_own_nodes(section, candidates);
-    if (has_heat)
+    if (settings.has_heat)
       heat = std::make_unique<ContactHeat<dim>>(section, settings, candidates, part);
     if (conducts() || settings.limits_shear() || part)
-      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
+      areas =
+          std::make_unique<ContactAreas<dim>>(scene.nodes, boundaries, candidates, scene.volume);
     set_partition(state.partition());
     if (part)
     {
@@ -57,15 +41,27 @@ namespace tombolo
     }
     surface->set_reach(settings.radius);
     find_gaps(state.initial_position, candidates, 0., gap);
-    refuse_penetration(section, nodes, state, candidates, gap);
+    std::vector<double> depths;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      depths.push_back(*state.mass.node(candidates[k]) > 0. ? -gap[k] : 0.);
+    refuse_depth<dim>(scene.nodes, state, candidates, depths,
+                      [&](const std::string &depth, const std::string &node)
+                      {
+                        return section.describe("") +
+                               ": the surface starts inside the body: " + node + " is " + depth +
+                               " behind it. Move the surface or the body. The normal of a plane "
+                               "points to the side where bodies may be.";
+                      });
 
     histories.resize(candidates.size());
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
     records.on_continuation([this, &state] { forget_motion(state); });
-    records.sums("heat, work and impulse", friction_heat, damping_heat, of_surface.shares());
+    records.sums("heat, work and impulse", totals.friction, totals.damping, totals.work,
+                 totals.translation_work, interleaved(totals.impulse, totals.force, dim),
+                 interleaved(totals.angular_impulse, totals.torque_of_force));
     if (areas)
-      records.sums("area in contact", of_surface.area);
+      records.sums("area in contact", totals.area);
     records.at_nodes(candidates, histories)
         .vector("force", &NodeHistory::force)
         .vector("position", &NodeHistory::position)
@@ -76,7 +72,7 @@ namespace tombolo
     if (heat)
       heat->list(records);
 
-    refuse_motion_out_of_mirrors(section, *nodes.images(), *surface);
+    refuse_motion_out_of_mirrors(scene, *surface);
   }
 
   template <int dim>
@@ -93,26 +89,18 @@ namespace tombolo
   void SurfaceContact<dim>::add_contact(const std::size_t candidate, const double normal_force,
                                         const double area, const Clock &clock)
   {
-    of_surface.area += std::max(area, 0.);
-    if (heat && heat->partner() != nullptr)
-      heat->partner()->add_contact(candidate, candidates[candidate], normal_force, area,
-                                   clock.previous_step);
+    totals.area += std::max(area, 0.);
+    if (heat)
+      heat->add_contact(candidate, normal_force, area, clock.previous_step);
   }
 
   template <int dim>
   void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double of_sliding,
                                               const NodalHeat &nodal_heat)
   {
-    friction_heat += of_sliding;
+    totals.friction += of_sliding;
     if (heat)
       heat->add_friction(candidate, of_sliding, nodal_heat);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::end_forces(const double friction_heat_before)
-  {
-    if (heat)
-      heat->end_forces(friction_heat - friction_heat_before);
   }
 
   template <int dim>
@@ -125,14 +113,40 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock,
+  bool SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock,
                                          const NodalHeat &nodal_heat)
   {
-    of_surface.begin_forces(surface->reference_point(clock.time));
+    const RigidTranslation<dim> &of_surface = surface->translation();
+    translation = of_surface.displacement(clock.time) -
+                  of_surface.displacement(clock.time - clock.previous_step);
+    totals.begin_forces(surface->reference_point(clock.time));
+    friction_before = totals.friction;
     if (heat)
       heat->begin_step(nodal_heat);
-    if (areas && !part && clock.stable_step > 0.)
+    if (!(clock.stable_step > 0.))
+    {
+      forget_motion(state);
+      return false;
+    }
+    if (areas && !part)
       areas->of_faces().update(state.position);
+    return true;
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::set_force(const std::size_t candidate, const Tensor<1, dim> &x,
+                                      const Tensor<1, dim> &force, const Tensor<1, dim> &of_surface,
+                                      const bool touches, NodalVector &loads,
+                                      std::vector<unsigned int> &loaded_nodes)
+  {
+    totals.add_work(histories[candidate].force + force, of_surface, translation);
+    histories[candidate] = {force, x};
+    if (!touches)
+      return;
+    totals.add_force(force, x);
+    for (unsigned int d = 0; d < dim; ++d)
+      loads.node(candidates[candidate])[d] += force[d];
+    loaded_nodes.push_back(candidates[candidate]);
   }
 
   template <int dim>
@@ -158,12 +172,11 @@ namespace tombolo
   template <int dim>
   void SurfaceContact<dim>::complete_step(const Clock &clock)
   {
-    of_surface.add_impulse(clock.velocity_step());
+    totals.add_impulse(clock.velocity_step());
     if (!surface->translation().has_mass())
       return;
     std::array<double, dim> on_bodies;
-    for (unsigned int d = 0; d < dim; ++d)
-      on_bodies[d] = of_surface.force[d];
+    std::copy_n(totals.force.begin_raw(), dim, on_bodies.begin());
     on_bodies = ordered_sum(on_bodies, communicator);
     Tensor<1, dim> reaction;
     for (unsigned int d = 0; d < dim; ++d)
@@ -192,18 +205,27 @@ namespace tombolo
   template <int dim>
   ContactBalance SurfaceContact<dim>::balance(const MPI_Comm communicator) const
   {
-    const NodeSums of_nodes = node_sums();
-    ContactBalance shares;
-    shares.elastic = of_nodes.elastic;
-    shares.n_nodes = of_nodes.n_nodes;
-    shares.penetration = of_nodes.deepest;
-    shares.friction = friction_heat;
-    shares.damping = damping_heat;
+    ContactBalance result;
+    add_node_sums(result);
+    totals.add_to(result);
     if (heat)
-      heat->add_shares(shares);
-    ContactBalance result = of_surface.balance(shares, surface->translation(), communicator);
-    if (part)
-      result.external_work = 0.; // one body does it on another
+      heat->add_shares(result);
+    result.sum_over_ranks(communicator);
+    const RigidTranslation<dim> &of_surface = surface->translation();
+    result.external_work = of_surface.has_mass()
+                               ? result.work - result.external_work + of_surface.work_of_force()
+                           : part ? 0. // one body does it on another
+                                  : result.work;
+    result.tool_kinetic = of_surface.kinetic_energy();
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      result.position[d] = totals.position[d];
+      if (of_surface.has_mass())
+      {
+        result.velocity[d] = of_surface.velocity()[d];
+        result.tool_momentum[d] = of_surface.mass() * result.velocity[d];
+      }
+    }
     if (heat)
       heat->complete(result);
     return result;

@@ -1,13 +1,58 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surface_section.h>
 
-#include <tombolo/contact/contact_candidates.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/contact/tool_heat.h>
+#include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/mesh/boundary_names.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    Point<dim> initial_point(const NodalState &state, const unsigned int node)
+    {
+      Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = state.initial_position.node(node)[d];
+      return result;
+    }
+
+    /** Marks owned nodes on outer faces: of these ids, or of any if there are none. */
+    template <int dim>
+    void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
+                            const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
+    {
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial() || !cell->at_boundary())
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        for (const unsigned int f : cell->face_indices())
+        {
+          if (!nodes.is_outer_face(cell, f) ||
+              (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
+            continue;
+          for (const unsigned int k : nodes.face_places(f))
+            if (nodes.owned().is_element(cell_nodes[k]))
+              mark[partition.local_index(cell_nodes[k])] = true;
+        }
+      }
+    }
+  } // namespace
 
   template <int dim>
   std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
@@ -22,9 +67,12 @@ namespace tombolo
     e.choice("Surface", mandatory, Registry<ContactSurface<dim>>::instance().selection(),
              "The surface that nodes touch: a rigid one, or the boundary of a part.");
     e.plugins<ContactSurface<dim>>();
-    declare_contact_candidates(e);
+    e.text("Boundary", "", "",
+           "Names of the boundaries whose nodes can touch, separated by commas; empty for the "
+           "nodes of the whole surface, all particles, and all nodes of elements that erode.");
+    e.text("Where", "", "", "A predicate of the initial position that nodes must fulfil to touch.");
     declare<ContactSettings>(e);
-    ToolHeat<dim>::declare_parameters(e);
+    HeatPartner::declare_parameters(e);
   }
 
   template <int dim>
@@ -41,11 +89,127 @@ namespace tombolo
             section.fail("Method", "the surface is that of a part, which nodes push back by "
                                    "springs; allowed is penalty.");
           });
-    if (has_heat && is_of_part)
-      parameters.attempt([&] { ToolHeat<dim>::read_conductance(section); });
-    else if (has_heat)
-      parameters.attempt([&] { ToolHeat<dim>::create(section); });
-    parameters.attempt([&] { validate_contact_candidates<dim>(section); });
+    if (has_heat)
+      parameters.attempt([&] { HeatPartner partner(section, is_of_part); });
+    parameters.attempt(
+        [&]
+        {
+          if (!section.get("Where").empty())
+            Predicate<dim> where(section, "Where");
+          section.get("Boundary");
+        });
+  }
+
+  template <int dim>
+  std::set<types::boundary_id> contact_boundaries(const ContactScene<dim> &scene)
+  {
+    if (scene.section.get("Boundary").empty())
+      return {};
+    return boundary_ids(scene.mesh, scene.section, "Boundary");
+  }
+
+  template <int dim>
+  std::vector<unsigned int> find_contact_candidates(const ContactScene<dim> &scene,
+                                                    const std::set<types::boundary_id> &boundaries)
+  {
+    const Section &section = scene.section;
+    const NodalState &state = scene.state;
+    const NodePartition &partition = *state.partition();
+    std::vector<bool> is_candidate(partition.n_owned(), false);
+    if (section.get("Boundary").empty())
+      is_candidate = scene.can_be_exposed;
+    mark_surface_nodes(scene.nodes, partition, boundaries, is_candidate);
+
+    std::optional<Predicate<dim>> where;
+    if (!section.get("Where").empty())
+      where.emplace(section, "Where");
+    std::vector<unsigned int> candidates;
+    std::string failure;
+    try
+    {
+      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+        if (is_candidate[i] && (!where || (*where)(initial_point<dim>(state, i))))
+          candidates.push_back(i);
+    }
+    catch (const InputError &error)
+    {
+      failure = error.what();
+    }
+    throw_on_all_ranks<InputError>(failure, scene.nodes.communicator());
+    if (Utilities::MPI::sum(candidates.size(), scene.nodes.communicator()) == 0)
+      section.fail(where ? "Where" : "Boundary",
+                   "no node can touch; the contact would do nothing.");
+    return candidates;
+  }
+
+  template <int dim>
+  void refuse_depth(
+      const Nodes<dim> &nodes, const NodalState &state, const std::vector<unsigned int> &candidates,
+      const std::vector<double> &depths,
+      const std::function<std::string(const std::string &depth, const std::string &node)> &message)
+  {
+    double extent = 0;
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      extent = std::max(extent, initial_point<dim>(state, i).norm());
+    extent = Utilities::MPI::max(extent, nodes.communicator());
+    std::string failure;
+    double deepest = 0;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (depths[k] > std::max(deepest, 1e-9 * extent))
+      {
+        deepest = depths[k];
+        std::ostringstream depth;
+        depth << deepest;
+        failure = message(depth.str(),
+                          "the node with the number " +
+                              std::to_string(nodes.persistent_ids()[candidates[k]]) + " at " +
+                              place_text<dim>(initial_point<dim>(state, candidates[k])));
+      }
+    // Of all ranks, the one with the deepest node reports it.
+    if (deepest < Utilities::MPI::max(deepest, nodes.communicator()))
+      failure.clear();
+    throw_on_all_ranks<InputError>(failure, nodes.communicator());
+  }
+
+  template <int dim>
+  void refuse_motion_out_of_mirrors(const ContactScene<dim> &scene, ContactSurface<dim> &surface)
+  {
+    const Section &section = scene.section;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (scene.nodes.images()->are_opposite_along(d) && surface.translation().moves_along(d))
+        section.subsection(section.get("Surface"))
+            .fail("Directions", "a body with a mass would move out of a " + Images::words(true) +
+                                    "; allowed are directions without " + "xyz"[d] + ".");
+  }
+
+  template <int dim>
+  void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
+                const std::vector<double> &was, const std::vector<double> &gap, const double time,
+                const NodalVector &slides, const NodalVector &from, NodalVector &position,
+                NodalVector &is_bound)
+  {
+    constexpr double clearance = 1e-6, largest_slope = 0.3;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+    {
+      if (!(was[k] < 0. || gap[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
+        continue;
+      *is_bound.node(candidates[k]) = 1.;
+      double *const x = position.node(candidates[k]);
+      // Beyond the surface by some of its way: on it, round-off would decide whether a node
+      // touches.
+      double excess = -(1. + clearance) * gap[k];
+      if (was[k] < 0.)
+      {
+        // Faces are chords of a round surface, and beside the last node that touches they go away
+        // from it: what touched it touches it still.
+        const double along = (vector_of<dim>(x) - vector_of<dim>(from.node(candidates[k]))).norm();
+        const bool may_leave = *slides.node(candidates[k]) < 1.;
+        excess = may_leave && gap[k] - was[k] > largest_slope * along ? 0. : was[k] - gap[k];
+      }
+      const Tensor<1, dim> way = excess * surface.normal(vector_of<dim>(x), time);
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] += way[d];
+    }
   }
 
   template std::unique_ptr<ContactSurface<2>> create_surface(const Section &);
@@ -54,4 +218,26 @@ namespace tombolo
   template void declare_surface_contact<3>(const Entries &);
   template void validate_surface_contact<2>(const Section &, bool);
   template void validate_surface_contact<3>(const Section &, bool);
+  template std::set<types::boundary_id> contact_boundaries(const ContactScene<2> &);
+  template std::set<types::boundary_id> contact_boundaries(const ContactScene<3> &);
+  template std::vector<unsigned int> find_contact_candidates(const ContactScene<2> &,
+                                                             const std::set<types::boundary_id> &);
+  template std::vector<unsigned int> find_contact_candidates(const ContactScene<3> &,
+                                                             const std::set<types::boundary_id> &);
+  template void
+  refuse_depth(const Nodes<2> &, const NodalState &, const std::vector<unsigned int> &,
+               const std::vector<double> &,
+               const std::function<std::string(const std::string &, const std::string &)> &);
+  template void
+  refuse_depth(const Nodes<3> &, const NodalState &, const std::vector<unsigned int> &,
+               const std::vector<double> &,
+               const std::function<std::string(const std::string &, const std::string &)> &);
+  template void push_out(const ContactSurface<2> &, const std::vector<unsigned int> &,
+                         const std::vector<double> &, const std::vector<double> &, double,
+                         const NodalVector &, const NodalVector &, NodalVector &, NodalVector &);
+  template void push_out(const ContactSurface<3> &, const std::vector<unsigned int> &,
+                         const std::vector<double> &, const std::vector<double> &, double,
+                         const NodalVector &, const NodalVector &, NodalVector &, NodalVector &);
+  template void refuse_motion_out_of_mirrors(const ContactScene<2> &, ContactSurface<2> &);
+  template void refuse_motion_out_of_mirrors(const ContactScene<3> &, ContactSurface<3> &);
 } // namespace tombolo

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/tensor.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -35,27 +42,113 @@ namespace tombolo
     double area = 0;                       ///< likewise, where areas are known [L^(dim-1)]
     double penetration = 0;                ///< the largest [L]
 
-    /** Adds those of another contact, but for what is of one surface alone: torque, place, area. */
+    /** Adds those of another contact, but for what is of one surface alone: place, temperature. */
     void add(const ContactBalance &other)
     {
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        force[d] += other.force[d];
-        impulse[d] += other.impulse[d];
-        tool_momentum[d] += other.tool_momentum[d];
-      }
-      elastic += other.elastic;
-      friction += other.friction;
-      damping += other.damping;
-      work += other.work;
-      external_work += other.external_work;
-      conducted += other.conducted;
-      friction_of_bodies += other.friction_of_bodies;
-      heat_of_bodies += other.heat_of_bodies;
-      heat_of_tool += other.heat_of_tool;
-      tool_kinetic += other.tool_kinetic;
-      n_nodes += other.n_nodes;
+      ContactBalance of_other = other;
+      const std::vector<double *> values = sums(), added = of_other.sums();
+      for (std::size_t k = 0; k < values.size(); ++k)
+        *values[k] += *added[k];
       penetration = std::max(penetration, other.penetration);
+    }
+
+    /** From shares of single ranks to the sums over ranks, and the largest penetration. Collective.
+     */
+    void sum_over_ranks(const MPI_Comm communicator)
+    {
+      const std::vector<double *> values = sums();
+      std::vector<double> numbers;
+      for (const double *const value : values)
+        numbers.push_back(*value);
+      numbers = ordered_sum(numbers, communicator);
+      for (std::size_t k = 0; k < values.size(); ++k)
+        *values[k] = numbers[k];
+      penetration = dealii::Utilities::MPI::max(penetration, communicator);
+    }
+
+  private:
+    std::vector<double *> sums()
+    {
+      std::vector<double *> result{&elastic,
+                                   &friction,
+                                   &damping,
+                                   &work,
+                                   &n_nodes,
+                                   &external_work,
+                                   &conducted,
+                                   &area,
+                                   &tool_kinetic,
+                                   &heat_of_bodies,
+                                   &friction_of_bodies,
+                                   &heat_of_tool};
+      for (auto *const vector : {&force, &impulse, &angular_impulse, &tool_momentum})
+        for (double &component : *vector)
+          result.push_back(&component);
+      return result;
+    }
+  };
+
+  /** Sums of one rank over the forces of a contact, on the slave where it is one of two bodies:
+   * those at t_n, and impulses, heat and works since the start. */
+  template <int dim>
+  struct ContactSums
+  {
+    dealii::Tensor<1, dim> position;       ///< of the surface's reference point, at t_n [L]
+    dealii::Tensor<1, dim> force;          ///< at t_n [M L/T^2]
+    dealii::Tensor<1, 3> torque_of_force;  ///< about position, likewise
+    double area = 0;                       ///< in contact, likewise, where areas are known
+    dealii::Tensor<1, dim> impulse;        ///< since the start [M L/T]
+    dealii::Tensor<1, 3> angular_impulse;  ///< likewise
+    double friction = 0;                   ///< heat of friction, likewise [M L^2/T^2]
+    double damping = 0;                    ///< taken by damping, likewise
+    double conducted = 0;                  ///< heat into the slave, likewise
+    double work = 0, translation_work = 0; ///< of the surface, and what a mass loses of it
+
+    /** Forgets the forces of the step before. */
+    void begin_forces(const dealii::Tensor<1, dim> &reference_point)
+    {
+      position = reference_point;
+      force = 0.;
+      torque_of_force = 0.;
+      area = 0.;
+    }
+
+    /** Adds the force on a node at @p x. */
+    void add_force(const dealii::Tensor<1, dim> &of_node, const dealii::Tensor<1, dim> &x)
+    {
+      force += of_node;
+      torque_of_force += torque<dim>(x - position, of_node);
+    }
+
+    /** Adds the work of the motion of the surface over the last step, @p of_surface at a node and
+     * @p translation of the surface as a whole, with the mean of the forces before and now. */
+    void add_work(const dealii::Tensor<1, dim> &sum_of_forces,
+                  const dealii::Tensor<1, dim> &of_surface,
+                  const dealii::Tensor<1, dim> &translation)
+    {
+      work += 0.5 * sum_of_forces * of_surface;
+      translation_work += 0.5 * sum_of_forces * translation;
+    }
+
+    /** Adds the impulse of the forces at t_n over Δt_n. */
+    void add_impulse(const double velocity_step)
+    {
+      impulse += velocity_step * force;
+      angular_impulse += velocity_step * torque_of_force;
+    }
+
+    /** Puts them among the @p shares of this rank; translation_work is the external work. */
+    void add_to(ContactBalance &shares) const
+    {
+      shares.friction = friction;
+      shares.damping = damping;
+      shares.conducted = conducted;
+      shares.work = work;
+      shares.external_work = translation_work;
+      shares.area += area;
+      std::copy_n(force.begin_raw(), dim, shares.force.begin());
+      std::copy_n(impulse.begin_raw(), dim, shares.impulse.begin());
+      std::copy_n(angular_impulse.begin_raw(), 3, shares.angular_impulse.begin());
     }
   };
 } // namespace tombolo

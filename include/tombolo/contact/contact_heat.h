@@ -4,69 +4,104 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/contact/heat_partner.h>
 #include <tombolo/contact/part_surface.h>
-#include <tombolo/contact/tool_heat.h>
+#include <tombolo/materials/nodal_enthalpy.h>
+#include <tombolo/materials/temperature_table.h>
+#include <tombolo/state/nodal_source.h>
+#include <tombolo/state/records.h>
+
+#include <mpi.h>
 
 #include <array>
+#include <cstddef>
 #include <functional>
-#include <memory>
-#include <utility>
 #include <vector>
 
 namespace tombolo
 {
-  /**
-   * The heat of the part whose boundary is the surface of a contact. A node i that touches
-   * exchanges heat with the nodes a of the cell there, which have the mean T_m = Σ N_a T_a:
-   *
-   *   Q = C* (1 - exp(-h A Δt / C*)) (T_m - T_i),   1/C* = (1 + R_i) / C_i,
-   *
-   * with R_i of PartSurface for heat capacities; Q N_a comes from node a, and so does the part's
-   * share of the heat of friction. However good the conductance, temperatures do not get past each
-   * other, and the heat of both bodies is kept to round-off.
-   */
-  template <int dim>
-  class PartHeat : public HeatPartner
+  /** What contacts see of the heat of a scene, and where they put heat: pointers that are null
+   * without heat. */
+  struct NodalHeat
   {
-  public:
-    /** Throws InputError. */
-    PartHeat(const Section &section, PartSurface<dim> &surface);
+    const NodalVector *temperature = nullptr; ///< at the present time, slot 0 of owned nodes
+    const NodalEnthalpy *enthalpy = nullptr;
+    /** Of owned nodes (scalar), what they have got since the thermal step began. */
+    const NodalVector *pending = nullptr;
+    /** Likewise h A Δt of all contacts in this step [M L^2/(T^2 K)]; null where there is no other
+     * contact. */
+    const NodalVector *exposure = nullptr;
+    NodalSource *friction = nullptr;   ///< gets the heat of friction of bodies
+    NodalSource *conduction = nullptr; ///< gets what is conducted into bodies
 
-    /** Finds the effusivities of nodes of the part. Collective. */
-    void find_effusivities(const NodalHeat &nodal_heat);
-    /** √(k ρ c) where a candidate touches. */
-    double effusivity(std::size_t candidate) const;
-
-    /** Gives the part heat of friction where a candidate touches, at the end of the step. */
-    void add_friction(std::size_t candidate, double heat);
-
-    void list(Records &records) override
+    /** The enthalpy of an owned node with what it has got. */
+    double enthalpy_of(const unsigned int node) const
     {
-      records.group("heat of the part").sums("conducted", this->conducted_heat);
+      return enthalpy->enthalpy(node, *temperature->node(node)) + *pending->node(node);
     }
 
-    /** The part has got the friction from add_friction() already. */
-    void end_step(double friction, const NodalHeat &nodal_heat, MPI_Comm communicator) override;
+    double temperature_of(const unsigned int node) const
+    {
+      return enthalpy->temperature(node, enthalpy_of(node));
+    }
 
-    /** Mean and largest T_m of the last step; zero where nothing touches. Collective. */
-    std::array<double, 2> temperatures_in_contact(MPI_Comm communicator) const;
-
-  private:
-    /** Calls @p use with the number and the temperature of each owned node of the part, with the
-     * heat that it has not got yet, and gathers what that writes. Collective. */
-    std::vector<double>
-    gather(const NodalHeat &nodal_heat, unsigned int n_values,
-           const std::function<void(unsigned int node, double temperature, double *)> &write) const;
-
-    PartSurface<dim> &surface;
-    std::vector<double> effusivities;       ///< of nodes of the layer
-    std::vector<double> incoming;           ///< likewise, of this rank in this step
-    std::vector<double> temperatures_below; ///< T_m of the touches of the last step
+    /** The same, and exactly that of the thermal step where the node has got nothing. */
+    double present_temperature(const unsigned int node) const
+    {
+      return *pending->node(node) != 0. ? temperature_of(node) : *temperature->node(node);
+    }
   };
 
-  /** The heat of the contact of nodes with a surface: that of friction, which body and surface
-   * share, and what is conducted. In scenes with heat only. */
+  /** With what the nodes of a contact exchange heat, as its section says: the entries
+   * `Conductance`, `Tool temperature` and `Heat capacity`. */
+  struct HeatPartner
+  {
+    static void declare_parameters(const Entries &e);
+
+    /** That of a rigid tool, or of a part, which has temperatures of its own. Throws InputError. */
+    HeatPartner(const Section &section, bool is_part);
+
+    bool conducts() const
+    {
+      return conductance.largest() > 0.;
+    }
+
+    /** Whether it has a temperature: a tool may have none. */
+    bool has_temperature() const
+    {
+      return is_part || conducts() || capacity > 0.;
+    }
+
+    bool is_part;
+    TemperatureTable conductance;   ///< h over the pressure [M/(T^3 K)]
+    double capacity = 0;            ///< of a tool; zero: its temperature is given [M L^2/(T^2 K)]
+    double initial_temperature = 0; ///< of a tool
+  };
+
+  /**
+   * The heat of the contact of nodes with a surface: that of friction, which body and surface
+   * share, and what is conducted, h(p) (T_surface - T) A. In scenes with heat only.
+   *
+   * In a step a node i exchanges a_i (T_s - T_i) with a_i = C_i (1 - exp(-h A Δt / C_i)), the exact
+   * exchange with a surface of constant temperature T_s, where C_i is the mean heat capacity of the
+   * node between the two temperatures: however good the conductance, the node does not get past the
+   * surface. Of several surfaces at one node, each has its share h A Δt / E of
+   * C_i (1 - exp(-E / C_i)), with the sum E of all h A Δt: the node does not get out of their
+   * temperatures and its own, and their order does not matter. The step of no solver is limited by
+   * any of this.
+   *
+   * A tool has one temperature, which is given or that of a lumped heat capacity: then it takes the
+   * temperature T' at the end of the step at which
+   *
+   *   C_tool (T' - T_tool) = friction heat of the tool - Σ a_i (T' - T_i),
+   *
+   * so that it does not get past the nodes either, and the heat of tool and nodes together is kept
+   * to round-off.
+   *
+   * The surface of a part has the mean T_s = Σ N_a T_a of the nodes a of the cell there, and
+   * C_i / (1 + R_i) replaces C_i, with R_i of PartSurface for heat capacities. What a node receives
+   * comes from the nodes a by N_a, and so does the part's share of the heat of friction: the heat
+   * of both bodies is kept to round-off.
+   */
   template <int dim>
   class ContactHeat
   {
@@ -76,52 +111,87 @@ namespace tombolo
     ContactHeat(const Section &section, const ContactSettings &settings,
                 const std::vector<unsigned int> &candidates, PartSurface<dim> *surface);
 
-    /** Whom nodes exchange heat with; null where nobody is. */
-    HeatPartner *partner() const
+    bool conducts() const
     {
-      return part ? static_cast<HeatPartner *>(part.get()) : tool.get();
+      return partner.conducts();
     }
-    const ToolHeat<dim> *of_tool() const
+
+    bool has_tool_temperature() const
     {
-      return tool.get();
-    }
-    const PartHeat<dim> *of_part() const
-    {
-      return part.get();
+      return surface == nullptr && partner.has_temperature();
     }
 
     /** Begins a step: nothing touches. Collective. */
     void begin_step(const NodalHeat &nodal_heat);
 
+    /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
+     * normal_force on @p area. */
+    void add_contact(std::size_t k, double normal_force, double area, double time_step);
+
+    /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
+    void add_exposure(NodalVector &exposure) const;
+
     /** Splits the heat of friction at a candidate. */
     void add_friction(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
 
     /** @p heat is that of friction of this rank in the step. */
-    void end_forces(double heat);
+    void end_forces(const double heat)
+    {
+      if (!settings.splits_by_effusivity)
+        friction_of_tool = (1. - settings.heat_fraction) * heat;
+    }
 
-    /** Exchanges heat with the partner. Collective. */
+    /** Ends the step: gives each node what it has received. Collective. */
     void exchange(const NodalHeat &nodal_heat, MPI_Comm communicator);
 
     /** This rank's shares of heat. */
-    void add_shares(ContactBalance &shares) const;
+    void add_shares(ContactBalance &shares) const
+    {
+      shares.conducted = conducted;
+      shares.friction_of_bodies = friction_of_bodies;
+    }
+
     /** What follows for @p sums over ranks. */
     void complete(ContactBalance &sums) const;
 
+    /** Mean and largest T_s of a part in the last step; zero where nothing touches. Collective. */
+    std::array<double, 2> temperatures_of_part(MPI_Comm communicator) const;
+
     /** Lists what is kept from step to step. */
-    void list(Records &records)
-    {
-      if (settings.splits_by_effusivity)
-        records.sums("friction heat of bodies", friction_of_bodies);
-      if (partner() != nullptr)
-        partner()->list(records);
-    }
+    void list(Records &records);
 
   private:
+    struct Touch
+    {
+      std::size_t candidate;
+      unsigned int node;
+      double exposure; ///< h A Δt [M L^2/(T^2 K)]
+    };
+
+    /** Values of nodes of the part, which @p write gives by the number and the temperature of owned
+     * ones, with the heat that they have not got yet. Collective. */
+    std::vector<double>
+    gather(const NodalHeat &nodal_heat, unsigned int n_values,
+           const std::function<void(unsigned int node, double temperature, double *)> &write) const;
+    /** The mean of every @p stride -th value at the place of a candidate. */
+    double at_place(std::size_t candidate, const std::vector<double> &of_nodes,
+                    unsigned int stride = 1) const;
+    void add_to_part(std::size_t candidate, double heat);
+    /** The temperature T_s below touches, and of touches the heat capacity in the exchange. */
+    void find_capacities(const NodalHeat &nodal_heat, const std::vector<double> &temperatures,
+                         std::vector<double> &capacities);
+
     const ContactSettings &settings;
     const std::vector<unsigned int> &candidates;
-    std::unique_ptr<ToolHeat<dim>> tool; ///< null where the tool has no temperature
-    std::unique_ptr<PartHeat<dim>> part; ///< null where the surface is that of no part
-    double friction_of_tool = 0;         ///< its share of the heat of friction in this step
-    double friction_of_bodies = 0;       ///< of this rank since the start, by effusivities
+    PartSurface<dim> *surface; ///< null where the surface is that of no part
+    HeatPartner partner;
+    double tool_temperature;
+    std::vector<Touch> touches;       ///< of the step
+    std::vector<double> below;        ///< T_s of these
+    std::vector<double> effusivities; ///< of nodes of the part
+    std::vector<double> incoming;     ///< likewise, heat from this rank in this step
+    double conducted = 0;             ///< into the bodies, of this rank since the start
+    double friction_of_tool = 0;      ///< its share of the heat of friction in this step
+    double friction_of_bodies = 0;    ///< of this rank since the start, by effusivities
   };
 } // namespace tombolo

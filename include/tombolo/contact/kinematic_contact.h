@@ -35,12 +35,7 @@ namespace tombolo
   {
   public:
     /** As that of SurfaceContact. Throws InputError. Collective. */
-    KinematicContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                     const NodalState &state, const std::vector<bool> &can_be_exposed,
-                     bool has_heat, const std::vector<double> &volume = {});
-
-    /** Owned nodes that can touch, ascending. */
-    const std::vector<unsigned int> &candidate_nodes() const;
+    explicit KinematicContact(ContactScene<dim> &scene);
 
     /** The least gap of candidates at the positions @p guess at the end of the coming step [L], of
      * this rank. */
@@ -80,7 +75,6 @@ namespace tombolo
 
   private:
     using typename SurfaceContact<dim>::NodeHistory;
-    using typename SurfaceContact<dim>::NodeSums;
 
     /** A node that would be behind the surface. */
     struct Constraint
@@ -98,7 +92,7 @@ namespace tombolo
       dealii::Tensor<1, dim> response_of_surface; ///< likewise
     };
 
-    NodeSums node_sums() const override;
+    void add_node_sums(ContactBalance &shares) const override;
 
     /** Where candidates will be, from a surface with a mass that goes on by @p free_motion. */
     void find_places_from_mass(const NodalVector &predicted,

@@ -6,12 +6,12 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
+#include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/contact/mortar_history.h>
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
 #include <tombolo/contact/mortar_stiffness.h>
-#include <tombolo/contact/tool_heat.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>
 
@@ -76,7 +76,7 @@ namespace tombolo
     /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them. */
     void complete_step(const Clock &clock)
     {
-      totals.impulse += clock.velocity_step() * totals.force;
+      totals.add_impulse(clock.velocity_step());
     }
 
     /** Of owned slave nodes. */
@@ -93,13 +93,13 @@ namespace tombolo
     void find_stiffness(const NodalState &state, const Clock &clock);
 
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
-    double stable_fraction() const;
+    double stable_fraction() const
+    {
+      return (settings.is_tied ? settings.bond : settings.law).stable_fraction();
+    }
 
     /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
-    ContactBalance balance() const
-    {
-      return totals.balance(histories, communicator);
-    }
+    ContactBalance balance() const;
 
     /** Whether the temperatures of both sides are found in each step. */
     bool knows_temperatures() const
@@ -119,10 +119,6 @@ namespace tombolo
     const std::string &name() const
     {
       return contact_name;
-    }
-    bool has_heat() const
-    {
-      return settings.has_heat;
     }
     bool conducts() const
     {
@@ -203,7 +199,7 @@ namespace tombolo
     std::vector<NodeHistory> histories; ///< of owned slave nodes
     MortarStiffness<dim> stiffness;
     NodalVector traction, heat_flow, thermal;
-    MortarTotals<dim> totals; ///< of this rank
+    ContactSums<dim> totals; ///< of this rank
     bool is_static = false;
     bool faces_are_new = false; ///< since the last forces
     double touch_distance = 0;  ///< what is nearer touches; zero in explicit steps [L]

@@ -2,17 +2,15 @@
 #pragma once
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/contact/contact_law.h>
-#include <tombolo/materials/temperature_table.h>
+#include <tombolo/contact/contact_settings.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 namespace tombolo
 {
   /** The entries of a section "Body contact: NAME", without those that choose the faces. */
-  struct MortarSettings
+  struct MortarSettings : FrictionSettings
   {
     /** Throws InputError. */
     MortarSettings(const Entries &e, bool has_heat = true);
@@ -41,12 +39,7 @@ namespace tombolo
     double stiffness;              ///< α: of the mass over the square of the stable step
     ContactLaw law;                ///< with dampers
     ContactLaw bond;               ///< the same springs without
-    TemperatureTable friction;     ///< Coulomb's coefficient, over the mean temperature
-    double shear_limit = std::numeric_limits<double>::max(); ///< of the traction along the surface
-    bool has_heat;
-    double heat_fraction = 0; ///< of the heat of friction, enters the slave; zero without heat
-    bool splits_by_effusivity = false; ///< instead, by √(k ρ c) of both sides
-    TemperatureTable conductance;      ///< h over the pressure [M/(T^3 K)]
+    TemperatureTable conductance;  ///< h over the pressure [M/(T^3 K)]
     std::optional<double> bonding_temperature;
   };
 } // namespace tombolo

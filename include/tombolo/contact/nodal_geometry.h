@@ -25,4 +25,17 @@ namespace tombolo
     else
       return cross_product_3d(arm, force);
   }
+
+  /** The vector @p tangent, across the unit vector @p before, in the shortest rotation that takes
+   * @p before to @p now. */
+  template <int dim>
+  dealii::Tensor<1, dim> rotated_tangent(const dealii::Tensor<1, dim> &tangent,
+                                         const dealii::Tensor<1, dim> &before,
+                                         const dealii::Tensor<1, dim> &now)
+  {
+    const double cosine = before * now;
+    if (!(cosine > -0.5)) // no small rotation
+      return tangent - (tangent * now) * now;
+    return tangent - (now * tangent) / (1. + cosine) * (before + now);
+  }
 } // namespace tombolo

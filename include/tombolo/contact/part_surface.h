@@ -147,7 +147,6 @@ namespace tombolo
 
   private:
     std::vector<dealii::Tensor<1, dim>> gather_positions(const NodalVector &position) const;
-    void serialize(StateArchive &archive, const std::vector<unsigned int> &candidates);
     void refit();
     /** Of an owned node, relative to the sides that it faces. */
     enum class Side : unsigned char

@@ -14,9 +14,7 @@ namespace tombolo
   {
   public:
     /** As that of SurfaceContact. Throws InputError. Collective. */
-    SpringContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                  const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
-                  const std::vector<double> &volume, MasterPart<dim> master = {});
+    explicit SpringContact(ContactScene<dim> &scene);
 
     /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
      */
@@ -27,7 +25,6 @@ namespace tombolo
                      const Clock &clock) override;
 
   protected:
-    using typename SurfaceContact<dim>::NodeSums;
     using typename SurfaceContact<dim>::NodeHistory;
 
     /** What a step does to a candidate in contact. */
@@ -52,7 +49,7 @@ namespace tombolo
     /** How deep candidates are at these positions, negative where they are outside. Collective. */
     virtual std::vector<double> depths_at(const NodalVector &position, const Clock &clock) = 0;
 
-    NodeSums node_sums() const override;
+    void add_node_sums(ContactBalance &shares) const override;
 
     std::vector<ContactSpring<dim>> springs; ///< of each candidate
 

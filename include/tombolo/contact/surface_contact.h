@@ -13,7 +13,7 @@
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_surface.h>
-#include <tombolo/contact/surface_sums.h>
+#include <tombolo/contact/surface_section.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
@@ -57,7 +57,12 @@ namespace tombolo
     /** Of @p candidates (owned nodes), with faces of these ids, or all if there are none; @p volume
      * is the initial one of each owned node. */
     ContactAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
-                 const std::vector<unsigned int> &candidates, const std::vector<double> &volume);
+                 const std::vector<unsigned int> &candidates, const std::vector<double> &volume)
+        : faces(nodes, boundaries)
+    {
+      for (const unsigned int node : candidates)
+        inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));
+    }
 
     /** Of the faces; the others do not change. */
     OutwardAreas<dim> &of_faces()
@@ -93,15 +98,9 @@ namespace tombolo
     virtual ~SurfaceContact() = default;
 
     /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
-     * all that @p can_be_exposed: particles, and nodes of cells that erode or become particles.
-     * Throws InputError where there is none, or where one is behind the surface at the start. @p
-     * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where
-     * areas are needed: for heat, for a limit of shear and where the surface is that of a part,
-     * @p master, whose own nodes are no candidates. In a scene that @p has_heat contacts give it
-     * to nodes (NodalHeat). Collective. */
-    SurfaceContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                   const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
-                   const std::vector<double> &volume = {}, MasterPart<dim> master = {});
+     * all that can be exposed. Throws InputError where there is none, or where one is behind the
+     * surface at the start. Collective. */
+    explicit SurfaceContact(ContactScene<dim> &scene);
 
     /** Translates node numbers to those of @p partition. Collective. */
     virtual void set_partition(const std::shared_ptr<const NodePartition> &partition)
@@ -165,8 +164,8 @@ namespace tombolo
     /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
     void add_exposure(NodalVector &exposure) const
     {
-      if (heat && heat->partner() != nullptr)
-        heat->partner()->add_exposure(exposure);
+      if (heat)
+        heat->add_exposure(exposure);
     }
 
     /** Exchanges heat between nodes and tool after the forces of all contacts at t_n. Collective.
@@ -201,7 +200,7 @@ namespace tombolo
     }
     bool conducts() const
     {
-      return heat && heat->partner() != nullptr && heat->partner()->conducts();
+      return heat && heat->conducts();
     }
     /** Whether the surface is that of a part of the scene: the works and the heat of both sides are
      * those of bodies. */
@@ -221,7 +220,7 @@ namespace tombolo
     }
     bool has_tool_temperature() const
     {
-      return heat && heat->of_tool() != nullptr;
+      return heat && heat->has_tool_temperature();
     }
     bool has_tool_mass() const
     {
@@ -244,7 +243,7 @@ namespace tombolo
      * one and conducts. Collective. */
     std::array<double, 2> temperatures_of_part() const
     {
-      return heat->of_part()->temperatures_in_contact(communicator);
+      return heat->temperatures_of_part(communicator);
     }
 
     /** The gaps of these nodes, of balls of the radius of the contact around them. */
@@ -296,15 +295,19 @@ namespace tombolo
   protected:
     using NodeHistory = SurfaceHistory<dim>;
 
-    /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
-    struct NodeSums
-    {
-      double elastic = 0, n_nodes = 0, deepest = 0;
-    };
-    virtual NodeSums node_sums() const = 0;
+    /** Adds what the nodes of this rank store, how many are in contact, and how deep the deepest
+     * is.
+     */
+    virtual void add_node_sums(ContactBalance &shares) const = 0;
 
-    /** Forgets the sums over the forces of the step before. */
-    void begin_forces(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat);
+    /** Forgets the sums over the forces of the step before. Returns whether there is one: at the
+     * very start nothing touches yet. Collective. */
+    bool begin_forces(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat);
+    /** The present @p force on a candidate at @p x, where the surface has moved by @p of_surface in
+     * the last step: books works and, where it @p touches, puts the force on the node. */
+    void set_force(std::size_t candidate, const dealii::Tensor<1, dim> &x,
+                   const dealii::Tensor<1, dim> &force, const dealii::Tensor<1, dim> &of_surface,
+                   bool touches, NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
     /** The area on which a candidate touches across @p normal; zero where areas are not needed. */
     double area(const std::size_t candidate, const dealii::Tensor<1, dim> &normal) const
     {
@@ -348,24 +351,36 @@ namespace tombolo
       return 1e5 * touch_distance;
     }
     void add_friction_heat(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
-    /** What the surface has got of the heat of friction since there was @p before of it. */
-    void end_forces(double friction_heat_before);
+    /** Gives the surface its share of the heat of friction since begin_forces(). */
+    void end_forces()
+    {
+      if (heat)
+        heat->end_forces(totals.friction - friction_before);
+    }
 
     MPI_Comm communicator;
     ContactSettings settings;
     std::unique_ptr<ContactSurface<dim>> surface;
-    std::vector<unsigned int> candidates; ///< owned nodes
-    std::vector<NodeHistory> histories;   ///< of each of them
-    std::vector<double> gap;              ///< buffer
-    SurfaceSums<dim> of_surface;
+    std::vector<unsigned int> candidates;              ///< owned nodes
+    std::vector<NodeHistory> histories;                ///< of each of them
+    std::vector<double> gap;                           ///< buffer
+    ContactSums<dim> totals;                           ///< of this rank
     PartSurface<dim> *part = nullptr;                  ///< the surface, where it is that of a part
     std::unique_ptr<ContactHeat<dim>> heat;            ///< null without heat
     const std::vector<double> *yield_stress = nullptr; ///< null where no limit needs it
     double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
-    double friction_heat = 0, damping_heat = 0; ///< of this rank since the start
 
   private:
     std::string contact_name;
+    dealii::Tensor<1, dim> translation;       ///< of the surface as a whole in the last step [L]
+    double friction_before = 0;               ///< heat of friction before the forces of this step
     std::unique_ptr<ContactAreas<dim>> areas; ///< null where nothing needs them
   };
+
+  /** Contact by springs at nodes, and by those of faces with a surface: `penalty`, `surface`. Throw
+   * InputError. Collective. */
+  template <int dim>
+  std::unique_ptr<SurfaceContact<dim>> make_penalty_contact(ContactScene<dim> &scene);
+  template <int dim>
+  std::unique_ptr<SurfaceContact<dim>> make_face_contact(ContactScene<dim> &scene);
 } // namespace tombolo

@@ -2,8 +2,6 @@
 #include <tombolo/physics/mechanics/mortar_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/contact/body_distance.h>
-#include <tombolo/contact/mortar_tangent.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -87,6 +85,65 @@ namespace tombolo
                (boundaries.empty() || !cell->at_boundary(face) ||
                 boundaries.count(cell->face(face)->boundary_id()) > 0);
       };
+    }
+
+    /** Adds how the forces of the last evaluation change with positions, with the depth that motion
+     * along the surfaces changes where they are inclined to each other. Left out is what changes of
+     * weights and normals do to the direction and the place of the forces: smaller by the ratio of
+     * pressure and stiffness of the bodies. Collective. */
+    template <int dim>
+    void add_mortar_stiffness(const MortarContact<dim> &contact, const NodalVector &position,
+                              std::vector<ContactStiffness<dim>> &result)
+    {
+      const std::shared_ptr<const NodePartition> &partition = position.partition();
+      const std::vector<MortarHistory<dim>> &histories = contact.node_histories();
+      const std::vector<unsigned int> &nodes = contact.slave_faces().owned_nodes();
+      const NodalVector normals =
+          nodal_field(partition, Quantity::vector, nodes,
+                      [&](const std::size_t k, double *const value)
+                      { std::copy_n(histories[k].normal.begin_raw(), dim, value); });
+      // Zero across planes of symmetry, as what segments add there.
+      const NodalVector kept =
+          nodal_field(partition, Quantity::vector, nodes,
+                      [](const std::size_t, double *const value) { std::fill_n(value, dim, 1.); });
+      ContactRows<dim> rows;
+      contact.mortar_segments().add_weights(normals, rows);
+      if (!contact.is_tied())
+      {
+        const NodalVector pressed =
+            nodal_field(partition, Quantity::vector, nodes,
+                        [&](const std::size_t k, double *const value)
+                        {
+                          if (!histories[k].spring.is_closed())
+                            return;
+                          std::copy_n(histories[k].normal.begin_raw(), dim, value);
+                          value[node_stride - 1] = -histories[k].gap;
+                        });
+        contact.mortar_segments().add_changes_of_weights(position, pressed, rows);
+      }
+      rows.collect(*partition);
+      for (std::size_t k = 0; k < histories.size(); ++k)
+      {
+        const MortarHistory<dim> &history = histories[k];
+        if (!(history.spring.is_closed() && history.area > 0.))
+          continue;
+        ContactStiffness<dim> stiffness;
+        stiffness.node = nodes[k];
+        stiffness.entries = rows.row(partition->global_index(stiffness.node));
+        stiffness.direction = history.normal;
+        stiffness.is_tied = contact.is_tied() || history.is_bonded;
+        if (stiffness.is_tied)
+        {
+          stiffness.normal = history.spring.stiffness / history.area;
+          for (unsigned int d = 0; d < dim; ++d)
+            stiffness.along[d][d] = stiffness.normal;
+          stiffness.along -= stiffness.normal * outer_product(history.normal, history.normal);
+        }
+        else
+          add_spring(history.spring, 1. / history.area, stiffness);
+        stiffness.keep(kept.node(stiffness.node));
+        result.push_back(std::move(stiffness));
+      }
     }
   } // namespace
 
@@ -210,12 +267,7 @@ namespace tombolo
   {
     ContactBalance sum;
     for (const auto &contact : members)
-    {
-      const ContactBalance of_one = contact->balance();
-      sum.elastic += of_one.elastic;
-      sum.friction += of_one.friction;
-      sum.damping += of_one.damping;
-    }
+      sum.add(contact->balance());
     accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
     accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
     accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
@@ -228,12 +280,10 @@ namespace tombolo
     {
       if (!contact->is_tied())
         continue;
-      std::vector<double> areas;
-      for (const MortarHistory<dim> &history : contact->node_histories())
-        areas.push_back(history.area);
       text << "  contact \"" << contact->name() << "\": "
-           << describe_tie<dim>(model.state.initial_position, contact->slave_faces().owned_nodes(),
-                                areas, communicator)
+           << MortarHistory<dim>::describe_tie(model.state.initial_position,
+                                               contact->slave_faces().owned_nodes(),
+                                               contact->node_histories(), communicator)
            << "\n";
     }
   }

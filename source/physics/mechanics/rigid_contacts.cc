@@ -2,8 +2,6 @@
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/contact/face_contact.h>
-#include <tombolo/contact/penalty_contact.h>
 #include <tombolo/contact/surface_section.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -66,21 +64,22 @@ namespace tombolo
     const bool has_heat = model.heat != nullptr;
     const ContactSettings settings(section, has_heat);
     refuse_faces_of_void_cells(section, settings, model);
+    ContactScene<dim> scene{section,        model.mesh, *model.nodes, model.state,
+                            can_be_exposed, has_heat,   volume,       {}};
     if (settings.is_of_faces)
-      members.push_back(std::make_unique<FaceContact<dim>>(section, model.mesh, *model.nodes,
-                                                           model.state, has_heat, volume));
+      members.push_back(make_face_contact(scene));
     else if (settings.is_kinematic)
     {
       refuse_blunt_smoothing(section, model);
-      auto contact = std::make_unique<KinematicContact<dim>>(
-          section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume);
+      auto contact = std::make_unique<KinematicContact<dim>>(scene);
       kinematic.push_back(contact.get());
       members.push_back(std::move(contact));
     }
     else
-      members.push_back(std::make_unique<PenaltyContact<dim>>(section, model.mesh, *model.nodes,
-                                                              model.state, can_be_exposed, has_heat,
-                                                              volume, master_part(section, model)));
+    {
+      scene.master = master_part(section, model);
+      members.push_back(make_penalty_contact(scene));
+    }
     this->records.group("contact " + section.name(), members.back()->records);
     if (section.get("Corridor").empty())
       return;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
-#include <tombolo/contact/penalty_contact.h>
-#include <tombolo/contact/surface_section.h>
+#include <tombolo/contact/surface_contact.h>
 
 #include <mesh_testing.h>
 
@@ -33,10 +32,15 @@ namespace
       mesh = scene.create_mesh();
       nodes = std::make_unique<Nodes<2>>(*mesh, 1);
       start_at(*nodes, state);
-      contact = std::make_unique<PenaltyContact<2>>(
-          parameters.section("Contact: wall"), *mesh, *nodes, state,
-          std::vector<bool>(state.partition()->n_owned(), false), false,
-          std::vector<double>(state.partition()->n_owned(), 1.));
+      ContactScene<2> contact_scene{parameters.section("Contact: wall"),
+                                    *mesh,
+                                    *nodes,
+                                    state,
+                                    std::vector<bool>(state.partition()->n_owned(), false),
+                                    false,
+                                    std::vector<double>(state.partition()->n_owned(), 1.),
+                                    {}};
+      contact = make_penalty_contact(contact_scene);
       loads.reinit(state.partition());
       clock.next_step = clock.stable_step = 0.1;
     }
@@ -70,7 +74,7 @@ namespace
     std::unique_ptr<Mesh<2>> mesh;
     std::unique_ptr<Nodes<2>> nodes;
     NodalState state;
-    std::unique_ptr<PenaltyContact<2>> contact;
+    std::unique_ptr<SurfaceContact<2>> contact;
     NodalVector loads;
     Clock clock;
   };

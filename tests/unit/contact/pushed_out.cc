@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/contact_candidates.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/places_as_nodes.h>
+#include <tombolo/contact/surface_section.h>
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,7 @@
 // ranks: 1 3
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
-#include <tombolo/contact/penalty_contact.h>
-#include <tombolo/contact/surface_section.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/state/state_archive.h>
@@ -51,9 +50,15 @@ namespace
       mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<2>>(*mesh, 1);
       start_at(*nodes, state);
-      contact = std::make_unique<PenaltyContact<2>>(
-          section, *mesh, *nodes, state, std::vector<bool>(state.partition()->n_owned(), false),
-          has_heat, std::vector<double>(state.partition()->n_owned(), 1.));
+      ContactScene<2> scene{section,
+                            *mesh,
+                            *nodes,
+                            state,
+                            std::vector<bool>(state.partition()->n_owned(), false),
+                            has_heat,
+                            std::vector<double>(state.partition()->n_owned(), 1.),
+                            {}};
+      contact = make_penalty_contact(scene);
       parameters.refuse_unused();
       add_capacities();
       loads.reinit(state.partition());
@@ -141,7 +146,7 @@ namespace
     std::unique_ptr<Mesh<2>> mesh;
     std::unique_ptr<Nodes<2>> nodes;
     NodalState state;
-    std::unique_ptr<PenaltyContact<2>> contact;
+    std::unique_ptr<SurfaceContact<2>> contact;
     NodalVector loads, heat, waiting, temperature;
     HeatAction given_now{"heat", "heat"};
     NodalEnthalpy enthalpy;
