@@ -71,9 +71,7 @@ namespace tombolo
     else if (settings.is_kinematic)
     {
       refuse_blunt_smoothing(section, model);
-      auto contact = std::make_unique<KinematicContact<dim>>(scene);
-      kinematic.push_back(contact.get());
-      members.push_back(std::move(contact));
+      members.push_back(make_kinematic_contact(scene, kinematic));
     }
     else
     {

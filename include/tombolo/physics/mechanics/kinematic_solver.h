@@ -2,15 +2,25 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
-#include <tombolo/contact/kinematic_contact.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/coupling/position_response.h>
 
+#include <memory>
 #include <vector>
 
 namespace tombolo
 {
   template <int dim>
   class Model;
+
+  template <int dim>
+  class KinematicContact;
+
+  /** Contact by the forces that put nodes onto a surface, `kinematic`, among the @p contacts of a
+   * KinematicSolver. Throws InputError. Collective. */
+  template <int dim>
+  std::unique_ptr<SurfaceContact<dim>>
+  make_kinematic_contact(ContactScene<dim> &scene, std::vector<KinematicContact<dim> *> &contacts);
 
   /**
    * Finds the forces of all kinematic contacts of a scene in a step, together: those of one contact
