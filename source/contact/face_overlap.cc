@@ -122,87 +122,79 @@ namespace tombolo
       }
       return bilinear(xi, eta);
     }
-
-    void find_points(const FaceCorners<3> &slave, const FaceCorners<3> &master,
-                     std::vector<OverlapPoint<3>> &points)
-    {
-      const Tensor<1, 3> normal = area_vector<3>(slave);
-      Tensor<1, 3> centre;
-      for (const auto &corner : slave)
-        centre += 0.25 * corner;
-      Tensor<1, 3> first = slave[1] - slave[0] + slave[3] - slave[2];
-      first -= (first * normal) / normal.norm_square() * normal;
-      first /= first.norm();
-      const Tensor<1, 3> second = cross_product_3d(normal / normal.norm(), first);
-      PlaneQuadrilateral slave_face, master_face;
-      for (unsigned int k = 0; k < 4; ++k)
-      {
-        slave_face[k] = PlanePoint({(slave[k] - centre) * first, (slave[k] - centre) * second});
-        master_face[k] = PlanePoint({(master[k] - centre) * first, (master[k] - centre) * second});
-      }
-      const Polygon frame = polygon_of(slave_face);
-      Polygon common = polygon_of(master_face);
-      for (unsigned int k = 0; k < 4 && common.size > 2; ++k)
-        common = clip(common, frame.corners[k], frame.corners[(k + 1) % 4]);
-      constexpr double nothing = 1e-12; // of the area of the slave face
-      if (common.size < 3 || double_area(common) < nothing * double_area(frame))
-        return;
-      // From a corner that geometry chooses, since only for parallelograms the rule is exact.
-      const PlanePoint middle = centre_of(common);
-      unsigned int first_corner = 0;
-      for (unsigned int k = 1; k < common.size; ++k)
-        if ((common.corners[k] - middle).norm() > (common.corners[first_corner] - middle).norm())
-          first_corner = k;
-      const auto corner = [&](const unsigned int k)
-      { return common.corners[(first_corner + k) % common.size]; };
-      for (unsigned int k = 1; k + 1 < common.size; ++k)
-      {
-        const std::array<PlanePoint, 3> corners{{corner(0), corner(k), corner(k + 1)}};
-        const double area = 0.5 * cross(corners[1] - corners[0], corners[2] - corners[0]);
-        if (!(area > 0.))
-          continue;
-        for (const auto &[weight, place] : rule_of_triangles)
-          for (unsigned int q = 0; q < 3; ++q)
-          {
-            const PlanePoint point =
-                place * (corners[0] + corners[1] + corners[2]) + (1. - 3. * place) * corners[q];
-            points.push_back(
-                {weight * area, shapes_at(slave_face, point), shapes_at(master_face, point)});
-          }
-      }
-    }
-
-    void find_points(const FaceCorners<2> &slave, const FaceCorners<2> &master,
-                     std::vector<OverlapPoint<2>> &points)
-    {
-      const Tensor<1, 2> along = slave[1] - slave[0];
-      const double length = along.norm();
-      const Tensor<1, 2> direction = along / length;
-      const double begin = (master[0] - slave[0]) * direction;
-      const double end = (master[1] - slave[0]) * direction;
-      const double low = std::max(0., std::min(begin, end));
-      const double high = std::min(length, std::max(begin, end));
-      constexpr double nothing = 1e-12; // of the length of the slave face
-      if (high - low < nothing * length)
-        return;
-      const double half_width = 0.5 / std::sqrt(3.); // of the Gauss points, in the unit interval
-      for (const double place : {0.5 - half_width, 0.5 + half_width})
-      {
-        const double s = low + place * (high - low);
-        const double of_slave = s / length, of_master = (s - begin) / (end - begin);
-        points.push_back(
-            {0.5 * (high - low), {{1. - of_slave, of_slave}}, {{1. - of_master, of_master}}});
-      }
-    }
   } // namespace
 
-  template <int dim>
-  void FaceOverlap<dim>::find(const FaceCorners<dim> &slave, const FaceCorners<dim> &master)
+  void find_overlap(const FaceCorners<3> &slave, const FaceCorners<3> &master,
+                    std::vector<OverlapPoint<3>> &points)
   {
-    found.clear();
-    find_points(slave, master, found);
+    points.clear();
+    const Tensor<1, 3> normal = area_vector<3>(slave);
+    Tensor<1, 3> centre;
+    for (const auto &corner : slave)
+      centre += 0.25 * corner;
+    Tensor<1, 3> first = slave[1] - slave[0] + slave[3] - slave[2];
+    first -= (first * normal) / normal.norm_square() * normal;
+    first /= first.norm();
+    const Tensor<1, 3> second = cross_product_3d(normal / normal.norm(), first);
+    PlaneQuadrilateral slave_face, master_face;
+    for (unsigned int k = 0; k < 4; ++k)
+    {
+      slave_face[k] = PlanePoint({(slave[k] - centre) * first, (slave[k] - centre) * second});
+      master_face[k] = PlanePoint({(master[k] - centre) * first, (master[k] - centre) * second});
+    }
+    const Polygon frame = polygon_of(slave_face);
+    Polygon common = polygon_of(master_face);
+    for (unsigned int k = 0; k < 4 && common.size > 2; ++k)
+      common = clip(common, frame.corners[k], frame.corners[(k + 1) % 4]);
+    constexpr double nothing = 1e-12; // of the area of the slave face
+    if (common.size < 3 || double_area(common) < nothing * double_area(frame))
+      return;
+    // From a corner that geometry chooses, since only for parallelograms the rule is exact.
+    const PlanePoint middle = centre_of(common);
+    unsigned int first_corner = 0;
+    for (unsigned int k = 1; k < common.size; ++k)
+      if ((common.corners[k] - middle).norm() > (common.corners[first_corner] - middle).norm())
+        first_corner = k;
+    const auto corner = [&](const unsigned int k)
+    { return common.corners[(first_corner + k) % common.size]; };
+    for (unsigned int k = 1; k + 1 < common.size; ++k)
+    {
+      const std::array<PlanePoint, 3> corners{{corner(0), corner(k), corner(k + 1)}};
+      const double area = 0.5 * cross(corners[1] - corners[0], corners[2] - corners[0]);
+      if (!(area > 0.))
+        continue;
+      for (const auto &[weight, place] : rule_of_triangles)
+        for (unsigned int q = 0; q < 3; ++q)
+        {
+          const PlanePoint point =
+              place * (corners[0] + corners[1] + corners[2]) + (1. - 3. * place) * corners[q];
+          points.push_back(
+              {weight * area, shapes_at(slave_face, point), shapes_at(master_face, point)});
+        }
+    }
   }
 
-  template class FaceOverlap<2>;
-  template class FaceOverlap<3>;
+  void find_overlap(const FaceCorners<2> &slave, const FaceCorners<2> &master,
+                    std::vector<OverlapPoint<2>> &points)
+  {
+    points.clear();
+    const Tensor<1, 2> along = slave[1] - slave[0];
+    const double length = along.norm();
+    const Tensor<1, 2> direction = along / length;
+    const double begin = (master[0] - slave[0]) * direction;
+    const double end = (master[1] - slave[0]) * direction;
+    const double low = std::max(0., std::min(begin, end));
+    const double high = std::min(length, std::max(begin, end));
+    constexpr double nothing = 1e-12; // of the length of the slave face
+    if (high - low < nothing * length)
+      return;
+    const double half_width = 0.5 / std::sqrt(3.); // of the Gauss points, in the unit interval
+    for (const double place : {0.5 - half_width, 0.5 + half_width})
+    {
+      const double s = low + place * (high - low);
+      const double of_slave = s / length, of_master = (s - begin) / (end - begin);
+      points.push_back(
+          {0.5 * (high - low), {{1. - of_slave, of_slave}}, {{1. - of_master, of_master}}});
+    }
+  }
 } // namespace tombolo

@@ -125,11 +125,11 @@ namespace tombolo
       warp = std::max(warp, std::abs((corner - middle) * normal));
     if (nearest > distance + warp || farthest < -distance - warp)
       return false;
-    overlap.find(slave, master);
+    find_overlap(slave, master, overlap);
     segment.of_slave = {};
     segment.of_master = {};
     bool is_empty = true;
-    for (const OverlapPoint<dim> &point : overlap.points())
+    for (const OverlapPoint<dim> &point : overlap)
     {
       Tensor<1, dim> gap;
       for (unsigned int k = 0; k < n_corners; ++k)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/part_surface.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surfaces/closed_surface.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
@@ -23,6 +23,28 @@ namespace tombolo
     /** How deep behind a side that it faces a node may be where it begins to touch, over the size
      * of the cell there. */
     constexpr double depth_of_onset = 0.1;
+
+    /** The number in @p given of each vertex of the @p surface that was made of it. Throws
+     * std::invalid_argument where two of them are at one place. */
+    template <int dim>
+    std::vector<unsigned int> numbers_of_vertices(const FacetList<dim> &given,
+                                                  const ClosedSurface<dim> &surface)
+    {
+      std::vector<unsigned int> result(surface.vertices.size());
+      for (std::size_t f = 0; f < given.facets.size(); ++f)
+        for (const unsigned int v : surface.facets[f].vertex)
+        {
+          const auto &numbers = given.facets[f].vertex;
+          const auto found = std::find_if(std::begin(numbers), std::end(numbers),
+                                          [&](const unsigned int number) {
+                                            return given.vertices[number] == surface.vertices[v];
+                                          });
+          if (found == std::end(numbers))
+            throw std::invalid_argument("it has two nodes at " + place_text(surface.vertices[v]));
+          result[v] = *found;
+        }
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -41,10 +63,10 @@ namespace tombolo
     set_partition(*state.partition());
     try
     {
-      surface = ClosedSurface<dim>(layer->facets());
+      surface = SearchedSurface<dim>(ClosedSurface<dim>(layer->facets()));
       if (surface.facets.size() != layer->facets().facets.size())
         throw std::invalid_argument("it has faces without extent");
-      node_of_vertex = numbers_of_vertices(layer->facets(), surface);
+      node_of_vertex = numbers_of_vertices<dim>(layer->facets(), surface);
     }
     catch (const std::invalid_argument &error)
     {
@@ -52,7 +74,6 @@ namespace tombolo
                                        "contact: ") +
                                error.what() + ".");
     }
-    tree = FacetTree<dim>(surface);
     for (std::size_t f = 0; f < surface.facets.size(); ++f)
       largest_size = std::max(largest_size, layer->size(f));
     reactions.assign(dim * layer->n_nodes(), 0.);
@@ -105,8 +126,7 @@ namespace tombolo
     std::vector<Tensor<1, dim>> vertices(node_of_vertex.size());
     for (std::size_t v = 0; v < vertices.size(); ++v)
       vertices[v] = positions[node_of_vertex[v]];
-    move_vertices(surface, vertices);
-    tree.refit(surface);
+    surface.move_vertices(vertices);
   }
 
   template <int dim>
@@ -134,15 +154,15 @@ namespace tombolo
   {
     if (areas == nullptr || node >= sides.size() || !areas->has_face(node))
       return std::nullopt;
-    return faced_sides<dim>(surface, tree, point, areas->area(node),
-                            [&](const unsigned int facet) { return layer->size(facet); });
+    return surface.faced_sides(point, areas->area(node),
+                               [&](const unsigned int facet) { return layer->size(facet); });
   }
 
   template <int dim>
   SurfaceGap<dim> PartSurface<dim>::gap_of_node(const Tensor<1, dim> &point,
                                                 const unsigned int node) const
   {
-    const SurfaceGap<dim> nearest = gap_to_surface(surface, tree, point);
+    const SurfaceGap<dim> nearest = surface.gap(point);
     // Where the nearest side is one that it faces, the distance to it is that to its plane.
     if (node >= sides.size() || sides[node] != Side::held ||
         (nearest.gap < 0. &&
@@ -159,7 +179,7 @@ namespace tombolo
     for (const unsigned int node : candidates)
     {
       const auto x = vector_of<dim>(position.node(node));
-      if (sides[node] != Side::held && distance_to_box(surface, x) > largest_size)
+      if (sides[node] != Side::held && surface.distance_to_box(x) > largest_size)
       {
         sides[node] = Side::in_front;
         continue;
@@ -188,7 +208,7 @@ namespace tombolo
     {
       // Gaps beyond the reach may be less.
       const auto x = vector_of<dim>(position.node(nodes[k]));
-      const double outside = distance_to_box(surface, x);
+      const double outside = surface.distance_to_box(x);
       const bool is_held = nodes[k] < sides.size() && sides[nodes[k]] == Side::held;
       gap[k] = outside > reach && !is_held ? outside : gap_of_node(x, nodes[k]).gap;
     }
@@ -197,14 +217,14 @@ namespace tombolo
   template <int dim>
   Tensor<1, dim> PartSurface<dim>::normal(const Tensor<1, dim> &point, const double /*time*/) const
   {
-    return gap_to_surface(surface, tree, point).normal;
+    return surface.gap(point).normal;
   }
 
   template <int dim>
   Tensor<1, dim> PartSurface<dim>::motion(const Tensor<1, dim> &point, const double /*from*/,
                                           const double /*to*/) const
   {
-    const unsigned int cell = layer->cell_of_facet()[gap_to_surface(surface, tree, point).facet];
+    const unsigned int cell = layer->cell_of_facet()[surface.gap(point).facet];
     return motion_of(cell, layer->weights(point, cell, positions));
   }
 

@@ -43,21 +43,11 @@ namespace tombolo
    * points, so that Σ_J w^s_IJ = Σ_L w^m_IL for the weights of a mortar. Weights are areas on the
    * plane.
    *
-   * The slave face must be convex on the plane.
+   * The slave face must be convex on the plane. Replaces @p points; none where the projections do
+   * not overlap.
    */
-  template <int dim>
-  class FaceOverlap
-  {
-  public:
-    /** Replaces points() by those of these two faces; none where the projections do not overlap. */
-    void find(const FaceCorners<dim> &slave, const FaceCorners<dim> &master);
-
-    const std::vector<OverlapPoint<dim>> &points() const
-    {
-      return found;
-    }
-
-  private:
-    std::vector<OverlapPoint<dim>> found;
-  };
+  void find_overlap(const FaceCorners<2> &slave, const FaceCorners<2> &master,
+                    std::vector<OverlapPoint<2>> &points);
+  void find_overlap(const FaceCorners<3> &slave, const FaceCorners<3> &master,
+                    std::vector<OverlapPoint<3>> &points);
 } // namespace tombolo

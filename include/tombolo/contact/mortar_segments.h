@@ -152,7 +152,7 @@ namespace tombolo
     double reach, margin;
     MPI_Comm communicator;
     FaceExchange<dim> exchange;
-    mutable FaceOverlap<dim> overlap; ///< a buffer
+    mutable std::vector<OverlapPoint<dim>> overlap; ///< a buffer
     std::vector<Segment> segments;
     Sums at_slaves;
     NodalVector position_of_pairs;   ///< where nodes were when the pairs were found

@@ -3,6 +3,8 @@
 
 #include <deal.II/base/tensor.h>
 
+#include <cmath>
+
 namespace tombolo
 {
   /** The first dim components of the values at a node. */
@@ -37,5 +39,19 @@ namespace tombolo
     if (!(cosine > -0.5)) // no small rotation
       return tangent - (tangent * now) * now;
     return tangent - (now * tangent) / (1. + cosine) * (before + now);
+  }
+
+  /** The axis of coordinates that is furthest from a direction of length one, made perpendicular to
+   * it, with the length one. */
+  template <int dim>
+  dealii::Tensor<1, dim> direction_across(const dealii::Tensor<1, dim> &direction)
+  {
+    unsigned int axis = 0;
+    for (unsigned int d = 1; d < dim; ++d)
+      if (std::abs(direction[d]) < std::abs(direction[axis]))
+        axis = d;
+    dealii::Tensor<1, dim> result = -direction[axis] * direction;
+    result[axis] += 1.;
+    return result / result.norm();
   }
 } // namespace tombolo

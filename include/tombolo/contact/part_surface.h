@@ -165,8 +165,7 @@ namespace tombolo
     Section section;
     std::unique_ptr<PartLayer<dim>> layer;
     bool is_driven = false;
-    ClosedSurface<dim> surface;
-    FacetTree<dim> tree;
+    SearchedSurface<dim> surface;
     std::vector<unsigned int> node_of_vertex; ///< number in the layer of each vertex
     const OutwardAreas<dim> *areas = nullptr;
     std::vector<Side> sides;                                       ///< of owned nodes

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/contact/surfaces/rigid_mesh.h>
-#include <tombolo/contact/surfaces/surface_gap.h>
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 
 namespace tombolo
 {
@@ -16,20 +14,20 @@ namespace tombolo
 
   template <int dim>
   RigidMesh<dim>::RigidMesh(const ClosedSurface<dim> &surface, const double edge_radius)
-      : closed_surface(surface), tree(closed_surface), radius(edge_radius)
+      : sharp_surface(surface), radius(edge_radius)
   {
-    if (const auto crossing = tree.find_crossing(closed_surface))
+    if (const auto crossing = sharp_surface.find_crossing())
       throw std::invalid_argument("it passes through itself at " + place_text(*crossing) +
                                   "; join its pieces, or make a contact of each");
     fill_voxels();
     if (!(radius > 0.))
       return;
-    for (std::size_t f = 0; f < closed_surface.facets.size(); ++f)
+    for (std::size_t f = 0; f < sharp_surface.facets.size(); ++f)
     {
-      SharpNearest sharp{};
-      for (const unsigned int v : closed_surface.facets[f].vertex)
-        sharp.place += closed_surface.vertices[v] / dim;
-      sharp.normal = closed_surface.facet_normals[f];
+      SurfaceGap<dim> sharp{};
+      for (const unsigned int v : sharp_surface.facets[f].vertex)
+        sharp.place += sharp_surface.vertices[v] / dim;
+      sharp.normal = sharp_surface.facet_normals[f];
       sharp.feature = Feature::facet;
       sharp.number = static_cast<unsigned int>(f);
       Tensor<1, dim> center;
@@ -41,20 +39,6 @@ namespace tombolo
               << ", where the body is thinner than a ball of this radius";
       throw std::invalid_argument(message.str());
     }
-  }
-
-  template <int dim>
-  typename RigidMesh<dim>::SharpNearest
-  RigidMesh<dim>::nearest_of_sharp(const Tensor<1, dim> &point, const unsigned int hint) const
-  {
-    const auto nearest = tree.nearest(point, hint);
-    SharpNearest result;
-    std::tie(result.gap, result.normal) = gap_at<dim>(closed_surface, nearest, point);
-    result.place = nearest.place;
-    result.feature = nearest.feature;
-    result.number = nearest.number;
-    result.hint = nearest.hint;
-    return result;
   }
 
   template <int dim>
@@ -133,12 +117,12 @@ namespace tombolo
       return false;
     Tensor<1, dim> place;
     if (space.feature == Feature::vertex)
-      place = closed_surface.vertices[space.number];
+      place = sharp_surface.vertices[space.number];
     else
     {
-      const auto &ends = closed_surface.ends_of_edges[space.number].vertex;
-      const Tensor<1, dim> &begin = closed_surface.vertices[ends[0]];
-      const Tensor<1, dim> along = closed_surface.vertices[ends[1]] - begin;
+      const auto &ends = sharp_surface.ends_of_edges[space.number].vertex;
+      const Tensor<1, dim> &begin = sharp_surface.vertices[ends[0]];
+      const Tensor<1, dim> along = sharp_surface.vertices[ends[1]] - begin;
       const double t = (center - begin) * along / along.norm_square();
       place = begin + std::clamp(t, 0., 1.) * along;
     }
@@ -152,20 +136,20 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidMesh<dim>::find_center(const Tensor<1, dim> &point, const SharpNearest &sharp,
+  bool RigidMesh<dim>::find_center(const Tensor<1, dim> &point, const SurfaceGap<dim> &sharp,
                                    Tensor<1, dim> &center) const
   {
     // Enough for a ball that touches many small facets, which come one after another.
     constexpr unsigned int most_tries = 50;
     const double tolerance = 1e-10 * radius, smallest_step = 1e-8 * radius;
     HalfSpaces spaces;
-    SharpNearest nearest = sharp;
+    SurfaceGap<dim> nearest = sharp;
     center = point;
     if (sharp.gap >= 0.)
     {
       // Balls touch the facets from inside: a convex edge that is next to the point holds none.
       center = sharp.place - 0.5 * radius * sharp.normal;
-      nearest = nearest_of_sharp(center, sharp.hint);
+      nearest = sharp_surface.gap(center, sharp.hint);
     }
     for (unsigned int i = 0; i < most_tries; ++i)
     {
@@ -189,7 +173,7 @@ namespace tombolo
       const Tensor<1, dim> before = center;
       if (!project(spaces, point, tolerance, center))
         return false;
-      nearest = nearest_of_sharp(center, nearest.hint);
+      nearest = sharp_surface.gap(center, nearest.hint);
       if (nearest.gap <= -radius + smallest_step && (center - before).norm() <= smallest_step)
         return true;
     }
@@ -200,7 +184,7 @@ namespace tombolo
   typename RigidMesh<dim>::Nearest RigidMesh<dim>::nearest(const Tensor<1, dim> &point) const
   {
     Tensor<1, dim> middle;
-    const SharpNearest sharp = nearest_of_sharp(point, voxels[voxel_at(point, middle)].hint);
+    const SurfaceGap<dim> sharp = sharp_surface.gap(point, voxels[voxel_at(point, middle)].hint);
     if (!(sharp.gap < reach) || !(sharp.gap > -radius) || radius == 0.)
       return {sharp.gap, sharp.normal};
     Tensor<1, dim> center;
@@ -219,8 +203,8 @@ namespace tombolo
   {
     // As many as facets have it on the whole, so that loading costs what the facets cost.
     const double wanted =
-        std::clamp(4. * static_cast<double>(closed_surface.facets.size()), 4096., 262144.);
-    const Tensor<1, dim> extent = closed_surface.high - closed_surface.low;
+        std::clamp(4. * static_cast<double>(sharp_surface.facets.size()), 4096., 262144.);
+    const Tensor<1, dim> extent = sharp_surface.high - sharp_surface.low;
     double size = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       size *= std::pow(extent[d] / wanted, 1. / dim);
@@ -236,14 +220,14 @@ namespace tombolo
     unsigned int hint = 0;
     for (std::size_t i = 0; i < n; ++i)
     {
-      Tensor<1, dim> middle = closed_surface.low;
+      Tensor<1, dim> middle = sharp_surface.low;
       std::size_t rest = i;
       for (unsigned int d = 0; d < dim; ++d)
       {
         middle[d] += (0.5 + static_cast<double>(rest % n_voxels[d])) * voxel_size[d];
         rest /= n_voxels[d];
       }
-      const SharpNearest nearest = nearest_of_sharp(middle, hint);
+      const SurfaceGap<dim> nearest = sharp_surface.gap(middle, hint);
       filled[i] = {nearest.gap, nearest.hint};
       hint = nearest.hint;
     }
@@ -256,10 +240,10 @@ namespace tombolo
     std::size_t number = 0;
     for (unsigned int d = dim; d-- > 0;)
     {
-      const double place = (point[d] - closed_surface.low[d]) / voxel_size[d];
+      const double place = (point[d] - sharp_surface.low[d]) / voxel_size[d];
       const auto along =
           static_cast<unsigned int>(std::clamp(place, 0., static_cast<double>(n_voxels[d] - 1)));
-      middle[d] = closed_surface.low[d] + (0.5 + along) * voxel_size[d];
+      middle[d] = sharp_surface.low[d] + (0.5 + along) * voxel_size[d];
       number = number * n_voxels[d] + along;
     }
     return number;
@@ -272,7 +256,7 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
     {
       const double outside =
-          std::max({closed_surface.low[d] - point[d], point[d] - closed_surface.high[d], 0.});
+          std::max({sharp_surface.low[d] - point[d], point[d] - sharp_surface.high[d], 0.});
       square += outside * outside;
     }
     if (!(square <= reach * reach)) // nor is what is not a number near the box
@@ -281,12 +265,6 @@ namespace tombolo
     const double of_middle = voxels[voxel_at(point, middle)].gap;
     const double at_least = of_middle - (point - middle).norm();
     return at_least > reach ? at_least : nearest(point).gap;
-  }
-
-  template <int dim>
-  const ClosedSurface<dim> &RigidMesh<dim>::surface() const
-  {
-    return closed_surface;
   }
 
   template class RigidMesh<2>;

@@ -129,24 +129,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidTranslation<dim>::has_mass() const
-  {
-    return free.has_value();
-  }
-
-  template <int dim>
-  double RigidTranslation<dim>::mass() const
-  {
-    return free ? free->mass : 0.;
-  }
-
-  template <int dim>
-  bool RigidTranslation<dim>::moves_along(const unsigned int axis) const
-  {
-    return free && free->free_directions[axis].norm() > 1e-12;
-  }
-
-  template <int dim>
   Tensor<1, dim> RigidTranslation<dim>::given_impulse(const Clock &clock) const
   {
     Tensor<1, dim> impulse;
@@ -154,19 +136,6 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         impulse[d] = clock.velocity_step() * free->force->value(Point<dim>(), clock.time, d);
     return impulse;
-  }
-
-  template <int dim>
-  Tensor<1, dim> RigidTranslation<dim>::motion_by(const Tensor<1, dim> &impulse,
-                                                  const double time_step) const
-  {
-    return time_step * (free->free_directions * impulse) / free->mass;
-  }
-
-  template <int dim>
-  Tensor<1, dim> RigidTranslation<dim>::free_motion(const Clock &clock) const
-  {
-    return clock.next_step * free->velocity + motion_by(given_impulse(clock), clock.next_step);
   }
 
   template <int dim>
@@ -191,24 +160,6 @@ namespace tombolo
     free->time = clock.time + clock.next_step;
     free->previous_displacement = free->displacement;
     free->displacement += clock.next_step * free->velocity;
-  }
-
-  template <int dim>
-  const Tensor<1, dim> &RigidTranslation<dim>::velocity() const
-  {
-    return free->velocity;
-  }
-
-  template <int dim>
-  double RigidTranslation<dim>::kinetic_energy() const
-  {
-    return free ? free->kinetic_energy : 0.;
-  }
-
-  template <int dim>
-  double RigidTranslation<dim>::work_of_force() const
-  {
-    return free ? free->work_of_force : 0.;
   }
 
   template <int dim>

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surfaces/surface_gap.h>
 
-#include <tombolo/base/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 namespace tombolo
 {
@@ -21,20 +18,33 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  SurfaceGap<dim> gap_to_surface(const ClosedSurface<dim> &surface, const FacetTree<dim> &tree,
-                                 const Tensor<1, dim> &point)
+  SurfaceGap<dim> SearchedSurface<dim>::gap(const Tensor<1, dim> &point,
+                                            const unsigned int hint) const
   {
-    const auto nearest = tree.nearest(point);
-    const auto [gap, normal] = gap_at<dim>(surface, nearest, point);
-    return {gap, normal, tree.facet_of(nearest)};
+    using Feature = typename FacetTree<dim>::Feature;
+    SurfaceGap<dim> result{tree.nearest(point, hint), 0., {}, 0};
+    result.facet = tree.facet_of(result);
+    const Tensor<1, dim> &outward =
+        result.feature == Feature::facet  ? this->facet_normals[result.number]
+        : result.feature == Feature::edge ? this->edge_normals[result.number]
+                                          : this->vertex_normals[result.number];
+    const Tensor<1, dim> away = point - result.place;
+    const double distance = std::sqrt(result.distance_square);
+    const double sign = away * outward < 0. ? -1. : 1.;
+    result.gap = sign * distance;
+    // On the surface itself the way to it has no direction.
+    const bool has_direction =
+        result.feature != Feature::facet && distance > 1e-12 * (this->high - this->low).norm();
+    result.normal = has_direction ? sign / distance * away : outward;
+    return result;
   }
 
   template <int dim>
-  double distance_to_box(const ClosedSurface<dim> &surface, const Tensor<1, dim> &point)
+  double SearchedSurface<dim>::distance_to_box(const Tensor<1, dim> &point) const
   {
     double result = std::numeric_limits<double>::lowest();
     for (unsigned int d = 0; d < dim; ++d)
-      result = std::max({result, surface.low[d] - point[d], point[d] - surface.high[d]});
+      result = std::max({result, this->low[d] - point[d], point[d] - this->high[d]});
     return result;
   }
 
@@ -46,9 +56,8 @@ namespace tombolo
 
   template <int dim>
   std::optional<FacedSides<dim>>
-  faced_sides(const ClosedSurface<dim> &surface, const FacetTree<dim> &tree,
-              const Tensor<1, dim> &point, const Tensor<1, dim> &area,
-              const std::function<double(unsigned int facet)> &size_of)
+  SearchedSurface<dim>::faced_sides(const Tensor<1, dim> &point, const Tensor<1, dim> &area,
+                                    const std::function<double(unsigned int facet)> &size_of) const
   {
     if (!(area.norm_square() > 0.))
       return std::nullopt;
@@ -57,7 +66,7 @@ namespace tombolo
       return std::nullopt;
     FacedSides<dim> result;
     result.gap.facet = tree.facet_of(*nearest);
-    result.gap.normal = surface.facet_normals[result.gap.facet];
+    result.gap.normal = this->facet_normals[result.gap.facet];
     result.size = size_of(result.gap.facet);
     const Tensor<1, dim> away = point - nearest->place;
     const Tensor<1, dim> along = away - (away * result.gap.normal) * result.gap.normal;
@@ -73,41 +82,8 @@ namespace tombolo
     return result;
   }
 
-  template <int dim>
-  std::vector<unsigned int> numbers_of_vertices(const FacetList<dim> &given,
-                                                const ClosedSurface<dim> &surface)
-  {
-    std::vector<unsigned int> result(surface.vertices.size());
-    for (std::size_t f = 0; f < given.facets.size(); ++f)
-      for (const unsigned int v : surface.facets[f].vertex)
-      {
-        const auto &numbers = given.facets[f].vertex;
-        const auto found = std::find_if(std::begin(numbers), std::end(numbers),
-                                        [&](const unsigned int number)
-                                        { return given.vertices[number] == surface.vertices[v]; });
-        if (found == std::end(numbers))
-          throw std::invalid_argument("it has two nodes at " + place_text(surface.vertices[v]));
-        result[v] = *found;
-      }
-    return result;
-  }
-
-  template SurfaceGap<2> gap_to_surface(const ClosedSurface<2> &, const FacetTree<2> &,
-                                        const Tensor<1, 2> &);
-  template SurfaceGap<3> gap_to_surface(const ClosedSurface<3> &, const FacetTree<3> &,
-                                        const Tensor<1, 3> &);
-  template double distance_to_box(const ClosedSurface<2> &, const Tensor<1, 2> &);
-  template double distance_to_box(const ClosedSurface<3> &, const Tensor<1, 3> &);
   template struct FacedSides<2>;
   template struct FacedSides<3>;
-  template std::optional<FacedSides<2>> faced_sides(const ClosedSurface<2> &, const FacetTree<2> &,
-                                                    const Tensor<1, 2> &, const Tensor<1, 2> &,
-                                                    const std::function<double(unsigned int)> &);
-  template std::optional<FacedSides<3>> faced_sides(const ClosedSurface<3> &, const FacetTree<3> &,
-                                                    const Tensor<1, 3> &, const Tensor<1, 3> &,
-                                                    const std::function<double(unsigned int)> &);
-  template std::vector<unsigned int> numbers_of_vertices(const FacetList<2> &,
-                                                         const ClosedSurface<2> &);
-  template std::vector<unsigned int> numbers_of_vertices(const FacetList<3> &,
-                                                         const ClosedSurface<3> &);
+  template class SearchedSurface<2>;
+  template class SearchedSurface<3>;
 } // namespace tombolo

@@ -81,12 +81,12 @@ namespace
           of_slave(n_slave_nodes * n_slave_nodes, 0.),
           of_master(n_slave_nodes * n_master_nodes, 0.), area(n_slave_nodes, 0.)
     {
-      FaceOverlap<dim> overlap;
+      std::vector<OverlapPoint<dim>> overlap;
       for (std::size_t s = 0; s < slave.faces.size(); ++s)
         for (std::size_t m = 0; m < master.faces.size(); ++m)
         {
-          overlap.find(slave.corners(s), master.corners(m));
-          for (const auto &point : overlap.points())
+          find_overlap(slave.corners(s), master.corners(m), overlap);
+          for (const auto &point : overlap)
             for (unsigned int i = 0; i < slave.n_corners; ++i)
               for (unsigned int j = 0; j < slave.n_corners; ++j)
               {
@@ -200,12 +200,12 @@ TEST(FaceOverlap, TheCommonPartOfTurnedSquaresIsAnOctagon)
                                Tensor<1, 3>({-.5, .5, 0.}), Tensor<1, 3>({.5, .5, 0.})}};
   const FaceCorners<3> turned{{Tensor<1, 3>({0., -r, .1}), Tensor<1, 3>({-r, 0., .1}),
                                Tensor<1, 3>({r, 0., .1}), Tensor<1, 3>({0., r, .1})}};
-  FaceOverlap<3> overlap;
-  overlap.find(square, turned);
+  std::vector<OverlapPoint<3>> overlap;
+  find_overlap(square, turned, overlap);
   // The corners of the square beyond the lines |x| + |y| = r.
   const double cut = 1. - r;
   double area = 0;
-  for (const auto &point : overlap.points())
+  for (const auto &point : overlap)
   {
     area += point.weight;
     EXPECT_NEAR(std::accumulate(point.of_slave.begin(), point.of_slave.end(), 0.), 1., 1e-14);
@@ -241,10 +241,10 @@ TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
       numbered_slave[k] = slave[of_slave[k]];
       numbered_master[k] = master[of_master[k]];
     }
-    FaceOverlap<3> overlap;
-    overlap.find(numbered_slave, numbered_master);
+    std::vector<OverlapPoint<3>> overlap;
+    find_overlap(numbered_slave, numbered_master, overlap);
     Weights result{};
-    for (const auto &point : overlap.points())
+    for (const auto &point : overlap)
       for (unsigned int i = 0; i < 4; ++i)
         for (unsigned int j = 0; j < 4; ++j)
         {
@@ -271,11 +271,11 @@ TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
 
 TEST(FaceOverlap, FacesBesideEachOtherHaveNothingInCommon)
 {
-  FaceOverlap<2> lines;
+  std::vector<OverlapPoint<2>> lines;
   const FaceCorners<2> line{{Tensor<1, 2>({0., 0.}), Tensor<1, 2>({1., 0.})}};
-  lines.find(line, {{Tensor<1, 2>({1., .1}), Tensor<1, 2>({2., .1})}});
-  EXPECT_TRUE(lines.points().empty());
-  lines.find(line, {{Tensor<1, 2>({.75, .1}), Tensor<1, 2>({2., .1})}});
-  ASSERT_EQ(lines.points().size(), 2u);
-  EXPECT_NEAR(lines.points()[0].weight + lines.points()[1].weight, 0.25, 1e-15);
+  find_overlap(line, {{Tensor<1, 2>({1., .1}), Tensor<1, 2>({2., .1})}}, lines);
+  EXPECT_TRUE(lines.empty());
+  find_overlap(line, {{Tensor<1, 2>({.75, .1}), Tensor<1, 2>({2., .1})}}, lines);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NEAR(lines[0].weight + lines[1].weight, 0.25, 1e-15);
 }

@@ -40,6 +40,10 @@ namespace tombolo
      * area, or encloses nothing. */
     explicit ClosedSurface(const FacetList<dim> &list);
 
+    /** Vertices go to other places, one for each; normals and the box around the surface follow.
+     * What the surface was refused for at the start is not looked at again. */
+    void move_vertices(const std::vector<dealii::Tensor<1, dim>> &places);
+
     std::vector<dealii::Tensor<1, dim>> vertices;       ///< [L]
     std::vector<Facet> facets;                          ///< as in FacetList
     std::vector<dealii::Tensor<1, dim>> facet_normals;  ///< of length one
@@ -74,6 +78,11 @@ namespace tombolo
     void merge_vertices(const FacetList<dim> &list);
     void drop_unused_vertices();
     void measure_facets();
+
+    /** Finds the normals of facets, and at vertices and edges the unit vectors along their sums, at
+     * vertices weighted with angles. Facets without area keep their normals; the edges of facets
+     * must be known. */
+    void set_normals();
     /** Sides sorted, those of two facets after each other. */
     std::vector<Side> paired_sides() const;
     /** Turns facets until neighbours agree. Returns the piece that each facet is of. */
@@ -87,16 +96,4 @@ namespace tombolo
     dealii::Tensor<1, dim> center(std::size_t facet) const;
     dealii::Tensor<1, dim> area_vector(std::size_t facet) const;
   };
-
-  /** Finds the normals of facets, and at vertices and edges the unit vectors along their sums, at
-   * vertices weighted with angles. Facets without area keep their normals; the edges of facets must
-   * be known. */
-  template <int dim>
-  void set_normals(ClosedSurface<dim> &surface);
-
-  /** Vertices go to other places, one for each; normals and the box around the surface follow.
-   * What the surface was refused for at the start is not looked at again. */
-  template <int dim>
-  void move_vertices(ClosedSurface<dim> &surface,
-                     const std::vector<dealii::Tensor<1, dim>> &places);
 } // namespace tombolo

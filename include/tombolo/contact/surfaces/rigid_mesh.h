@@ -3,8 +3,7 @@
 
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/contact/surfaces/closed_surface.h>
-#include <tombolo/contact/surfaces/facet_tree.h>
+#include <tombolo/contact/surfaces/surface_gap.h>
 
 #include <cstddef>
 #include <vector>
@@ -57,21 +56,13 @@ namespace tombolo
     double gap_or_less(const dealii::Tensor<1, dim> &point) const;
 
     /** The surface without rounding. */
-    const ClosedSurface<dim> &surface() const;
+    const ClosedSurface<dim> &surface() const
+    {
+      return sharp_surface;
+    }
 
   private:
     using Feature = typename FacetTree<dim>::Feature;
-
-    /** The nearest place of the sharp surface. */
-    struct SharpNearest
-    {
-      double gap;
-      dealii::Tensor<1, dim> place, normal;
-      Feature feature;
-      unsigned int number;
-      unsigned int hint; ///< of the tree
-    };
-    SharpNearest nearest_of_sharp(const dealii::Tensor<1, dim> &point, unsigned int hint) const;
 
     /** Points with normal * x <= offset, as a feature of the surface asks of centres. */
     struct HalfSpace
@@ -104,7 +95,7 @@ namespace tombolo
     /** The centre of a ball next to @p point, which is nearer to the sharp surface than the radius,
      * or outside and nearer than the reach. @p sharp is its nearest place there. Returns whether
      * there is one. */
-    bool find_center(const dealii::Tensor<1, dim> &point, const SharpNearest &sharp,
+    bool find_center(const dealii::Tensor<1, dim> &point, const SurfaceGap<dim> &sharp,
                      dealii::Tensor<1, dim> &center) const;
 
     /** What is known of the middle of a part of the box around the body. */
@@ -117,8 +108,7 @@ namespace tombolo
     /** The number of the voxel next to a point, and the middle of it. */
     std::size_t voxel_at(const dealii::Tensor<1, dim> &point, dealii::Tensor<1, dim> &middle) const;
 
-    ClosedSurface<dim> closed_surface;
-    FacetTree<dim> tree;
+    SearchedSurface<dim> sharp_surface;
     std::vector<Voxel> voxels; ///< in the order of x, then y, then z
     unsigned int n_voxels[dim] = {};
     dealii::Tensor<1, dim> voxel_size;

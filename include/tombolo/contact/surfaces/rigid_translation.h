@@ -33,36 +33,61 @@ namespace tombolo
     /** [L]. Of a mass it is known at t_n and t_{n-1}, and given for the nearer of the two. */
     dealii::Tensor<1, dim> displacement(double time) const;
 
-    bool has_mass() const;
+    bool has_mass() const
+    {
+      return free.has_value();
+    }
 
     /** Zero where the body moves by functions of time [M]. */
-    double mass() const;
+    double mass() const
+    {
+      return free ? free->mass : 0.;
+    }
 
     /** Whether a mass can move along an axis of coordinates, if only a little. */
-    bool moves_along(unsigned int axis) const;
+    bool moves_along(const unsigned int axis) const
+    {
+      return free && free->free_directions[axis].norm() > 1e-12;
+    }
 
     /** The acceleration at t_n by the given force and @p reaction, that of the bodies at t_n, on
      * the mass; the size of the coming step must be known. */
     void accelerate(const Clock &clock, const dealii::Tensor<1, dim> &reaction);
 
     /** How far the mass will move in the coming step without any force of bodies [L]. */
-    dealii::Tensor<1, dim> free_motion(const Clock &clock) const;
+    dealii::Tensor<1, dim> free_motion(const Clock &clock) const
+    {
+      return clock.next_step * free->velocity + motion_by(given_impulse(clock), clock.next_step);
+    }
 
     /** How far an @p impulse moves the mass in a step of size @p time_step [L]. */
-    dealii::Tensor<1, dim> motion_by(const dealii::Tensor<1, dim> &impulse, double time_step) const;
+    dealii::Tensor<1, dim> motion_by(const dealii::Tensor<1, dim> &impulse,
+                                     const double time_step) const
+    {
+      return time_step * (free->free_directions * impulse) / free->mass;
+    }
 
     /** The mass from t_n to t_{n+1}. */
     void advance(const Clock &clock);
 
     /** v_{n-1/2} of the mass [L/T]. */
-    const dealii::Tensor<1, dim> &velocity() const;
+    const dealii::Tensor<1, dim> &velocity() const
+    {
+      return free->velocity;
+    }
 
     /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2].
      */
-    double kinetic_energy() const;
+    double kinetic_energy() const
+    {
+      return free ? free->kinetic_energy : 0.;
+    }
 
     /** That the given force has done on the mass since the start. */
-    double work_of_force() const;
+    double work_of_force() const
+    {
+      return free ? free->work_of_force : 0.;
+    }
 
     /** Lists what is kept of a mass between two steps. */
     void list(Records &records);

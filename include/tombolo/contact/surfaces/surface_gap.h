@@ -5,52 +5,20 @@
 
 #include <deal.II/base/tensor.h>
 
-#include <cmath>
 #include <functional>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace tombolo
 {
-  /** The surface next to a point. */
+  /** The surface next to a point, and the place on it that is nearest. */
   template <int dim>
-  struct SurfaceGap
+  struct SurfaceGap : FacetTree<dim>::Nearest
   {
     double gap; ///< negative behind it [L]
     dealii::Tensor<1, dim> normal;
     unsigned int facet;
   };
-
-  /** The signed distance of @p point from the place of @p surface that is @p nearest to it, and the
-   * normal there. */
-  template <int dim>
-  std::pair<double, dealii::Tensor<1, dim>> gap_at(const ClosedSurface<dim> &surface,
-                                                   const typename FacetTree<dim>::Nearest &nearest,
-                                                   const dealii::Tensor<1, dim> &point)
-  {
-    using Feature = typename FacetTree<dim>::Feature;
-    const dealii::Tensor<1, dim> &outward =
-        nearest.feature == Feature::facet  ? surface.facet_normals[nearest.number]
-        : nearest.feature == Feature::edge ? surface.edge_normals[nearest.number]
-                                           : surface.vertex_normals[nearest.number];
-    const dealii::Tensor<1, dim> away = point - nearest.place;
-    const double distance = std::sqrt(nearest.distance_square);
-    const double sign = away * outward < 0. ? -1. : 1.;
-    // On the surface itself the way to it has no direction.
-    if (nearest.feature != Feature::facet && distance > 1e-12 * (surface.high - surface.low).norm())
-      return {sign * distance, sign / distance * away};
-    return {sign * distance, outward};
-  }
-
-  /** The signed distance to @p surface, of which this is the tree. */
-  template <int dim>
-  SurfaceGap<dim> gap_to_surface(const ClosedSurface<dim> &surface, const FacetTree<dim> &tree,
-                                 const dealii::Tensor<1, dim> &point);
-
-  /** How far a point is outside of the box around a surface; negative inside [L]. */
-  template <int dim>
-  double distance_to_box(const ClosedSurface<dim> &surface, const dealii::Tensor<1, dim> &point);
 
   /** The sides of a surface that the outward area of a node faces. */
   template <int dim>
@@ -70,16 +38,43 @@ namespace tombolo
     static bool are_of(const dealii::Tensor<1, dim> &area, const dealii::Tensor<1, dim> &normal);
   };
 
-  /** Nothing where there are no such sides. @p size_of: the size of the cell behind a facet. */
+  /** A closed surface with the tree of its facets. */
   template <int dim>
-  std::optional<FacedSides<dim>>
-  faced_sides(const ClosedSurface<dim> &surface, const FacetTree<dim> &tree,
-              const dealii::Tensor<1, dim> &point, const dealii::Tensor<1, dim> &area,
-              const std::function<double(unsigned int facet)> &size_of);
+  class SearchedSurface : public ClosedSurface<dim>
+  {
+  public:
+    SearchedSurface() = default;
 
-  /** The number in @p given of each vertex of the @p surface that was made of it. Throws
-   * std::invalid_argument where two of them are at one place. */
-  template <int dim>
-  std::vector<unsigned int> numbers_of_vertices(const FacetList<dim> &given,
-                                                const ClosedSurface<dim> &surface);
+    explicit SearchedSurface(const ClosedSurface<dim> &surface)
+        : ClosedSurface<dim>(surface), tree(*this)
+    {}
+
+    /** The signed distance of a point from the place that is nearest to it, and the normal there;
+     * @p hint as in FacetTree. */
+    SurfaceGap<dim> gap(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
+
+    /** How far a point is outside of the box around the surface; negative inside [L]. */
+    double distance_to_box(const dealii::Tensor<1, dim> &point) const;
+
+    /** Nothing where there are no such sides. @p size_of: the size of the cell behind a facet. */
+    std::optional<FacedSides<dim>>
+    faced_sides(const dealii::Tensor<1, dim> &point, const dealii::Tensor<1, dim> &area,
+                const std::function<double(unsigned int facet)> &size_of) const;
+
+    /** See FacetTree. */
+    std::optional<dealii::Tensor<1, dim>> find_crossing() const
+    {
+      return tree.find_crossing(*this);
+    }
+
+    /** See ClosedSurface. */
+    void move_vertices(const std::vector<dealii::Tensor<1, dim>> &places)
+    {
+      ClosedSurface<dim>::move_vertices(places);
+      tree.refit(*this);
+    }
+
+  private:
+    FacetTree<dim> tree;
+  };
 } // namespace tombolo

@@ -78,7 +78,7 @@ namespace tombolo
       {
         ClosedSurface<dim> moved(list);
         FacetTree<dim> tree(moved);
-        move_vertices(moved, bent(moved.vertices));
+        moved.move_vertices(bent(moved.vertices));
         tree.refit(moved);
         FacetList<dim> given;
         given.vertices = moved.vertices;
