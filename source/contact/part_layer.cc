@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/part_layer.h>
 
+#include <tombolo/base/of_all_ranks.h>
+
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -16,17 +17,7 @@ namespace tombolo
 
   namespace
   {
-    /** Concatenates the values of all ranks in their order. Collective. */
-    template <typename Value>
-    std::vector<Value> of_all_ranks(const std::vector<Value> &of_rank, const MPI_Comm communicator)
-    {
-      std::vector<Value> result;
-      for (const std::vector<Value> &values : Utilities::MPI::all_gather(communicator, of_rank))
-        result.insert(result.end(), values.begin(), values.end());
-      return result;
-    }
-
-    /** The same of numbers, in every step. @p n_of_rank are the lengths on all ranks. */
+    /** As of_all_ranks(), in every step. @p n_of_rank are the lengths on all ranks. */
     std::vector<double> gather_numbers(const std::vector<double> &of_rank,
                                        const std::vector<int> &n_of_rank,
                                        const MPI_Comm communicator)
@@ -53,21 +44,11 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  struct PartLayer<dim>::Survey
-  {
-    /** Global and persistent number of nodes, by their owners. */
-    std::vector<std::uint64_t> nodes;
-    std::vector<double> positions;
-    /** Global numbers of the nodes of cells and a bit for each face, by the owners of cells. */
-    std::vector<std::uint64_t> cells;
-    std::vector<double> sizes;
-  };
-
-  template <int dim>
   PartLayer<dim>::PartLayer(const Nodes<dim> &nodes, const Selector &is_of_part)
       : communicator(nodes.communicator())
   {
-    Survey survey;
+    std::vector<SurveyNode> survey_nodes;
+    std::vector<SurveyCell> survey_cells;
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> points;
     std::map<types::global_dof_index, Point<dim>> owned_points;
@@ -75,34 +56,28 @@ namespace tombolo
     {
       if (cell->is_artificial() || !is_of_part(cell))
         continue;
-      std::uint64_t mask = 0;
+      SurveyCell of_cell{{}, 0, cell->minimum_vertex_distance()};
       for (const unsigned int f : cell->face_indices())
         if (is_end<dim>(nodes, cell, f, is_of_part))
-          mask |= std::uint64_t(1) << f;
-      if (mask == 0)
+          of_cell.mask |= 1u << f;
+      if (of_cell.mask == 0)
         continue;
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, points);
       for (unsigned int k = 0; k < n_corners; ++k)
         if (nodes.owned().is_element(cell_nodes[k]))
           owned_points[cell_nodes[k]] = points[k];
-      if (!cell->is_locally_owned())
-        continue;
-      survey.cells.insert(survey.cells.end(), cell_nodes.begin(), cell_nodes.end());
-      survey.cells.push_back(mask);
-      survey.sizes.push_back(cell->minimum_vertex_distance());
+      std::copy_n(cell_nodes.begin(), n_corners, of_cell.nodes.begin());
+      if (cell->is_locally_owned())
+        survey_cells.push_back(of_cell);
     }
     for (const auto &[node, point] : owned_points)
     {
-      survey.nodes.push_back(node);
-      survey.nodes.push_back(nodes.persistent_ids()[nodes.owned().index_within_set(node)]);
-      for (unsigned int d = 0; d < dim; ++d)
-        survey.positions.push_back(point[d]);
+      survey_nodes.push_back(
+          {node, nodes.persistent_ids()[nodes.owned().index_within_set(node)], {}});
+      std::copy_n(&point[0], dim, survey_nodes.back().position.begin());
     }
-    take_survey(
-        {of_all_ranks(survey.nodes, communicator), of_all_ranks(survey.positions, communicator),
-         of_all_ranks(survey.cells, communicator), of_all_ranks(survey.sizes, communicator)});
-
+    take_survey(of_all_ranks(survey_nodes, communicator), of_all_ranks(survey_cells, communicator));
     std::vector<unsigned int> numbers_of_owned;
     for (unsigned int number = 0; number < global_numbers.size(); ++number)
       if (nodes.owned().is_element(global_numbers[number]))
@@ -213,57 +188,37 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartLayer<dim>::take_survey(const Survey &survey)
+  void PartLayer<dim>::take_survey(const std::vector<SurveyNode> &nodes,
+                                   std::vector<SurveyCell> cells)
   {
-    struct Known
-    {
-      std::uint64_t id;
-      std::size_t place; // in the survey
-    };
-    std::map<std::uint64_t, Known> by_global_number;
-    for (std::size_t k = 0; k < survey.nodes.size() / 2; ++k)
-      by_global_number[survey.nodes[2 * k]] = {survey.nodes[2 * k + 1], k};
-
+    std::map<std::uint64_t, const SurveyNode *> by_global_number, by_id;
+    for (const SurveyNode &node : nodes)
+      by_global_number[node.global_number] = &node;
     // Nodes of cells, and cells, in the order of persistent numbers.
-    std::map<std::uint64_t, std::uint64_t> global_number_by_id;
-    constexpr std::size_t stride = n_corners + 1;
-    struct Record
-    {
-      std::array<std::uint64_t, n_corners> ids;
-      std::size_t place;
-    };
-    std::vector<Record> records(survey.sizes.size());
-    for (std::size_t c = 0; c < records.size(); ++c)
-    {
-      records[c].place = c;
-      for (unsigned int k = 0; k < n_corners; ++k)
+    for (SurveyCell &cell : cells)
+      for (std::uint64_t &node : cell.nodes)
       {
-        const std::uint64_t global = survey.cells[stride * c + k];
-        records[c].ids[k] = by_global_number.at(global).id;
-        global_number_by_id[records[c].ids[k]] = global;
+        const SurveyNode *const of_node = by_global_number.at(node);
+        by_id[of_node->id] = of_node;
+        node = of_node->id;
       }
-    }
-    std::sort(records.begin(), records.end(),
-              [](const Record &a, const Record &b) { return a.ids < b.ids; });
-
+    std::sort(cells.begin(), cells.end(),
+              [](const SurveyCell &a, const SurveyCell &b) { return a.nodes < b.nodes; });
     std::map<std::uint64_t, unsigned int> number_by_id;
-    for (const auto &[id, global] : global_number_by_id)
+    for (const auto &[id, node] : by_id)
     {
       number_by_id[id] = static_cast<unsigned int>(initial_positions.size());
-      global_numbers.push_back(static_cast<types::global_dof_index>(global));
-      Tensor<1, dim> position;
-      for (unsigned int d = 0; d < dim; ++d)
-        position[d] = survey.positions[dim * by_global_number.at(global).place + d];
-      initial_positions.push_back(position);
+      global_numbers.push_back(static_cast<types::global_dof_index>(node->global_number));
+      initial_positions.emplace_back();
+      std::copy_n(node->position.begin(), dim, initial_positions.back().begin_raw());
     }
-    for (const Record &record : records)
+    for (const SurveyCell &of_cell : cells)
     {
-      Cell cell;
+      layer_cells.emplace_back();
       for (unsigned int k = 0; k < n_corners; ++k)
-        cell[k] = number_by_id.at(record.ids[k]);
-      layer_cells.push_back(cell);
-      sizes.push_back(survey.sizes[record.place]);
-      masks.push_back(static_cast<unsigned int>(survey.cells[stride * record.place + n_corners]));
+        layer_cells.back()[k] = number_by_id.at(of_cell.nodes[k]);
+      sizes.push_back(of_cell.size);
+      masks.push_back(of_cell.mask);
     }
   }
 

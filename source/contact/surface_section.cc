@@ -21,15 +21,6 @@ namespace tombolo
 
   namespace
   {
-    template <int dim>
-    Point<dim> initial_point(const NodalState &state, const unsigned int node)
-    {
-      Point<dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = state.initial_position.node(node)[d];
-      return result;
-    }
-
     /** Marks owned nodes on outer faces: of these ids, or of any if there are none. */
     template <int dim>
     void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
@@ -128,7 +119,8 @@ namespace tombolo
     try
     {
       for (unsigned int i = 0; i < partition.n_owned(); ++i)
-        if (is_candidate[i] && (!where || (*where)(initial_point<dim>(state, i))))
+        if (is_candidate[i] &&
+            (!where || (*where)(Point<dim>(vector_of<dim>(state.initial_position.node(i))))))
           candidates.push_back(i);
     }
     catch (const InputError &error)
@@ -150,7 +142,7 @@ namespace tombolo
   {
     double extent = 0;
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      extent = std::max(extent, initial_point<dim>(state, i).norm());
+      extent = std::max(extent, vector_of<dim>(state.initial_position.node(i)).norm());
     extent = Utilities::MPI::max(extent, nodes.communicator());
     std::string failure;
     double deepest = 0;
@@ -160,10 +152,10 @@ namespace tombolo
         deepest = depths[k];
         std::ostringstream depth;
         depth << deepest;
-        failure = message(depth.str(),
-                          "the node with the number " +
-                              std::to_string(nodes.persistent_ids()[candidates[k]]) + " at " +
-                              place_text<dim>(initial_point<dim>(state, candidates[k])));
+        failure = message(
+            depth.str(),
+            "the node with the number " + std::to_string(nodes.persistent_ids()[candidates[k]]) +
+                " at " + place_text(vector_of<dim>(state.initial_position.node(candidates[k]))));
       }
     // Of all ranks, the one with the deepest node reports it.
     if (deepest < Utilities::MPI::max(deepest, nodes.communicator()))

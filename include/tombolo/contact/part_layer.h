@@ -8,6 +8,7 @@
 #include <tombolo/state/nodal_vector.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -96,9 +97,20 @@ namespace tombolo
     void sum(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
 
   private:
-    /** What the ranks tell each other of the layer at the start. */
-    struct Survey;
-    void take_survey(const Survey &survey);
+    /** What the ranks tell each other at the start: owners of nodes of these, owners of cells of
+     * these. */
+    struct SurveyNode
+    {
+      std::uint64_t global_number, id; ///< the latter is the persistent one
+      std::array<double, dim> position;
+    };
+    struct SurveyCell
+    {
+      std::array<std::uint64_t, n_corners> nodes; ///< global numbers
+      unsigned int mask;                          ///< a bit for each face that is one of the part's
+      double size;
+    };
+    void take_survey(const std::vector<SurveyNode> &nodes, std::vector<SurveyCell> cells);
     void add_facets(const Nodes<dim> &nodes);
     /** Of nodes, cells and facets in the mirrors that the part touches. */
     void add_images(const Nodes<dim> &nodes);
@@ -114,7 +126,7 @@ namespace tombolo
     std::vector<dealii::Tensor<1, dim>> initial_positions;
     std::vector<Cell> layer_cells;
     std::vector<double> sizes;       ///< of cells
-    std::vector<unsigned int> masks; ///< of cells, a bit for each face that is one of the part's
+    std::vector<unsigned int> masks; ///< of cells, as in the survey
     FacetList<dim> faces;
     std::vector<unsigned int> cells_of_facets;
     std::vector<dealii::types::global_dof_index> global_numbers; ///< of all nodes of the layer

@@ -36,15 +36,6 @@ namespace tombolo
   {
     dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
     dealii::Tensor<1, dim> position; ///< x [L]
-
-    /** The nodes were placed anew, and were at @p before. */
-    static void place(const std::vector<unsigned int> &nodes, const NodalVector &before,
-                      const NodalVector &now, std::vector<SurfaceHistory> &histories)
-    {
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          histories[k].position[d] += now.node(nodes[k])[d] - before.node(nodes[k])[d];
-    }
   };
 
   /** The areas on which candidate nodes of a contact touch: what a node has of the outer faces
@@ -132,7 +123,10 @@ namespace tombolo
     /** See Process::nodes_were_placed(). Collective. */
     virtual void place_nodes(const NodalState &state, const NodalVector &before, const Clock &)
     {
-      NodeHistory::place(candidates, before, state.position, histories);
+      for (std::size_t k = 0; k < candidates.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          histories[k].position[d] +=
+              state.position.node(candidates[k])[d] - before.node(candidates[k])[d];
     }
 
     /** Whether set_yield_stress() is needed. */

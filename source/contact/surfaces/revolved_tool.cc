@@ -30,38 +30,6 @@ namespace tombolo
     }
   } // namespace
 
-  /**
-   * A rigid tool whose outline is a RigidProfile: a body of revolution about its axis in three
-   * dimensions, the section through its axis in two. Coordinates of the profile are the distance
-   * from the axis and the place along it, from the tool's origin on; a tool of revolution that
-   * spins touches the same places, but drags along what it touches.
-   *
-   * @tparam Outline is derived from ToolOutline, with a constructor from Entries.
-   */
-  template <int dim, typename Outline>
-  class RevolvedTool : public RigidTool<dim>
-  {
-  public:
-    explicit RevolvedTool(const Entries &e);
-
-    void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
-                       double time, std::vector<double> &gap) const override;
-    void set_reach(const double distance) override
-    {
-      reach = distance;
-    }
-    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
-    FacetList<dim> picture(double time, const dealii::Tensor<1, dim> &low,
-                           const dealii::Tensor<1, dim> &high) const override;
-
-  private:
-    dealii::Tensor<1, dim> axis_at(double time) const;
-
-    dealii::Tensor<1, dim> axis;
-    RigidProfile profile;
-    double reach = 0;
-  };
-
   /** The corners of a profile, and the radius by which its edges are rounded [L]. */
   struct ToolOutline
   {
@@ -176,120 +144,136 @@ namespace tombolo
     }
   };
 
+  /**
+   * A rigid tool whose outline is a RigidProfile: a body of revolution about its axis in three
+   * dimensions, the section through its axis in two. Coordinates of the profile are the distance
+   * from the axis and the place along it, from the tool's origin on; a tool of revolution that
+   * spins touches the same places, but drags along what it touches.
+   *
+   * @tparam Outline is derived from ToolOutline, with a constructor from Entries.
+   */
   template <int dim, typename Outline>
-  RevolvedTool<dim, Outline>::RevolvedTool(const Entries &e)
+  class RevolvedTool : public RigidTool<dim>
   {
-    const Outline outline(e);
-    axis = e.read("Axis", dim == 2 ? "0, 1" : "0, 0, 1", "",
-                  "The direction from the tool's origin into the tool, at t = 0.",
-                  &read_direction<dim>);
-    this->rigid_motion = RigidMotion<dim>(e, axis);
-    if (e.declares())
-      return;
-    try
+  public:
+    explicit RevolvedTool(const Entries &e)
     {
-      profile = RigidProfile(outline.corners, outline.edge_radius);
-    }
-    catch (const std::invalid_argument &error)
-    {
-      e.refuse(true, "", std::string("the tool has no outline: ") + error.what() + ".");
-    }
-  }
-
-  template <int dim, typename Outline>
-  Tensor<1, dim> RevolvedTool<dim, Outline>::axis_at(const double time) const
-  {
-    return dim == 2 ? this->rigid_motion.turned(axis, this->rigid_motion.angle(time)) : axis;
-  }
-
-  template <int dim, typename Outline>
-  void RevolvedTool<dim, Outline>::evaluate_gaps(const NodalVector &position,
-                                                 const std::vector<unsigned int> &nodes,
-                                                 const double time, std::vector<double> &gap) const
-  {
-    gap.resize(nodes.size());
-    const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-    {
-      const double *const x = position.node(nodes[k]);
-      double z = 0, square = 0;
-      for (unsigned int d = 0; d < dim; ++d)
+      const Outline outline(e);
+      axis = e.read("Axis", dim == 2 ? "0, 1" : "0, 0, 1", "",
+                    "The direction from the tool's origin into the tool, at t = 0.",
+                    &read_direction<dim>);
+      this->rigid_motion = RigidMotion<dim>(e, axis);
+      if (e.declares())
+        return;
+      try
       {
-        const double y = x[d] - origin[d];
-        z += along[d] * y;
-        square += y * y;
+        profile = RigidProfile(outline.corners, outline.edge_radius);
       }
-      const RigidProfile::Place place = {std::sqrt(std::max(square - z * z, 0.)), z};
-      const double at_least = profile.distance_from_box(place);
-      gap[k] = at_least > reach ? at_least : profile.nearest(place).gap;
+      catch (const std::invalid_argument &error)
+      {
+        e.refuse(true, "", std::string("the tool has no outline: ") + error.what() + ".");
+      }
     }
-  }
 
-  template <int dim, typename Outline>
-  Tensor<1, dim> RevolvedTool<dim, Outline>::normal(const Tensor<1, dim> &point,
-                                                    const double time) const
-  {
-    const Tensor<1, dim> along = axis_at(time),
-                         from_origin = point - this->rigid_motion.origin(time);
-    const double z = from_origin * along;
-    const Tensor<1, dim> across = from_origin - z * along;
-    const double r = across.norm();
-    const RigidProfile::Place normal = profile.nearest({r, z}).normal;
-    Tensor<1, dim> result = normal.z * along;
-    // On the axis, to round-off, all directions across are alike, and only the one along is left,
-    // if there is one.
-    if (r > 1e-10 * from_origin.norm())
-      result += (normal.r / r) * across;
-    else if (!(std::abs(normal.z) > 1e-8))
-      result = direction_across(along);
-    return result / result.norm();
-  }
+    void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                       const double time, std::vector<double> &gap) const override
+    {
+      gap.resize(nodes.size());
+      const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+      {
+        const double *const x = position.node(nodes[k]);
+        double z = 0, square = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double y = x[d] - origin[d];
+          z += along[d] * y;
+          square += y * y;
+        }
+        const RigidProfile::Place place = {std::sqrt(std::max(square - z * z, 0.)), z};
+        const double at_least = profile.distance_from_box(place);
+        gap[k] = at_least > reach ? at_least : profile.nearest(place).gap;
+      }
+    }
 
-  template <int dim, typename Outline>
-  FacetList<dim> RevolvedTool<dim, Outline>::picture(const double time, const Tensor<1, dim> &,
-                                                     const Tensor<1, dim> &) const
-  {
-    const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
-    const std::vector<RigidProfile::Place> outline =
-        profile.outline(numbers::PI / (dim == 2 ? 180 : 18));
-    FacetList<dim> result;
-    if constexpr (dim == 2)
+    void set_reach(const double distance) override
     {
-      const Tensor<1, 2> across({along[1], -along[0]});
-      const auto add = [&](const RigidProfile::Place &place, const double side)
-      { result.vertices.push_back(origin + place.z * along + side * place.r * across); };
-      for (const RigidProfile::Place &place : outline)
-        add(place, 1.);
-      for (std::size_t i = outline.size() - 2; i > 0; --i)
-        add(outline[i], -1.);
-      const auto n = static_cast<unsigned int>(result.vertices.size());
-      for (unsigned int i = 0; i < n; ++i)
-        result.facets.push_back({{i, (i + 1) % n}});
+      reach = distance;
     }
-    else
+    Tensor<1, dim> normal(const Tensor<1, dim> &point, const double time) const override
     {
-      constexpr unsigned int n = 48;
-      const Tensor<1, 3> first = direction_across(along), second = cross_product_3d(along, first);
-      const double start = this->rigid_motion.angle(time);
-      for (const RigidProfile::Place &place : outline)
-        for (unsigned int k = 0; k < n; ++k)
-        {
-          const double angle = start + 2 * numbers::PI * k / n;
-          result.vertices.push_back(origin + place.z * along +
-                                    place.r * (std::cos(angle) * first + std::sin(angle) * second));
-        }
-      for (unsigned int i = 0; i + 1 < outline.size(); ++i)
-        for (unsigned int k = 0; k < n; ++k)
-        {
-          const unsigned int a = i * n + k, b = i * n + (k + 1) % n;
-          if (outline[i].r > 0.)
-            result.facets.push_back({{a, b, b + n}});
-          if (outline[i + 1].r > 0.)
-            result.facets.push_back({{a, b + n, a + n}});
-        }
+      const Tensor<1, dim> along = axis_at(time),
+                           from_origin = point - this->rigid_motion.origin(time);
+      const double z = from_origin * along;
+      const Tensor<1, dim> across = from_origin - z * along;
+      const double r = across.norm();
+      const RigidProfile::Place normal = profile.nearest({r, z}).normal;
+      Tensor<1, dim> result = normal.z * along;
+      // On the axis, to round-off, all directions across are alike, and only the one along is left,
+      // if there is one.
+      if (r > 1e-10 * from_origin.norm())
+        result += (normal.r / r) * across;
+      else if (!(std::abs(normal.z) > 1e-8))
+        result = direction_across(along);
+      return result / result.norm();
     }
-    return result;
-  }
+
+    FacetList<dim> picture(const double time, const Tensor<1, dim> &,
+                           const Tensor<1, dim> &) const override
+    {
+      const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
+      const std::vector<RigidProfile::Place> outline =
+          profile.outline(numbers::PI / (dim == 2 ? 180 : 18));
+      FacetList<dim> result;
+      if constexpr (dim == 2)
+      {
+        const Tensor<1, 2> across({along[1], -along[0]});
+        const auto add = [&](const RigidProfile::Place &place, const double side)
+        { result.vertices.push_back(origin + place.z * along + side * place.r * across); };
+        for (const RigidProfile::Place &place : outline)
+          add(place, 1.);
+        for (std::size_t i = outline.size() - 2; i > 0; --i)
+          add(outline[i], -1.);
+        const auto n = static_cast<unsigned int>(result.vertices.size());
+        for (unsigned int i = 0; i < n; ++i)
+          result.facets.push_back({{i, (i + 1) % n}});
+      }
+      else
+      {
+        constexpr unsigned int n = 48;
+        const Tensor<1, 3> first = direction_across(along), second = cross_product_3d(along, first);
+        const double start = this->rigid_motion.angle(time);
+        for (const RigidProfile::Place &place : outline)
+          for (unsigned int k = 0; k < n; ++k)
+          {
+            const double angle = start + 2 * numbers::PI * k / n;
+            result.vertices.push_back(origin + place.z * along +
+                                      place.r *
+                                          (std::cos(angle) * first + std::sin(angle) * second));
+          }
+        for (unsigned int i = 0; i + 1 < outline.size(); ++i)
+          for (unsigned int k = 0; k < n; ++k)
+          {
+            const unsigned int a = i * n + k, b = i * n + (k + 1) % n;
+            if (outline[i].r > 0.)
+              result.facets.push_back({{a, b, b + n}});
+            if (outline[i + 1].r > 0.)
+              result.facets.push_back({{a, b + n, a + n}});
+          }
+      }
+      return result;
+    }
+
+  private:
+    Tensor<1, dim> axis_at(const double time) const
+    {
+      return dim == 2 ? this->rigid_motion.turned(axis, this->rigid_motion.angle(time)) : axis;
+    }
+
+    Tensor<1, dim> axis;
+    RigidProfile profile;
+    double reach = 0;
+  };
 
   template <int dim>
   using Drill = RevolvedTool<dim, DrillOutline>;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/contact_law.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/process.h>
@@ -18,18 +20,6 @@
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    template <int dim>
-    Tensor<1, dim> node_vector(const NodalVector &vector, const unsigned int node)
-    {
-      Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = vector.node(node)[d];
-      return result;
-    }
-  } // namespace
 
   /**
    * Contact between bodies of different particle parts that have self-contact: the law of
@@ -135,8 +125,7 @@ namespace tombolo
           const double springs = 4. + of_pair * on_free_side * ratio * angle * angle;
           const double dampers =
               0.5 * of_pair * on_free_side * ratio * 0.5 * (one.damping + other.damping) * angle;
-          fraction =
-              std::min(fraction, (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs);
+          fraction = std::min(fraction, ContactLaw::stable_fraction(springs, dampers));
         }
       return fraction;
     }
@@ -188,7 +177,7 @@ namespace tombolo
           particle.body = model.bodies->body_of(set.nodes()[i]);
           particle.volume += set.initial_volumes()[i];
           particle.has_elements = *model.element_mass.node(node) > 0.;
-          particle.position = node_vector<dim>(model.state.position, node);
+          particle.position = vector_of<dim>(model.state.position.node(node));
         }
       }
       // Owned nodes keep their local numbers.
@@ -246,8 +235,8 @@ namespace tombolo
               particle.has_elements,
               *model.state.mass.node(particle.node),
               particle.radius,
-              node_vector<dim>(position, particle.node),
-              node_vector<dim>(model.state.velocity, particle.node)};
+              vector_of<dim>(position.node(particle.node)),
+              vector_of<dim>(model.state.velocity.node(particle.node))};
     }
 
     /** The spheres of all ranks in the box around another part, by the number of the node.
@@ -375,9 +364,12 @@ namespace tombolo
                      const Tensor<1, dim> normal = offset / r;
                      const double approach = -((other.velocity - one.velocity) * normal);
                      const double reduced = one.mass * other.mass / (one.mass + other.mass);
-                     const double frequency =
-                         std::min(frequency_of(one.parts), frequency_of(other.parts));
-                     const double damping = 0.5 * (damping_of(one.parts) + damping_of(other.parts));
+                     const auto least = [&](const Sphere &sphere, double PartLaw::*const what)
+                     { return least_of(sphere.parts, what); };
+                     const double frequency = std::min(least(one, &PartLaw::frequency),
+                                                       least(other, &PartLaw::frequency));
+                     const double damping =
+                         0.5 * (least(one, &PartLaw::damping) + least(other, &PartLaw::damping));
                      const double spring = reduced * frequency * frequency;
                      force -= (spring * overlap +
                                2. * damping * reduced * frequency * std::max(approach, 0.)) *
@@ -387,21 +379,13 @@ namespace tombolo
       return force;
     }
 
-    double frequency_of(const std::uint64_t parts) const
+    /** Of the laws of these parts. */
+    double least_of(const std::uint64_t parts, double PartLaw::*const what) const
     {
       double least = std::numeric_limits<double>::max();
       for (std::size_t law = 0; law < laws.size(); ++law)
         if (((parts >> law) & 1u) != 0)
-          least = std::min(least, laws[law].frequency);
-      return least;
-    }
-
-    double damping_of(const std::uint64_t parts) const
-    {
-      double least = 1.;
-      for (std::size_t law = 0; law < laws.size(); ++law)
-        if (((parts >> law) & 1u) != 0)
-          least = std::min(least, laws[law].damping);
+          least = std::min(least, laws[law].*what);
       return least;
     }
 

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -33,15 +34,6 @@ namespace tombolo
     double fixed_step(const Parameters &parameters)
     {
       return std::strtod(parameters.raw("Time step/Fixed", "0").c_str(), nullptr);
-    }
-
-    template <int dim>
-    Tensor<1, 3> vector_of_node(const NodalVector &vector, const unsigned int node)
-    {
-      Tensor<1, 3> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = vector.node(node)[d];
-      return result;
     }
 
     std::string text_of(const Tensor<1, 3> &vector, const unsigned int dim)
@@ -117,9 +109,8 @@ namespace tombolo
     for (const unsigned int node : joined[index].nodes)
     {
       const Tensor<1, 3> momentum = *model.bridge->mass().node(node) *
-                                    vector_of_node<dim>(model.state.unsmoothed_velocity, node);
-      const Tensor<1, 3> r =
-          vector_of_node<dim>(model.state.position, node) - bodies[index].centre();
+                                    vector_of<3>(model.state.unsmoothed_velocity.node(node));
+      const Tensor<1, 3> r = vector_of<3>(model.state.position.node(node)) - bodies[index].centre();
       add_moment(&r[0], &momentum[0], moment);
       for (unsigned int d = 0; d < 3; ++d)
         sums[d] += momentum[d];
@@ -177,8 +168,7 @@ namespace tombolo
       const auto way_back = bodies[b].take_momentum(clock, momentum.force, momentum.moment);
       for (const unsigned int node : joined[b].nodes)
       {
-        const Tensor<1, 3> way =
-            way_back.of(vector_of_node<dim>(model.state.initial_position, node));
+        const Tensor<1, 3> way = way_back.of(vector_of<3>(model.state.initial_position.node(node)));
         for (unsigned int d = 0; d < dim; ++d)
           v_hat.node(node)[d] = -way[d] / clock.previous_step;
       }
@@ -222,7 +212,7 @@ namespace tombolo
     for (const unsigned int node : joined[index].nodes)
     {
       const Tensor<1, 3> velocity =
-          bodies[index].velocity_at_start(vector_of_node<dim>(state.position, node));
+          bodies[index].velocity_at_start(vector_of<3>(state.position.node(node)));
       for (unsigned int d = 0; d < dim; ++d)
         state.unsmoothed_velocity.node(node)[d] = velocity[d];
     }
@@ -239,8 +229,8 @@ namespace tombolo
       std::array<double, 3> moment{};
       for (const unsigned int node : joined[b].nodes)
       {
-        const Tensor<1, 3> of_node = vector_of_node<dim>(state.force, node);
-        const Tensor<1, 3> r = vector_of_node<dim>(state.position, node) - bodies[b].centre();
+        const Tensor<1, 3> of_node = vector_of<3>(state.force.node(node));
+        const Tensor<1, 3> r = vector_of<3>(state.position.node(node)) - bodies[b].centre();
         force += of_node;
         add_moment(&r[0], &of_node[0], moment);
       }
@@ -271,7 +261,7 @@ namespace tombolo
     const auto of_step = bodies[index].motion_of_step(clock);
     for (const unsigned int node : joined[index].nodes)
     {
-      const Tensor<1, 3> initial = vector_of_node<dim>(state.initial_position, node);
+      const Tensor<1, 3> initial = vector_of<3>(state.initial_position.node(node));
       const Tensor<1, 3> place = initial + from_start.of(initial), motion = of_step.of(initial);
       for (unsigned int d = 0; d < dim; ++d)
       {

@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/rigid_body_setup.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/shown_by_processes.h>
@@ -18,11 +19,6 @@ namespace tombolo
 
   namespace
   {
-    Tensor<1, 3> vector_at(const double *const node)
-    {
-      return Tensor<1, 3>({node[0], node[1], node[2]});
-    }
-
     Tensor<2, 3> matrix_of(const double *const rows)
     {
       Tensor<2, 3> result;
@@ -258,7 +254,7 @@ namespace tombolo
     std::array<double, 18> second{}; // of all masses of nodes, of those of other parts
     for (const unsigned int node : nodes)
     {
-      const Tensor<1, 3> r = vector_at(model.state.initial_position.node(node)) - result.centre;
+      const Tensor<1, 3> r = vector_of<3>(model.state.initial_position.node(node)) - result.centre;
       // A node that is not shared gets nothing of round-off.
       const double of_others = *mass.node(node) - *own_mass.node(node);
       const bool is_shared = of_others > 1e-12 * *mass.node(node);
