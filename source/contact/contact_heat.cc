@@ -2,7 +2,7 @@
 #include <tombolo/contact/contact_heat.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/mean_and_largest.h>
+#include <tombolo/contact/contact_balance.h>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/contact/spring_contact.h>
 #include <tombolo/mesh/face_shapes.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/history.h>
 
-#include <tombolo/contact/mean_and_largest.h>
+#include <tombolo/contact/contact_balance.h>
 
 namespace tombolo
 {

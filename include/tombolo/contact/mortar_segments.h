@@ -4,7 +4,6 @@
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/face_exchange.h>
-#include <tombolo/contact/face_overlap.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>

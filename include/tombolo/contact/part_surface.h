@@ -5,7 +5,7 @@
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_layer.h>
-#include <tombolo/contact/surfaces/surface_gap.h>
+#include <tombolo/contact/surfaces/facet_tree.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>

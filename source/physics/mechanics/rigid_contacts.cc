@@ -10,7 +10,8 @@
 #include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
-#include <tombolo/physics/mechanics/master_part.h>
+#include <tombolo/physics/mechanics/named_parts.h>
+#include <tombolo/physics/mechanics/rigid_body_settings.h>
 
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,61 @@
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** Refuses what can be seen without a mesh to be wrong with the part that a contact with
+     * `Surface = part` names. */
+    template <int dim>
+    void validate_master_part(const Section &contact, const std::vector<Part<dim>> &parts)
+    {
+      if (contact.get("Surface") != surface_of_part || parts.empty())
+        return;
+      const Section section = contact.subsection(surface_of_part);
+      const std::string name = section.get("Part");
+      const Part<dim> &part = parts[part_of_entry(section, "Part", name, parts)];
+      if (!has_motion(part))
+        section.fail("Part", "the part \"" + name +
+                                 "\" has no stresses and is not rigid, so that nothing moves it; "
+                                 "allowed is a part of elements with a material that has stresses, "
+                                 "or one with `Formulation = rigid`.");
+      if (part.particles != nullptr)
+        section.fail("Part",
+                     "the part \"" + name +
+                         "\" consists of particles, which have no surface that stays; "
+                         "allowed is a part of elements, or one with `Formulation = rigid`.");
+    }
+
+    /** The part that a contact with `Surface = part` names; nothing for other surfaces. Throws
+     * InputError where it cannot be touched. Collective. */
+    template <int dim>
+    MasterPart<dim> master_part(const Section &contact, const Model<dim> &model)
+    {
+      if (contact.get("Surface") != surface_of_part)
+        return {};
+      validate_master_part(contact, model.parts);
+      const Section section = contact.subsection(surface_of_part);
+      const std::string name = section.get("Part");
+      const unsigned int number = part_of_entry(section, "Part", name, model.parts);
+      const Part<dim> &part = model.parts[number];
+      if (model.degree > 1)
+        section.fail("Part", "elements have degree " + std::to_string(model.degree) +
+                                 "; the surface of a part needs degree 1.");
+      if (part.formulation->can_lose_cells())
+        section.fail("Part", "cells of the part \"" + name +
+                                 "\" can be removed, and what is below them has no faces; allowed "
+                                 "are other parts.");
+      MasterPart<dim> result;
+      result.layer =
+          std::make_unique<PartLayer<dim>>(*model.nodes, [&](const typename Nodes<dim>::Cell &cell)
+                                           { return model.part_cells->part_of(cell) == number; });
+      if (rigid_cells(part) != nullptr)
+        result.is_driven =
+            !RigidBodySettings<dim>(section.all().section("Part: " + name + "/rigid"))
+                 .moves_by_forces();
+      return result;
+    }
+  } // namespace
 
   template <int dim>
   RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, Model<dim> &model)

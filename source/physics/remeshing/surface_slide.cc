@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/numbers_of_ranks.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/face_overlap.h>
+#include <tombolo/contact/contact_faces.h>
 
 #include <gtest/gtest.h>
 

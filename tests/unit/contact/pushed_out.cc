@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/contact/surface_section.h>
 
 #include <gtest/gtest.h>

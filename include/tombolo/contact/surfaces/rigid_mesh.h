@@ -3,7 +3,7 @@
 
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/contact/surfaces/surface_gap.h>
+#include <tombolo/contact/surfaces/facet_tree.h>
 
 #include <cstddef>
 #include <vector>
