@@ -124,13 +124,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ContactHeat<dim>::add_exposure(NodalVector &exposure) const
-  {
-    for (const Touch &touch : touches)
-      *exposure.node(touch.node) += touch.exposure;
-  }
-
-  template <int dim>
   void ContactHeat<dim>::add_friction(const std::size_t candidate, const double heat,
                                       const NodalHeat &nodal_heat)
   {
@@ -253,12 +246,6 @@ namespace tombolo
                             ? partner.capacity * (tool_temperature - partner.initial_temperature)
                             : sums.friction - sums.heat_of_bodies;
     sums.tool_temperature = tool_temperature;
-  }
-
-  template <int dim>
-  std::array<double, 2> ContactHeat<dim>::temperatures_of_part(const MPI_Comm communicator) const
-  {
-    return mean_and_largest(below, communicator);
   }
 
   template class ContactHeat<2>;

@@ -240,14 +240,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::become_static(const double tolerance)
-  {
-    is_static = true;
-    touch_distance = tolerance;
-    settings.law = settings.law.without_damping();
-  }
-
-  template <int dim>
   const NodalVector *MortarContact<dim>::find_thermal(const NodalHeat &nodal_heat)
   {
     if (!settings.has_heat || !settings.needs_temperature())

@@ -66,14 +66,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarSegments<dim>::find_pairs(const NodalVector &position)
-  {
-    exchange.find_pairs(slaves, masters, position, reach, margin);
-    position_of_pairs.copy_from(position);
-    has_pairs = true;
-  }
-
-  template <int dim>
   void MortarSegments<dim>::receive_values(const NodalVector &position,
                                            const NodalVector &last_position,
                                            const NodalVector *const thermal)
@@ -186,15 +178,6 @@ namespace tombolo
       return false;
     normal /= -length;
     return true;
-  }
-
-  template <int dim>
-  void MortarSegments<dim>::fix(const NodalVector &position)
-  {
-    find_pairs(position);
-    receive_values(position, position, nullptr);
-    find_segments(position);
-    is_fixed = true;
   }
 
   template <int dim>

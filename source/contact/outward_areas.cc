@@ -129,12 +129,6 @@ namespace tombolo
     return result;
   }
 
-  template <int dim>
-  bool OutwardAreas<dim>::has_face(const unsigned int node) const
-  {
-    return is_on_face[node];
-  }
-
   template class OutwardAreas<2>;
   template class OutwardAreas<3>;
 } // namespace tombolo

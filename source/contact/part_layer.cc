@@ -235,12 +235,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool PartLayer<dim>::has_node(const unsigned int node) const
-  {
-    return std::binary_search(local_nodes.begin(), local_nodes.end(), node);
-  }
-
-  template <int dim>
   typename PartLayer<dim>::Weights
   PartLayer<dim>::weights(const Tensor<1, dim> &point, const unsigned int cell,
                           const std::vector<Tensor<1, dim>> &positions) const

@@ -81,13 +81,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartSurface<dim>::set_partition(const NodePartition &partition)
-  {
-    sides.resize(partition.n_owned(), Side::in_front);
-    layer->set_partition(partition);
-  }
-
-  template <int dim>
   void PartSurface<dim>::drop_own_nodes(const Section &contact,
                                         std::vector<unsigned int> &candidates) const
   {
@@ -100,12 +93,6 @@ namespace tombolo
                        "\", whose boundary is the surface, and a part is not its own master; "
                        "allowed are nodes of other parts. For a body that touches itself there "
                        "are body contacts.");
-  }
-
-  template <int dim>
-  void PartSurface<dim>::set_areas(const OutwardAreas<dim> &areas)
-  {
-    this->areas = &areas;
   }
 
   template <int dim>
@@ -127,13 +114,6 @@ namespace tombolo
     for (std::size_t v = 0; v < vertices.size(); ++v)
       vertices[v] = positions[node_of_vertex[v]];
     surface.move_vertices(vertices);
-  }
-
-  template <int dim>
-  void PartSurface<dim>::forget_motion(const NodalState &state)
-  {
-    positions = last_positions = gather_positions(state.position);
-    refit();
   }
 
   template <int dim>
@@ -284,12 +264,6 @@ namespace tombolo
     const std::vector<double> found = crowding(all, of_place, masses);
     for (std::size_t i = 0; i < places.size(); ++i)
       places[i].crowding = found[i];
-  }
-
-  template <int dim>
-  const typename PartSurface<dim>::Place &PartSurface<dim>::place(const std::size_t candidate) const
-  {
-    return places[place_of_candidate[candidate]];
   }
 
   template <int dim>

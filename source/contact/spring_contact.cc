@@ -34,13 +34,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double SpringContact<dim>::mass_ratio(const double mass) const
-  {
-    const double tool_mass = this->surface->translation().mass();
-    return tool_mass == 0. ? 1. : 1. + ordered_sum(mass, this->communicator) / tool_mass;
-  }
-
-  template <int dim>
   void SpringContact<dim>::press(const std::size_t candidate, const Press &press,
                                  const Clock &clock, const NodalHeat &nodal_heat)
   {
@@ -57,22 +50,6 @@ namespace tombolo
           candidate, ContactLaw::slide(press.motion, press.normal, limit, spring), nodal_heat);
     }
     this->add_contact(candidate, press.share * spring.normal_force(), area, clock);
-  }
-
-  template <int dim>
-  void SpringContact<dim>::release(const std::size_t candidate, const double approach,
-                                   const bool has_eroded, const NodalHeat &nodal_heat)
-  {
-    this->add_friction_heat(
-        candidate,
-        ContactLaw::release(approach, has_eroded, springs[candidate], this->totals.damping),
-        nodal_heat);
-  }
-
-  template <int dim>
-  double SpringContact<dim>::stable_fraction() const
-  {
-    return this->settings.law.stable_fraction();
   }
 
   template <int dim>

@@ -76,40 +76,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::find_gaps(const NodalVector &position,
-                                      const std::vector<unsigned int> &nodes, const double time,
-                                      std::vector<double> &gaps) const
-  {
-    surface->evaluate_gaps(position, nodes, time, gaps);
-    for (double &of_node : gaps)
-      of_node -= settings.radius;
-  }
-
-  template <int dim>
   void SurfaceContact<dim>::add_contact(const std::size_t candidate, const double normal_force,
                                         const double area, const Clock &clock)
   {
     totals.area += std::max(area, 0.);
     if (heat)
       heat->add_contact(candidate, normal_force, area, clock.previous_step);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double of_sliding,
-                                              const NodalHeat &nodal_heat)
-  {
-    totals.friction += of_sliding;
-    if (heat)
-      heat->add_friction(candidate, of_sliding, nodal_heat);
-  }
-
-  template <int dim>
-  double SurfaceContact<dim>::friction_coefficient(const std::size_t candidate,
-                                                   const NodalHeat &nodal_heat) const
-  {
-    if (settings.friction.is_constant() || !(settings.friction.largest() > 0.))
-      return settings.friction.largest();
-    return settings.friction.value(nodal_heat.temperature_of(candidates[candidate]));
   }
 
   template <int dim>
@@ -192,14 +164,6 @@ namespace tombolo
       if (histories[k].force.norm_square() > 0.)
         result.push_back(candidates[k]);
     return result;
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_present_forces(NodalVector &forces) const
-  {
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        forces.node(candidates[k])[d] += histories[k].force[d];
   }
 
   template <int dim>

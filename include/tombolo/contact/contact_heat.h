@@ -129,7 +129,11 @@ namespace tombolo
     void add_contact(std::size_t k, double normal_force, double area, double time_step);
 
     /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
-    void add_exposure(NodalVector &exposure) const;
+    void add_exposure(NodalVector &exposure) const
+    {
+      for (const Touch &touch : touches)
+        *exposure.node(touch.node) += touch.exposure;
+    }
 
     /** Splits the heat of friction at a candidate. */
     void add_friction(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
@@ -155,7 +159,10 @@ namespace tombolo
     void complete(ContactBalance &sums) const;
 
     /** Mean and largest T_s of a part in the last step; zero where nothing touches. Collective. */
-    std::array<double, 2> temperatures_of_part(MPI_Comm communicator) const;
+    std::array<double, 2> temperatures_of_part(const MPI_Comm communicator) const
+    {
+      return mean_and_largest(below, communicator);
+    }
 
     /** Lists what is kept from step to step. */
     void list(Records &records);

@@ -117,7 +117,12 @@ namespace tombolo
     }
 
     /** See Process::begin_trials(). */
-    void become_static(double tolerance);
+    void become_static(const double tolerance)
+    {
+      is_static = true;
+      touch_distance = tolerance;
+      settings.law = settings.law.without_damping();
+    }
 
     /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.
      * Collective. */

@@ -74,7 +74,13 @@ namespace tombolo
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
     /** Finds the segments in these positions and keeps them. Collective. */
-    void fix(const NodalVector &position);
+    void fix(const NodalVector &position)
+    {
+      find_pairs(position);
+      receive_values(position, position, nullptr);
+      find_segments(position);
+      is_fixed = true;
+    }
 
     /** Finds sums() with the segments in these positions, or the fixed ones, and the motion since
      * @p last_position. All arguments have current ghosts; @p thermal is null without heat.
@@ -136,7 +142,13 @@ namespace tombolo
 
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
     bool has_moved(const NodalVector &position) const;
-    void find_pairs(const NodalVector &position);
+    void find_pairs(const NodalVector &position)
+    {
+      exchange.find_pairs(slaves, masters, position, reach, margin);
+      position_of_pairs.copy_from(position);
+      has_pairs = true;
+    }
+
     /** Values of corners of master faces: x, x - @p last_position, and of @p thermal. */
     void receive_values(const NodalVector &position, const NodalVector &last_position,
                         const NodalVector *thermal);

@@ -47,7 +47,10 @@ namespace tombolo
     dealii::Tensor<1, dim> area(unsigned int node) const;
 
     /** Whether an owned node is on any of the faces that count, of any rank. */
-    bool has_face(unsigned int node) const;
+    bool has_face(const unsigned int node) const
+    {
+      return is_on_face[node];
+    }
 
   private:
     void find_nodes_on_faces();

@@ -7,6 +7,7 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -80,7 +81,10 @@ namespace tombolo
     }
 
     /** Whether a local node that this rank owns is a node of the layer. */
-    bool has_node(unsigned int node) const;
+    bool has_node(const unsigned int node) const
+    {
+      return std::binary_search(local_nodes.begin(), local_nodes.end(), node);
+    }
 
     /** The shape functions N_a of a cell, whose nodes are at these @p positions, at a point in the
      * cell or a little outside: Σ N_a = 1 and Σ N_a x_a = @p point to round-off. */

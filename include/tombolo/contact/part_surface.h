@@ -73,21 +73,32 @@ namespace tombolo
     /** Takes the part. Throws InputError where its boundary cannot be used. Collective. */
     void take(MasterPart<dim> part, const NodalState &state);
 
-    void set_partition(const NodePartition &partition);
+    void set_partition(const NodePartition &partition)
+    {
+      sides.resize(partition.n_owned(), Side::in_front);
+      layer->set_partition(partition);
+    }
 
     /** Takes the nodes of the part off the owned @p candidates of a contact. Throws InputError
      * where no other ones are left. Collective. */
     void drop_own_nodes(const Section &contact, std::vector<unsigned int> &candidates) const;
 
     /** Takes what owned nodes have of faces, to tell sides of edges; must outlive the surface. */
-    void set_areas(const OutwardAreas<dim> &areas);
+    void set_areas(const OutwardAreas<dim> &areas)
+    {
+      this->areas = &areas;
+    }
 
     /** Finds which of the owned @p candidates have got behind the sides that they face, and which
      * are in front of them again. Once in each step, after follow(). */
     void find_sides(const NodalVector &position, const std::vector<unsigned int> &candidates);
 
     /** Nodes are where they are: none has moved over the last step. Collective. */
-    void forget_motion(const NodalState &state);
+    void forget_motion(const NodalState &state)
+    {
+      positions = last_positions = gather_positions(state.position);
+      refit();
+    }
 
     /** The positions of the state, and masses; those that were known are the ones before.
      * Collective. */
@@ -97,7 +108,10 @@ namespace tombolo
      * call. Collective. */
     void find_places(const NodalState &state, const std::vector<unsigned int> &nodes,
                      const std::vector<std::size_t> &candidates);
-    const Place &place(std::size_t candidate) const;
+    const Place &place(const std::size_t candidate) const
+    {
+      return places[place_of_candidate[candidate]];
+    }
 
     /** Adds minus the @p force on a candidate to the nodes of the part. */
     void add_reaction(const Place &place, const dealii::Tensor<1, dim> &force);

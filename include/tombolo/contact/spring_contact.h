@@ -18,7 +18,10 @@ namespace tombolo
 
     /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
      */
-    double stable_fraction() const override;
+    double stable_fraction() const override
+    {
+      return this->settings.law.stable_fraction();
+    }
 
     /** Springs in contact are deeper by as much as their nodes are. */
     void place_nodes(const NodalState &state, const NodalVector &before,
@@ -40,11 +43,22 @@ namespace tombolo
     void press(std::size_t candidate, const Press &press, const Clock &clock,
                const NodalHeat &nodal_heat);
     /** Ends the contact of a candidate after its @p approach. */
-    void release(std::size_t candidate, double approach, bool has_eroded,
-                 const NodalHeat &nodal_heat);
+    void release(const std::size_t candidate, const double approach, const bool has_eroded,
+                 const NodalHeat &nodal_heat)
+    {
+      this->add_friction_heat(
+          candidate,
+          ContactLaw::release(approach, has_eroded, springs[candidate], this->totals.damping),
+          nodal_heat);
+    }
+
     /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
      * on this rank. Collective where the surface has a mass. */
-    double mass_ratio(double mass) const;
+    double mass_ratio(const double mass) const
+    {
+      const double tool_mass = this->surface->translation().mass();
+      return tool_mass == 0. ? 1. : 1. + ordered_sum(mass, this->communicator) / tool_mass;
+    }
 
     /** How deep candidates are at these positions, negative where they are outside. Collective. */
     virtual std::vector<double> depths_at(const NodalVector &position, const Clock &clock) = 0;

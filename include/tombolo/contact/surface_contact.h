@@ -228,7 +228,12 @@ namespace tombolo
     std::vector<unsigned int> nodes_in_contact() const;
 
     /** Adds the forces at t_n on nodes in contact to owned nodes of @p forces, for pictures. */
-    void add_present_forces(NodalVector &forces) const;
+    void add_present_forces(NodalVector &forces) const
+    {
+      for (std::size_t k = 0; k < candidates.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          forces.node(candidates[k])[d] += histories[k].force[d];
+    }
 
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
@@ -241,8 +246,13 @@ namespace tombolo
     }
 
     /** The gaps of these nodes, of balls of the radius of the contact around them. */
-    void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes, double time,
-                   std::vector<double> &gaps) const;
+    void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                   const double time, std::vector<double> &gaps) const
+    {
+      surface->evaluate_gaps(position, nodes, time, gaps);
+      for (double &of_node : gaps)
+        of_node -= settings.radius;
+    }
 
     /** Gaps up to this distance [L] are needed, beside those of the contact. */
     void require_gaps(const double distance)
@@ -337,14 +347,27 @@ namespace tombolo
       }
     }
     /** Coulomb's coefficient at a candidate. */
-    double friction_coefficient(std::size_t candidate, const NodalHeat &nodal_heat) const;
+    double friction_coefficient(const std::size_t candidate, const NodalHeat &nodal_heat) const
+    {
+      if (settings.friction.is_constant() || !(settings.friction.largest() > 0.))
+        return settings.friction.largest();
+      return settings.friction.value(nodal_heat.temperature_of(candidates[candidate]));
+    }
+
     /** Over which curvature_stiffness() compares normals: not so short that an edge between facets
      * becomes a spring of its own [L]. */
     double way_along_surface() const
     {
       return 1e5 * touch_distance;
     }
-    void add_friction_heat(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
+    void add_friction_heat(const std::size_t candidate, const double of_sliding,
+                           const NodalHeat &nodal_heat)
+    {
+      totals.friction += of_sliding;
+      if (heat)
+        heat->add_friction(candidate, of_sliding, nodal_heat);
+    }
+
     /** Gives the surface its share of the heat of friction since begin_forces(). */
     void end_forces()
     {

@@ -163,12 +163,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double ClosedSurface<dim>::tolerance() const
-  {
-    return relative_tolerance * (high - low).norm();
-  }
-
-  template <int dim>
   Tensor<1, dim> ClosedSurface<dim>::center(const std::size_t facet) const
   {
     Tensor<1, dim> sum;
@@ -395,12 +389,6 @@ namespace tombolo
       remarks.push_back(std::to_string(n_turned_in_all) + " " + facets_text<dim> +
                         " were turned round to agree with their neighbours.");
     return piece;
-  }
-
-  template <int dim>
-  void ClosedSurface<dim>::turn(const std::size_t facet)
-  {
-    std::swap(facets[facet].vertex[dim - 2], facets[facet].vertex[dim - 1]);
   }
 
   template <int dim>

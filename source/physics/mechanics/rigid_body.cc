@@ -64,18 +64,6 @@ namespace tombolo
   }
 
   template <int dim>
-  typename RigidBody<dim>::Vector RigidBody<dim>::arm(const State &state) const
-  {
-    return orientation(state) * reference_arm;
-  }
-
-  template <int dim>
-  void RigidBody<dim>::start(const Vector &velocity, const Vector &spin, const double interval)
-  {
-    set_motion(velocity, spin, interval, false);
-  }
-
-  template <int dim>
   void RigidBody<dim>::set_motion(const Vector &velocity, const Vector &spin, const double interval,
                                   const bool is_continued)
   {
@@ -284,13 +272,6 @@ namespace tombolo
     const Matrix before =
         1. / interval * rigid_rotation::exponential_less_one(-1. * present.increment);
     return 0.5 * trace(before * (initial.second - initial.nodal_second) * transpose(before));
-  }
-
-  template <int dim>
-  typename RigidBody<dim>::Vector RigidBody<dim>::velocity_at_start(const Vector &position) const
-  {
-    return present.momentum / initial.mass +
-           cross_product_3d(present.spin, position - present.centre);
   }
 
   template <int dim>

@@ -154,12 +154,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidBodySettings<dim>::is_free(const unsigned int component) const
-  {
-    return displacement && component < dim && displacement->is_free(component);
-  }
-
-  template <int dim>
   bool RigidBodySettings<dim>::moves_by_forces() const
   {
     bool result = rotation != RigidRotation::by_angle;

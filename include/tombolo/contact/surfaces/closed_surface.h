@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -88,11 +89,19 @@ namespace tombolo
     /** Turns facets until neighbours agree. Returns the piece that each facet is of. */
     std::vector<unsigned int> orient(const std::vector<Side> &sides);
     void turn_outwards(const std::vector<unsigned int> &piece_of_facet);
-    void turn(std::size_t facet);
+    void turn(const std::size_t facet)
+    {
+      std::swap(facets[facet].vertex[dim - 2], facets[facet].vertex[dim - 1]);
+    }
+
     void refuse_common_points_of_fans(const std::vector<Side> &sides) const;
     void number_edges(const std::vector<Side> &sides);
 
-    double tolerance() const;
+    double tolerance() const
+    {
+      return relative_tolerance * (high - low).norm();
+    }
+
     dealii::Tensor<1, dim> center(std::size_t facet) const;
     dealii::Tensor<1, dim> area_vector(std::size_t facet) const;
   };

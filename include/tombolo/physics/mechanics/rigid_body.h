@@ -50,7 +50,10 @@ namespace tombolo
     /** Gives the body the motion at the start: what is free of @p velocity of the centre and of
      * @p spin, unless the settings give one, and the rates of what is prescribed over the short @p
      * interval after the start. */
-    void start(const Vector &velocity, const Vector &spin, double interval);
+    void start(const Vector &velocity, const Vector &spin, const double interval)
+    {
+      set_motion(velocity, spin, interval, false);
+    }
 
     /** The motion of the coming step, whose size must be known, by the resultant @p force of all
      * forces on its nodes at t_n, and their @p moment about the centre of mass. Throws RunError,
@@ -76,7 +79,11 @@ namespace tombolo
     Placement motion_of_step(const Clock &clock) const;
 
     /** The velocity at the start of a point of the body that is at @p position. */
-    Vector velocity_at_start(const Vector &position) const;
+    Vector velocity_at_start(const Vector &position) const
+    {
+      return present.momentum / initial.mass +
+             dealii::cross_product_3d(present.spin, position - present.centre);
+    }
 
     /** The body has another inertia from t_n on. */
     void set_inertia(const RigidInertia &inertia);
@@ -163,7 +170,11 @@ namespace tombolo
     void set_motion(const Vector &velocity, const Vector &spin, double interval, bool is_continued);
     Matrix orientation(const State &state) const;
     /** Of the reference point from the centre of mass. */
-    Vector arm(const State &state) const;
+    Vector arm(const State &state) const
+    {
+      return orientation(state) * reference_arm;
+    }
+
     /** The state at t_{n+1} with the @p momentum and the @p angular_momentum that forces give;
      * whether there is one. */
     bool move(const Clock &clock, const Vector &momentum, const Vector &angular_momentum,

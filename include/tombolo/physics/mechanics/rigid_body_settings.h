@@ -33,7 +33,10 @@ namespace tombolo
     explicit RigidBodySettings(const Entries &e);
 
     /** Whether forces move the reference point along an axis of coordinates. */
-    bool is_free(unsigned int component) const;
+    bool is_free(const unsigned int component) const
+    {
+      return displacement && component < dim && displacement->is_free(component);
+    }
 
     /** Whether forces move the body in any way. */
     bool moves_by_forces() const;
