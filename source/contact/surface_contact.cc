@@ -31,13 +31,16 @@ namespace tombolo
     if (settings.has_heat)
       heat = std::make_unique<ContactHeat<dim>>(section, settings, candidates, part);
     if (conducts() || settings.limits_shear() || part)
-      areas =
-          std::make_unique<ContactAreas<dim>>(scene.nodes, boundaries, candidates, scene.volume);
+    {
+      areas = std::make_unique<OutwardAreas<dim>>(scene.nodes, boundaries);
+      for (const unsigned int node : candidates)
+        inner_areas.push_back(std::pow(scene.volume[node], (dim - 1.) / dim));
+    }
     set_partition(state.partition());
     if (part)
     {
-      areas->of_faces().update(state.initial_position);
-      part->set_areas(areas->of_faces());
+      areas->update(state.initial_position);
+      part->set_areas(*areas);
     }
     surface->set_reach(settings.radius);
     find_gaps(state.initial_position, candidates, 0., gap);
@@ -101,7 +104,7 @@ namespace tombolo
       return false;
     }
     if (areas && !part)
-      areas->of_faces().update(state.position);
+      areas->update(state.position);
     return true;
   }
 

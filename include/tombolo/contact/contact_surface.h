@@ -10,7 +10,6 @@
 
 #include <mpi.h>
 
-#include <cstddef>
 #include <string>
 #include <vector>
 

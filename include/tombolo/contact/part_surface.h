@@ -8,7 +8,6 @@
 #include <tombolo/contact/surfaces/facet_tree.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/clock.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_settings.h>
@@ -14,7 +12,6 @@
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_surface.h>
 #include <tombolo/contact/surface_section.h>
-#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/nodal_vector.h>
@@ -36,40 +33,6 @@ namespace tombolo
   {
     dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
     dealii::Tensor<1, dim> position; ///< x [L]
-  };
-
-  /** The areas on which candidate nodes of a contact touch: what a node has of the outer faces
-   * across the normal, and inside of the body, or once it has come off, V^((dim-1)/dim) of its
-   * initial volume. */
-  template <int dim>
-  class ContactAreas
-  {
-  public:
-    /** Of @p candidates (owned nodes), with faces of these ids, or all if there are none; @p volume
-     * is the initial one of each owned node. */
-    ContactAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
-                 const std::vector<unsigned int> &candidates, const std::vector<double> &volume)
-        : faces(nodes, boundaries)
-    {
-      for (const unsigned int node : candidates)
-        inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));
-    }
-
-    /** Of the faces; the others do not change. */
-    OutwardAreas<dim> &of_faces()
-    {
-      return faces;
-    }
-
-    /** Of candidate @p k, the owned node @p node, across @p normal out of the tool [L^(dim-1)]. */
-    double area(std::size_t k, unsigned int node, const dealii::Tensor<1, dim> &normal) const
-    {
-      return faces.has_face(node) ? -(faces.area(node) * normal) : inner_area[k];
-    }
-
-  private:
-    OutwardAreas<dim> faces;
-    std::vector<double> inner_area; ///< of each candidate
   };
 
   /**
@@ -97,7 +60,7 @@ namespace tombolo
     virtual void set_partition(const std::shared_ptr<const NodePartition> &partition)
     {
       if (areas)
-        areas->of_faces().set_partition(partition);
+        areas->set_partition(partition);
       if (part)
         part->set_partition(*partition);
     }
@@ -105,7 +68,7 @@ namespace tombolo
     /** The faces on which candidates touch; null where areas are not needed. */
     OutwardAreas<dim> *faces()
     {
-      return areas ? &areas->of_faces() : nullptr;
+      return areas.get();
     }
 
     /** Adds the forces on nodes in contact in the positions at t_n to owned nodes of @p loads, and
@@ -312,10 +275,15 @@ namespace tombolo
     void set_force(std::size_t candidate, const dealii::Tensor<1, dim> &x,
                    const dealii::Tensor<1, dim> &force, const dealii::Tensor<1, dim> &of_surface,
                    bool touches, NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
-    /** The area on which a candidate touches across @p normal; zero where areas are not needed. */
+    /** The area on which a candidate touches across @p normal out of the tool: what it has of the
+     * outer faces across the normal, and inside of the body, or once it has come off,
+     * V^((dim-1)/dim) of its initial volume; zero where areas are not needed [L^(dim-1)]. */
     double area(const std::size_t candidate, const dealii::Tensor<1, dim> &normal) const
     {
-      return areas ? areas->area(candidate, candidates[candidate], normal) : 0.;
+      const unsigned int node = candidates[candidate];
+      return !areas                  ? 0.
+             : areas->has_face(node) ? -(areas->area(node) * normal)
+                                     : inner_areas[candidate];
     }
     /** A candidate in contact on @p area with the @p normal_force on it. */
     void add_contact(std::size_t candidate, double normal_force, double area, const Clock &clock);
@@ -339,7 +307,7 @@ namespace tombolo
     void find_surroundings(const NodalState &state)
     {
       if (settings.limits_shear() || part)
-        areas->of_faces().update(state.position);
+        areas->update(state.position);
       if (part)
       {
         part->follow(state);
@@ -391,7 +359,8 @@ namespace tombolo
     std::string contact_name;
     dealii::Tensor<1, dim> translation;       ///< of the surface as a whole in the last step [L]
     double friction_before = 0;               ///< heat of friction before the forces of this step
-    std::unique_ptr<ContactAreas<dim>> areas; ///< null where nothing needs them
+    std::unique_ptr<OutwardAreas<dim>> areas; ///< of faces; null where nothing needs them
+    std::vector<double> inner_areas;          ///< of candidates; likewise
   };
 
   /** Contact by springs at nodes, and by those of faces with a surface: `penalty`, `surface`. Throw

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
-#include <string>
 
 namespace tombolo
 {

@@ -6,7 +6,6 @@
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/state/records.h>
 
-#include <array>
 #include <cmath>
 #include <cstdlib>
 

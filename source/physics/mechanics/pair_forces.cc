@@ -7,8 +7,6 @@
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
 #include <sstream>
 #include <string>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/model.h>
@@ -98,11 +99,12 @@ namespace tombolo
       for (Particle &particle : particles)
       {
         const Sphere own = sphere(particle, model, model.state.position);
+        const auto x = vector_of<dim>(own.position.data());
         const Tensor<1, dim> of_others =
             spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, grid, elastic);
-        work += 0.5 * (particle.force + of_others) * (own.position - particle.position);
+        work += 0.5 * (particle.force + of_others) * (x - particle.position);
         particle.force = of_others;
-        particle.position = own.position;
+        particle.position = x;
         if (of_others.norm_square() != 0.)
           forces.add_force(particle.node, of_others);
       }
@@ -155,8 +157,15 @@ namespace tombolo
       std::uint64_t node, parts, body;
       bool has_elements;
       double mass, radius;
-      dealii::Tensor<1, dim> position, velocity;
+      std::array<double, dim> position, velocity;
     };
+
+    /** From one to the other. */
+    static Tensor<1, dim> difference(const std::array<double, dim> &one,
+                                     const std::array<double, dim> &other)
+    {
+      return vector_of<dim>(other.data()) - vector_of<dim>(one.data());
+    }
     using Cell = std::array<long, 3>;
     using Grid = std::vector<std::pair<Cell, std::size_t>>;
 
@@ -219,7 +228,7 @@ namespace tombolo
         for_partners(own, spheres, grid,
                      [&](const Sphere &other)
                      {
-                       factor = std::min(factor, (other.position - own.position).norm() /
+                       factor = std::min(factor, difference(own.position, other.position).norm() /
                                                      (own.radius + other.radius));
                      });
         particle.radius *= factor;
@@ -229,14 +238,17 @@ namespace tombolo
     Sphere sphere(const Particle &particle, const Model<dim> &model,
                   const NodalVector &position) const
     {
-      return {model.state.partition()->global_index(particle.node),
-              particle.parts,
-              particle.body,
-              particle.has_elements,
-              *model.state.mass.node(particle.node),
-              particle.radius,
-              vector_of<dim>(position.node(particle.node)),
-              vector_of<dim>(model.state.velocity.node(particle.node))};
+      Sphere result{model.state.partition()->global_index(particle.node),
+                    particle.parts,
+                    particle.body,
+                    particle.has_elements,
+                    *model.state.mass.node(particle.node),
+                    particle.radius,
+                    {},
+                    {}};
+      std::copy_n(position.node(particle.node), dim, result.position.begin());
+      std::copy_n(model.state.velocity.node(particle.node), dim, result.velocity.begin());
+      return result;
     }
 
     /** The spheres of all ranks in the box around another part, by the number of the node.
@@ -262,43 +274,17 @@ namespace tombolo
                       of.position[d] < reach - box[(law * dim + d) * 2 + 1];
         return is_inside;
       };
-      std::vector<double> sent;
+      std::vector<Sphere> sent;
       for (const Particle &particle : particles)
       {
         const Sphere own = sphere(particle, model, position);
         bool sees_other = false;
         for (std::size_t law = 0; law < laws.size() && !sees_other; ++law)
           sees_other = ((particle.parts >> law) & 1u) == 0 && is_near(own, law);
-        if (!sees_other)
-          continue;
-        // Numbers of nodes and bits of parts are exact as doubles up to 2^53.
-        sent.insert(sent.end(), {double(own.node), double(own.parts), double(own.body),
-                                 own.has_elements ? 1. : 0., own.mass, own.radius});
-        for (unsigned int d = 0; d < dim; ++d)
-          sent.insert(sent.end(), {own.position[d], own.velocity[d]});
+        if (sees_other)
+          sent.push_back(own);
       }
-      std::vector<Sphere> result;
-      for (const std::vector<double> &of_rank :
-           Utilities::MPI::all_gather(model.communicator, sent))
-        for (std::size_t i = 0; i < of_rank.size(); i += 6 + 2 * dim)
-        {
-          const double *const from = of_rank.data() + i;
-          Sphere of{std::uint64_t(from[0]),
-                    std::uint64_t(from[1]),
-                    std::uint64_t(from[2]),
-                    from[3] > 0.,
-                    from[4],
-                    from[5],
-                    {},
-                    {}};
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            of.position[d] = from[6 + 2 * d];
-            of.velocity[d] = from[7 + 2 * d];
-          }
-          result.push_back(of);
-        }
-      return result;
+      return of_all_ranks(sent, model.communicator);
     }
 
     Grid sort_into_grid(const std::vector<Sphere> &spheres) const
@@ -310,7 +296,7 @@ namespace tombolo
       return grid;
     }
 
-    Cell cell_of(const Tensor<1, dim> &position) const
+    Cell cell_of(const std::array<double, dim> &position) const
     {
       Cell cell{};
       for (unsigned int d = 0; d < dim; ++d)
@@ -356,13 +342,13 @@ namespace tombolo
       for_partners(one, spheres, grid,
                    [&](const Sphere &other)
                    {
-                     const Tensor<1, dim> offset = other.position - one.position;
+                     const Tensor<1, dim> offset = difference(one.position, other.position);
                      const double r = offset.norm();
                      const double overlap = one.radius + other.radius - r;
                      if (!(overlap > 0.) || r == 0.)
                        return;
                      const Tensor<1, dim> normal = offset / r;
-                     const double approach = -((other.velocity - one.velocity) * normal);
+                     const double approach = -(difference(one.velocity, other.velocity) * normal);
                      const double reduced = one.mass * other.mass / (one.mass + other.mass);
                      const auto least = [&](const Sphere &sphere, double PartLaw::*const what)
                      { return least_of(sphere.parts, what); };

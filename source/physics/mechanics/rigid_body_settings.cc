@@ -4,7 +4,6 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/read_vector.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo
