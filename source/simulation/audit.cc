@@ -310,7 +310,8 @@ namespace tombolo
       // Of a part whose fragments feel each other, all bodies are one here; so are those of
       // contacts between bodies.
       const OutputView<dim> view = shown_by_processes(model);
-      std::set<types::global_dof_index> touching = bodies_of_contacts(view.contacts, model, bodies);
+      std::set<types::global_dof_index> touching =
+          ContactNodes<dim>(model).bodies_of_contacts(view.contacts, bodies);
       for (const MortarContact<dim> *const contact : view.body_contacts)
         for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
           for (const auto &face : side->faces())

@@ -41,7 +41,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  std::vector<double> volume_of_nodes(const Model<dim> &model)
+  std::vector<double> ContactNodes<dim>::volume_of_nodes() const
   {
     const auto &partition = model.state.partition();
     std::vector<double> volume(partition->n_owned(), 0.);
@@ -55,7 +55,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model)
+  std::vector<bool> ContactNodes<dim>::nodes_that_can_be_exposed() const
   {
     const auto &partition = model.state.partition();
     std::vector<bool> can_be_exposed(partition->n_owned(), false);
@@ -76,8 +76,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
-                                const Model<dim> &model)
+  void ContactNodes<dim>::take_faces_of_full_cells(
+      const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
   {
     const auto is_void = void_cells_of(model);
     for (const auto &contact : contacts)
@@ -86,8 +86,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void refuse_faces_of_void_cells(const Section &section, const ContactSettings &settings,
-                                  const Model<dim> &model)
+  void ContactNodes<dim>::refuse_faces_of_void_cells(const Section &section,
+                                                     const ContactSettings &settings) const
   {
     if (settings.is_of_faces && void_cells_of(model))
       section.fail("Method", "refills of a part fill and empty cells (`Refill void cells`), whose "
@@ -96,8 +96,8 @@ namespace tombolo
 
   template <int dim>
   std::set<types::global_dof_index>
-  bodies_of_contacts(const std::vector<const SurfaceContact<dim> *> &contacts,
-                     const Model<dim> &model, const Bodies<dim> &bodies)
+  ContactNodes<dim>::bodies_of_contacts(const std::vector<const SurfaceContact<dim> *> &contacts,
+                                        const Bodies<dim> &bodies) const
   {
     std::set<types::global_dof_index> result;
     const NodePartition &partition = *model.state.partition();
@@ -114,8 +114,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
-                           const Model<dim> &model)
+  void ContactNodes<dim>::find_isolated_nodes(
+      const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
   {
     const auto particles = model.particle_parts();
     if (std::none_of(contacts.begin(), contacts.end(),
@@ -135,9 +135,8 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<double>
-  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
-                       const Model<dim> &model)
+  std::optional<double> ContactNodes<dim>::count_fast_particles(
+      const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
   {
     constexpr double of_cutting_speed = 2.;
     double speed = std::numeric_limits<double>::max();
@@ -160,7 +159,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void refuse_blunt_smoothing(const Section &section, const Model<dim> &model)
+  void ContactNodes<dim>::refuse_blunt_smoothing(const Section &section) const
   {
     // Measured: 0 makes energy, 0.98 does not.
     constexpr double smallest_sharpening = 0.5;
@@ -173,32 +172,6 @@ namespace tombolo
                              "`Smoothing`.");
   }
 
-  template void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<2>>> &,
-                                         const Model<2> &);
-  template void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<3>>> &,
-                                         const Model<3> &);
-  template void refuse_faces_of_void_cells(const Section &, const ContactSettings &,
-                                           const Model<2> &);
-  template void refuse_faces_of_void_cells(const Section &, const ContactSettings &,
-                                           const Model<3> &);
-  template void refuse_blunt_smoothing(const Section &, const Model<2> &);
-  template void refuse_blunt_smoothing(const Section &, const Model<3> &);
-  template std::vector<double> volume_of_nodes(const Model<2> &);
-  template std::vector<double> volume_of_nodes(const Model<3> &);
-  template std::vector<bool> nodes_that_can_be_exposed(const Model<2> &);
-  template std::vector<bool> nodes_that_can_be_exposed(const Model<3> &);
-  template std::set<types::global_dof_index>
-  bodies_of_contacts(const std::vector<const SurfaceContact<2> *> &, const Model<2> &,
-                     const Bodies<2> &);
-  template std::set<types::global_dof_index>
-  bodies_of_contacts(const std::vector<const SurfaceContact<3> *> &, const Model<3> &,
-                     const Bodies<3> &);
-  template void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<2>>> &,
-                                    const Model<2> &);
-  template void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<3>>> &,
-                                    const Model<3> &);
-  template std::optional<double>
-  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &);
-  template std::optional<double>
-  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<3>>> &, const Model<3> &);
+  template class ContactNodes<2>;
+  template class ContactNodes<3>;
 } // namespace tombolo

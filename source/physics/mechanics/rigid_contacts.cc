@@ -84,7 +84,7 @@ namespace tombolo
   {
     force.comes_from_outside().stays_on_rank();
     const bool has_heat = model.heat != nullptr;
-    const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
+    const std::vector<bool> can_be_exposed = ContactNodes<dim>(model).nodes_that_can_be_exposed();
     const bool needs_volume =
         has_heat || std::any_of(sections.begin(), sections.end(),
                                 [&](const Section &section)
@@ -93,7 +93,7 @@ namespace tombolo
                                          ContactSettings(section, has_heat).limits_shear();
                                 });
     const std::vector<double> volume =
-        needs_volume ? volume_of_nodes(model) : std::vector<double>();
+        needs_volume ? ContactNodes<dim>(model).volume_of_nodes() : std::vector<double>();
     std::vector<KinematicContact<dim> *> kinematic;
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
@@ -119,14 +119,14 @@ namespace tombolo
   {
     const bool has_heat = model.heat != nullptr;
     const ContactSettings settings(section, has_heat);
-    refuse_faces_of_void_cells(section, settings, model);
+    ContactNodes<dim>(model).refuse_faces_of_void_cells(section, settings);
     ContactScene<dim> scene{section,        model.mesh, *model.nodes, model.state,
                             can_be_exposed, has_heat,   volume,       {}};
     if (settings.is_of_faces)
       members.push_back(make_face_contact(scene));
     else if (settings.is_kinematic)
     {
-      refuse_blunt_smoothing(section, model);
+      ContactNodes<dim>(model).refuse_blunt_smoothing(section);
       members.push_back(make_kinematic_contact(scene, kinematic));
     }
     else
@@ -162,11 +162,11 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::model_changed(Model<dim> &model)
   {
-    take_faces_of_full_cells(members, model);
+    ContactNodes<dim>(model).take_faces_of_full_cells(members);
     for (const auto &contact : members)
       contact->set_partition(model.state.partition());
     revision_of_stencils = model.revisions.stencils;
-    find_isolated_nodes(members, model);
+    ContactNodes<dim>(model).find_isolated_nodes(members);
   }
 
   template <int dim>
@@ -247,7 +247,7 @@ namespace tombolo
   void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
   {
     if (revision_of_stencils != model.revisions.stencils)
-      find_isolated_nodes(members, model);
+      ContactNodes<dim>(model).find_isolated_nodes(members);
     revision_of_stencils = model.revisions.stencils;
     if (yield_stress)
       yield_stress->update(model, members);
@@ -323,7 +323,7 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::report(const Model<dim> &model, TimeTable &table) const
   {
-    if (const auto count = count_fast_particles(members, model))
+    if (const auto count = ContactNodes<dim>(model).count_fast_particles(members))
       table.add("particles that fly off", "1", *count);
     if (std::none_of(members.begin(), members.end(),
                      [](const auto &contact) { return contact->has_tool_mass(); }))
@@ -337,7 +337,7 @@ namespace tombolo
   void RigidContacts<dim>::summarize(const Model<dim> &model, const TimeTable &,
                                      Json &summary) const
   {
-    if (const auto count = count_fast_particles(members, model))
+    if (const auto count = ContactNodes<dim>(model).count_fast_particles(members))
       summary["particles_that_fly_off"] = static_cast<unsigned long>(*count);
   }
 
