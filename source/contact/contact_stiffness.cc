@@ -3,6 +3,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -10,12 +12,14 @@ namespace tombolo
   template <int dim>
   void ContactRows<dim>::add(const types::global_dof_index place,
                              const types::global_dof_index node, const Tensor<1, dim> &normal,
-                             const double weight, const Tensor<1, dim> &shift)
+                             const double weight, const Tensor<1, dim> &shift,
+                             const Tensor<2, dim> &shares)
   {
-    Entry &entry = rows[place].try_emplace(node, Entry{node, {}, 0., {}}).first->second;
+    Entry &entry = rows[place].try_emplace(node, Entry{node, {}, 0.}).first->second;
     entry.normal += normal;
     entry.weight += weight;
     entry.shift += shift;
+    entry.shares += shares;
   }
 
   template <int dim>
@@ -34,29 +38,31 @@ namespace tombolo
       for (const auto &[node, entry] : row->second)
       {
         pieces.insert(pieces.end(), {static_cast<double>(row->first), static_cast<double>(node)});
-        for (unsigned int d = 0; d < dim; ++d)
-          pieces.push_back(entry.normal[d]);
+        pieces.insert(pieces.end(), entry.normal.begin_raw(), entry.normal.end_raw());
         pieces.push_back(entry.weight);
-        for (unsigned int d = 0; d < dim; ++d)
-          pieces.push_back(entry.shift[d]);
+        pieces.insert(pieces.end(), entry.shift.begin_raw(), entry.shift.end_raw());
+        pieces.insert(pieces.end(), entry.shares.begin_raw(), entry.shares.end_raw());
       }
       row = rows.erase(row);
     }
     for (const std::vector<double> &of_rank :
          Utilities::MPI::all_gather(partition.communicator(), pieces))
-      for (std::size_t i = 0; i < of_rank.size(); i += 2 * dim + 3)
+      for (auto piece = of_rank.begin(); piece != of_rank.end();)
       {
-        const auto place = static_cast<types::global_dof_index>(of_rank[i]);
-        if (!partition.owned().is_element(place))
-          continue;
-        Tensor<1, dim> normal, shift;
-        for (unsigned int d = 0; d < dim; ++d)
+        const auto place = static_cast<types::global_dof_index>(*piece++);
+        Entry entry{static_cast<types::global_dof_index>(*piece++), {}, 0.};
+        const auto next = [&](auto &tensor)
         {
-          normal[d] = of_rank[i + 2 + d];
-          shift[d] = of_rank[i + 3 + dim + d];
-        }
-        add(place, static_cast<types::global_dof_index>(of_rank[i + 1]), normal,
-            of_rank[i + 2 + dim], shift);
+          const auto begin = piece;
+          piece += tensor.n_independent_components;
+          std::copy(begin, piece, tensor.begin_raw());
+        };
+        next(entry.normal);
+        entry.weight = *piece++;
+        next(entry.shift);
+        next(entry.shares);
+        if (partition.owned().is_element(place))
+          add(place, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
       }
   }
 

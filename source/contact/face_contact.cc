@@ -157,18 +157,38 @@ namespace tombolo
     void find_stiffness(const NodalState &state, const Clock &clock,
                         std::vector<ContactStiffness<dim>> &result) override
     {
+      // Points that touch and have no depth resist where nothing else does.
+      const bool has_depth = std::any_of(points.begin(), points.end(),
+                                         [](const Point &point) { return point.depth > 0.; });
+      const bool is_pressed = Utilities::MPI::max(has_depth ? 1u : 0u, this->communicator) > 0;
+      // Of nodes that touch: deeper points have more of the mean motion.
+      const NodalVector mean_motion =
+          nodal_field(state.partition(), Quantity::vector, this->candidates,
+                      [&](const std::size_t k, double *const value)
+                      {
+                        const unsigned int node = this->candidates[k];
+                        if (this->springs[k].is_closed())
+                          for (unsigned int d = 0; d < dim; ++d)
+                            value[d] = motions.node(node)[d] / sums.node(node)[pressed];
+                      });
       ContactRows<dim> rows;
       for (const Point &point : points)
       {
-        const auto &nodes = faces.faces()[point.face].global_nodes;
+        const auto &face = faces.faces()[point.face];
+        const double pressing = point.depth > 0. || !is_pressed ? point.weight : 0.;
         for (unsigned int i = 0; i < shapes.n_nodes; ++i)
+        {
+          const Tensor<2, dim> shares =
+              outer_product(vector_of<dim>(mean_motion.node(face.nodes[i])) - point.motion,
+                            pressing * point.normal);
           for (unsigned int j = 0; j < shapes.n_nodes; ++j)
           {
             const double values = shapes.value(point.q, i) * shapes.value(point.q, j);
-            rows.add(nodes[i], nodes[j], point.weight * values * point.normal,
-                     point.rubbing * values);
+            rows.add(face.global_nodes[i], face.global_nodes[j], pressing * values * point.normal,
+                     point.rubbing * values, {}, values * shares);
           }
-        add_pressure(point, state, clock.time, result);
+        }
+        add_pressure(point, pressing, state, clock.time, result);
       }
       rows.collect(*state.partition());
       // Zero across planes of symmetry, as what points add there.
@@ -387,9 +407,9 @@ namespace tombolo
     }
 
     /** How the pressure at a point changes with its depth, turns with the surface, and takes
-     * friction with it. */
-    void add_pressure(const Point &point, const NodalState &state, const double time,
-                      std::vector<ContactStiffness<dim>> &result) const
+     * friction with it. @p pressing: the area with which the depth of the point counts. */
+    void add_pressure(const Point &point, const double pressing, const NodalState &state,
+                      const double time, std::vector<ContactStiffness<dim>> &result) const
     {
       const auto &face = faces.faces()[point.face];
       Tensor<1, dim> place;
@@ -397,8 +417,8 @@ namespace tombolo
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
       {
         const double value = shapes.value(point.q, k);
-        stiffness.normal += point.weight * value * *pressures.node(face.nodes[k]);
-        stiffness.slip += point.weight * value * vector_of<dim>(tangentials.node(face.nodes[k]));
+        stiffness.normal += pressing * value * *pressures.node(face.nodes[k]);
+        stiffness.slip += pressing * value * vector_of<dim>(tangentials.node(face.nodes[k]));
         place += value * vector_of<dim>(state.position.node(face.nodes[k]));
         stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
       }

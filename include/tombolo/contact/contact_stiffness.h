@@ -16,13 +16,14 @@ namespace tombolo
    * pairs of nodes J, K of
    *
    * @verbatim
-   *   -∂f_J/∂x_K = k c_J ⊗ (c_K + s_K) + w_J w_K T + w_J q ⊗ (c_K + s_K)
+   *   -∂f_J/∂x_K = k c_J ⊗ (c_K + s_K) + w_J T (w_K + D_K) + w_J q ⊗ (c_K + s_K)
    * @endverbatim
    *
    * with the derivative -(c_K + s_K) of the depth, of which -s_K comes from the change of weights,
-   * the weights w_K of the motion along the surface, and k, T, q by area where c, s and w are
-   * integrals over it. The second term is that of sticking, the
-   * third that of slip, whose force follows the normal force.
+   * the weights w_K of the motion along the surface, whose mean over points has other shares of
+   * these where depths change (D_K), and k, T, q by area where c, s, w and D are integrals over it.
+   * The second term is that of sticking, the third that of slip, whose force follows the normal
+   * force.
    */
   template <int dim>
   struct ContactStiffness
@@ -33,6 +34,7 @@ namespace tombolo
       dealii::Tensor<1, dim> normal;        ///< c
       double weight;                        ///< w
       dealii::Tensor<1, dim> shift{};       ///< s
+      dealii::Tensor<2, dim> shares{};      ///< D
     };
     using Entries = std::vector<Entry>;
 
@@ -98,7 +100,7 @@ namespace tombolo
     /** Adds to the entry of @p node in the row of @p place, both by global numbers. */
     void add(dealii::types::global_dof_index place, dealii::types::global_dof_index node,
              const dealii::Tensor<1, dim> &normal, double weight,
-             const dealii::Tensor<1, dim> &shift = {});
+             const dealii::Tensor<1, dim> &shift = {}, const dealii::Tensor<2, dim> &shares = {});
 
     /** Brings the pieces to the owners of the rows. Collective. */
     void collect(const NodePartition &partition);

@@ -221,8 +221,8 @@ namespace tombolo
     typename ContactStiffness<dim>::Entries entries;
     for (const auto &entry : stiffness.entries)
       for (const auto &[node, weight] : dependent.weights(entry.node))
-        entries.push_back(
-            {node, weight * entry.normal, weight * entry.weight, weight * entry.shift});
+        entries.push_back({node, weight * entry.normal, weight * entry.weight, weight * entry.shift,
+                           stiffness.along * (weight * entry.shares)});
     for (const auto &at_row : entries)
       for (unsigned int a = 0; a < dim; ++a)
       {
@@ -238,7 +238,7 @@ namespace tombolo
             const double value =
                 (stiffness.normal * at_row.normal[a] + at_row.weight * stiffness.slip[a]) *
                     (at_column.normal[b] + at_column.shift[b]) +
-                at_row.weight * at_column.weight * stiffness.along[a][b];
+                at_row.weight * (at_column.weight * stiffness.along[a][b] + at_column.shares[a][b]);
             const bool is_free = !is_constrained(at_column.node, b);
             (is_free ? free : prescribed).push_back(at_column.node * dim + b);
             (is_free ? of_free : of_prescribed).push_back(value);
