@@ -61,21 +61,6 @@ namespace tombolo
                                     : "."));
   }
 
-  bool Bridge::take_change_of_rows()
-  {
-    return split.take_change_of_rows();
-  }
-
-  LoadTransfer &Bridge::load_transfer()
-  {
-    return loads;
-  }
-
-  const NodalVector &Bridge::element_velocity(const NodalVector &velocity)
-  {
-    return trace ? trace_transfer.field_of_particles(velocity) : velocity;
-  }
-
   void Bridge::collect_element_force(NodalVector &element_force, NodalVector &force)
   {
     Assert(trace, ExcInternalError());
@@ -238,16 +223,6 @@ namespace tombolo
     }
   }
 
-  const std::vector<ConstrainedParticle> &Bridge::constrained_particle_velocities() const
-  {
-    return constrained_particles.particles();
-  }
-
-  ConstrainedParticles &Bridge::get_constrained_particles()
-  {
-    return constrained_particles;
-  }
-
   Bridge::Operators Bridge::operators() const
   {
     if (!settings.is_active || split.parts.empty())
@@ -317,11 +292,6 @@ namespace tombolo
       part.shape->inverse_deformation_is_current = false;
   }
 
-  ConstraintReaction Bridge::take_constraint_reaction()
-  {
-    return constrained_particles.take_reaction();
-  }
-
   double Bridge::remove_from_velocity(NodalVector &change, NodalState &state)
   {
     const double work = constrained_particles.remove_from(change, state);
@@ -331,41 +301,6 @@ namespace tombolo
     state.unsmoothed_velocity.distribute();
     momentum_is_current = velocity_is_current = false;
     return work;
-  }
-
-  const NodalVector &Bridge::nodal_mass() const
-  {
-    return split.nodal_mass;
-  }
-
-  const NodalVector &Bridge::mass() const
-  {
-    return split.unsmoothed_mass();
-  }
-
-  const NodalVector &Bridge::lumped_mass() const
-  {
-    return split.total_mass;
-  }
-
-  const MassSplit &Bridge::mass_split() const
-  {
-    return split;
-  }
-
-  bool Bridge::has_particles() const
-  {
-    return !split.parts.empty();
-  }
-
-  bool Bridge::is_trace() const
-  {
-    return trace;
-  }
-
-  const SmoothingSettings &Bridge::smoothing() const
-  {
-    return settings;
   }
 
   double Bridge::kinetic_energy(const NodalVector &unsmoothed) const

@@ -223,11 +223,6 @@ namespace tombolo
     return std::exchange(reaction, {});
   }
 
-  const std::vector<ConstrainedParticle> &ConstrainedParticles::particles() const
-  {
-    return of_rank;
-  }
-
   std::vector<ConstrainedParticle> &ConstrainedParticles::particles()
   {
     return of_rank;

@@ -81,11 +81,6 @@ namespace tombolo
     }
   } // namespace
 
-  bool LoadTransfer::acts_at_nodes() const
-  {
-    return split.has_lumped_rows;
-  }
-
   void LoadTransfer::forget_rows()
   {
     position_in_own.clear();

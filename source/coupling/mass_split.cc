@@ -249,16 +249,6 @@ namespace tombolo
     return is_of_motion && part.shape->is_lumped ? part.shape->accelerated_share[row] : 1.;
   }
 
-  const NodalVector &MassSplit::loaded_mass() const
-  {
-    return has_lumped_rows ? body_mass : total_mass;
-  }
-
-  double MassSplit::largest_mass_ratio() const
-  {
-    return has_lumped_rows ? largest_ratio : 1.;
-  }
-
   void MassSplit::find_lumped_masses()
   {
     const auto &partition = total_mass.partition();
@@ -315,16 +305,6 @@ namespace tombolo
           std::fill_n(vector->node(i), node_stride, 1.);
     sums_of_rows.update_ghosts();
     nodal_mass.update_ghosts();
-  }
-
-  const NodalVector &MassSplit::unsmoothed_mass() const
-  {
-    return has_lumped_rows ? adjoint_mass : total_mass;
-  }
-
-  const NodalVector &MassSplit::row_sums() const
-  {
-    return has_lumped_rows ? sums_of_rows : nodal_mass;
   }
 
   const NodalVector &MassSplit::field_over_row_sums(const NodalVector &field)

@@ -29,11 +29,6 @@ namespace tombolo
 
   PositionResponse::PositionResponse(Bridge &bridge) : bridge(bridge) {}
 
-  bool PositionResponse::is_global() const
-  {
-    return bridge.operators() == Bridge::Operators::affine;
-  }
-
   void PositionResponse::begin_step(const std::shared_ptr<const NodePartition> &partition)
   {
     for (NodalVector *const vector : {&force, &field, &rate})

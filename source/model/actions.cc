@@ -142,22 +142,12 @@ namespace tombolo
     return *this;
   }
 
-  const NodalForces &Action::nodal_forces() const
-  {
-    return of_nodes;
-  }
-
   Tensor<1, 3> Action::nodal_force(const unsigned int node) const
   {
     const auto place_in_list = std::lower_bound(of_nodes.nodes.begin(), of_nodes.nodes.end(), node);
     return place_in_list != of_nodes.nodes.end() && *place_in_list == node
                ? of_nodes.forces[std::size_t(place_in_list - of_nodes.nodes.begin())]
                : Tensor<1, 3>();
-  }
-
-  double Action::work() const
-  {
-    return sum_of_work;
   }
 
   void Action::begin()

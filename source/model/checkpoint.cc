@@ -43,6 +43,23 @@ namespace tombolo
       return result;
     }
 
+    /** Does something to files on the first rank. Throws RunError on all. Collective. */
+    void change_files(const MPI_Comm communicator, const std::string &failure,
+                      const std::function<void()> &change)
+    {
+      std::string error;
+      if (Utilities::MPI::this_mpi_process(communicator) == 0)
+        try
+        {
+          change();
+        }
+        catch (const fs::filesystem_error &exception)
+        {
+          error = failure + exception.what();
+        }
+      throw_on_all_ranks<RunError>(error, communicator);
+    }
+
     /** A rename is on the disk when its directory is. */
     void synchronize_directory(const std::string &directory)
     {
@@ -112,18 +129,12 @@ namespace tombolo
         remove();
         throw;
       }
-      std::string error;
-      if (is_first)
-        try
-        {
-          fs::rename(temporary, file);
-          synchronize_directory(directory.file(subdirectory));
-        }
-        catch (const fs::filesystem_error &exception)
-        {
-          error = std::string("A checkpoint cannot take its place: ") + exception.what();
-        }
-      throw_on_all_ranks<RunError>(error, communicator);
+      change_files(communicator, "A checkpoint cannot take its place: ",
+                   [&]
+                   {
+                     fs::rename(temporary, file);
+                     synchronize_directory(directory.file(subdirectory));
+                   });
     }
 
     /** What changes neither the model nor what was computed so far. */
@@ -183,27 +194,16 @@ namespace tombolo
     const std::string path = directory.file(subdirectory);
     const std::string file = path + "/step_" + Utilities::to_string(step, 12) + ".h5";
     write_file(directory, file, serialize);
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
-      try
-      {
-        auto files = files_in(path);
-        for (; files.size() > keep; files.erase(files.begin()))
-          if (files.begin()->second != file)
-            fs::remove(files.begin()->second);
-      }
-      catch (const fs::filesystem_error &exception)
-      {
-        error = std::string("An old checkpoint cannot be removed: ") + exception.what();
-      }
-    throw_on_all_ranks<RunError>(error, communicator);
+    change_files(communicator, "An old checkpoint cannot be removed: ",
+                 [&]
+                 {
+                   auto files = files_in(path);
+                   for (; files.size() > keep; files.erase(files.begin()))
+                     if (files.begin()->second != file)
+                       fs::remove(files.begin()->second);
+                 });
     newest = file;
     last = std::chrono::steady_clock::now();
-  }
-
-  bool Checkpoints::keep_end_state() const
-  {
-    return keeps_end_state;
   }
 
   void Checkpoints::write_end_state(const OutputDirectory &directory,
@@ -242,11 +242,6 @@ namespace tombolo
       section.fail(entry, problem);
     StateArchive::verify(file, communicator);
     return file;
-  }
-
-  const std::string &Checkpoints::last_file() const
-  {
-    return newest;
   }
 
   std::string Checkpoints::find(const std::string &wanted, const std::string &output_directory,
@@ -294,25 +289,45 @@ namespace tombolo
 
   void Checkpoints::remove_later(const OutputDirectory &directory, const unsigned long step)
   {
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(directory.communicator()) == 0)
-      try
-      {
-        const std::string path = directory.file(subdirectory);
-        for (const auto &[its_step, file] : files_in(path))
-          if (its_step > step)
-            fs::remove(file);
-        std::error_code code;
-        for (const auto &entry : fs::directory_iterator(path, code))
-          if (entry.path().extension() == ".tmp")
-            fs::remove(entry.path());
-      }
-      catch (const fs::filesystem_error &exception)
-      {
-        error = std::string("Cannot remove checkpoints after the resumed one: ") + exception.what();
-      }
-    throw_on_all_ranks<RunError>(error, directory.communicator());
+    change_files(directory.communicator(), "Cannot remove checkpoints after the resumed one: ",
+                 [&]
+                 {
+                   const std::string path = directory.file(subdirectory);
+                   for (const auto &[its_step, file] : files_in(path))
+                     if (its_step > step)
+                       fs::remove(file);
+                   std::error_code code;
+                   for (const auto &entry : fs::directory_iterator(path, code))
+                     if (entry.path().extension() == ".tmp")
+                       fs::remove(entry.path());
+                 });
   }
+
+  namespace
+  {
+    /** Refuses entries that @p counts and that are other ones than in the text @p earlier. */
+    void refuse_entries(const Parameters &parameters, const std::string &earlier,
+                        const MPI_Comm communicator,
+                        const std::function<bool(const std::string &)> &counts,
+                        const std::string &had,
+                        const std::function<std::string(const std::string &)> &is_missing,
+                        const std::string &advice)
+    {
+      const auto before = entries_of(earlier, communicator);
+      const auto now = entries_of(text_of_entries(parameters), communicator);
+      for (const auto &[path, value] : now)
+        if (const auto found = before.find(path);
+            counts(path) && (found == before.end() || found->second != value))
+          parameters.fail(
+              path,
+              had + (found == before.end() ? "no such entry." : in_quotes(found->second) + ".") +
+                  advice);
+      for (const auto &[path, value] : before)
+        if (counts(path) && now.count(path) == 0)
+          throw InputError(parameters.file_name() + ": " +
+                           is_missing(in_quotes(path) + " = " + in_quotes(value)) + advice);
+    }
+  } // namespace
 
   std::string text_of_entries(const Parameters &parameters)
   {
@@ -324,49 +339,31 @@ namespace tombolo
   void refuse_changed_entries(const Parameters &parameters, const std::string &earlier,
                               const std::string &file, MPI_Comm communicator)
   {
-    const auto before = entries_of(earlier, communicator);
-    const auto now = entries_of(text_of_entries(parameters), communicator);
-    const std::string advice = " A resumed run may change `End time`, the output, the checkpoints "
-                               "and the safety factor of the time step, nothing of the model: set "
-                               "it back, or start anew without --resume.";
-    for (const auto &[path, value] : now)
-    {
-      const auto found = before.find(path);
-      if (may_change(path) || (found != before.end() && found->second == value))
-        continue;
-      parameters.fail(
-          path, "the checkpoint " + file + " was written with " +
-                    (found == before.end() ? "no such entry." : in_quotes(found->second) + ".") +
-                    advice);
-    }
-    for (const auto &[path, value] : before)
-      if (!may_change(path) && now.count(path) == 0)
-        throw InputError(parameters.file_name() + ": the entry " + in_quotes(path) + " = " +
-                         in_quotes(value) + " of the run that wrote the checkpoint " + file +
-                         " is missing or not in use here." + advice);
+    refuse_entries(
+        parameters, earlier, communicator, [](const auto &path) { return !may_change(path); },
+        "the checkpoint " + file + " was written with ",
+        [&](const std::string &entry)
+        {
+          return "the entry " + entry + " of the run that wrote the checkpoint " + file +
+                 " is missing or not in use here.";
+        },
+        " A resumed run may change `End time`, the output, the checkpoints and the "
+        "safety factor of the time step, nothing of the model: set it back, or start "
+        "anew without --resume.");
   }
 
   void refuse_other_parts(const Parameters &parameters, const std::string &earlier,
                           const std::string &file, MPI_Comm communicator)
   {
-    const auto before = entries_of(earlier, communicator);
-    const auto now = entries_of(text_of_entries(parameters), communicator);
-    const std::string advice = " A run starts from the state of another on the same mesh with the "
-                               "same parts; materials, conditions, contacts and time integration "
-                               "may be other ones.";
-    for (const auto &[path, value] : now)
-    {
-      const auto found = before.find(path);
-      if (describes_parts(path) && (found == before.end() || found->second != value))
-        parameters.fail(
-            path, "the run that wrote the state " + file + " had " +
-                      (found == before.end() ? "no such entry." : in_quotes(found->second) + ".") +
-                      advice);
-    }
-    for (const auto &[path, value] : before)
-      if (describes_parts(path) && now.count(path) == 0)
-        throw InputError(parameters.file_name() + ": the run that wrote the state " + file +
-                         " had the entry " + in_quotes(path) + " = " + in_quotes(value) +
-                         ", which is missing here." + advice);
+    refuse_entries(
+        parameters, earlier, communicator, &describes_parts,
+        "the run that wrote the state " + file + " had ",
+        [&](const std::string &entry)
+        {
+          return "the run that wrote the state " + file + " had the entry " + entry +
+                 ", which is missing here.";
+        },
+        " A run starts from the state of another on the same mesh with the same parts; "
+        "materials, conditions, contacts and time integration may be other ones.");
   }
 } // namespace tombolo

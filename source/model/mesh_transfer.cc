@@ -41,17 +41,13 @@ namespace tombolo
     std::vector<CornerSource> corner_of_child(const unsigned int child, const unsigned int k)
     {
       std::vector<CornerSource> result;
+      Point<dim> place;
+      for (unsigned int d = 0; d < dim; ++d)
+        place[d] = 0.5 * (((child >> d) & 1u) + ((k >> d) & 1u));
       for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
-      {
-        double weight = 1.;
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          const unsigned int place = ((child >> d) & 1u) + ((k >> d) & 1u); // in halves of the edge
-          weight *= ((corner >> d) & 1u) == 1u ? 0.5 * place : 1. - 0.5 * place;
-        }
-        if (weight > 0.)
+        if (const double weight = GeometryInfo<dim>::d_linear_shape_function(place, corner);
+            weight > 0.)
           result.push_back({0, corner, weight});
-      }
       return result;
     }
 

@@ -11,6 +11,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace tombolo
 {
@@ -27,9 +28,6 @@ namespace tombolo
   {
     return validate_model<dim>(parameters);
   }
-
-  template <int dim>
-  Model<dim>::~Model() = default;
 
   template <int dim>
   Model<dim>::Model(const Parameters &parameters, MPI_Comm communicator,
@@ -74,7 +72,16 @@ namespace tombolo
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
       for (auto &process : kind->create(parameters, *this))
         processes.push_back(std::move(process));
-    watch_rows(*this);
+    for (ParticleFormulation<dim> *const particles : particle_parts())
+      if (has_mechanics)
+        particles->set_before_change(
+            [this]
+            {
+              // Once a step, before the first part changes: S is then that of all rows before.
+              if (!std::exchange(rows_are_changing, true))
+                begin_change();
+              signals.rows_change();
+            });
     notify_processes();
   }
 
@@ -319,11 +326,9 @@ namespace tombolo
   void Model<dim>::begin_change()
   {
     bridge->smooth_velocity(state);
+    signals.change();
     for (const auto &process : processes)
-    {
-      process->prepare_change(*this);
       process->actions.begin_change(state.velocity);
-    }
   }
 
   template <int dim>
@@ -341,7 +346,7 @@ namespace tombolo
   {
     NeighbourhoodChange found = NeighbourhoodChange::none;
     bool needs_ghosts = false;
-    renewal.has_begun = false;
+    rows_are_changing = false;
     for (const Part<dim> &part : parts)
     {
       const NeighbourhoodChange of_part = part.formulation->update_neighbourhoods(state.position);
@@ -360,8 +365,7 @@ namespace tombolo
     }
     change.stencils = true;
     ++revisions.stencils;
-    if (renewal.after)
-      renewal.after();
+    signals.rows_changed();
     if (found == NeighbourhoodChange::values)
     {
       // In the order of renew_masses(), which a resumed run does instead: each can change rows.

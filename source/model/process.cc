@@ -4,6 +4,9 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/output/time_table.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -12,7 +15,7 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void Process<dim>::act(Model<dim> &model, const Clock &clock, NodalVector &force)
+  void Process<dim>::act(const Model<dim> &model, const Clock &clock, NodalVector &force)
   {
     actions.begin();
     add_forces(model, clock, force);
@@ -21,14 +24,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void Process<dim>::collect_heat(Model<dim> &model, const bool on_rank_only)
+  void Process<dim>::collect_heat(const Model<dim> &model, const bool on_rank_only)
   {
     if (actions.has_heat())
       actions.collect_heat(model.heat->state.pending, on_rank_only);
   }
 
   template <int dim>
-  bool Process<dim>::give_heat(Model<dim> &model, const double begin, const double end)
+  bool Process<dim>::give_heat(const Model<dim> &model, const double begin, const double end)
   {
     add_heat(model, begin, end);
     collect_heat(model, false);
@@ -39,7 +42,7 @@ namespace tombolo
   void Process<dim>::constrain(Model<dim> &model, const Clock &clock)
   {
     actions.begin_late();
-    constrain_acceleration(model, clock);
+    constrain_acceleration(model, clock, model.state);
     actions.collect_late(*model.bridge, model.conditions->constrained_components(), model.state);
     collect_heat(model, true);
   }
@@ -55,8 +58,28 @@ namespace tombolo
   template <int dim>
   void Process<dim>::add_energies(EnergyAccounts &accounts) const
   {
-    account(accounts);
+    observed.energies(accounts);
     actions.account(accounts);
+  }
+
+  template <int dim>
+  void Process<dim>::Observed::energy(const std::string &name, const EnergyKind kind,
+                                      const double &share)
+  {
+    energies.connect([=, &share](EnergyAccounts &accounts) { accounts.add(name, kind, share); });
+  }
+
+  template <int dim>
+  void Process<dim>::Observed::column(const std::string &name, const std::string &unit,
+                                      std::function<double()> value)
+  {
+    columns.connect([=](TimeTable &table) { table.add(name, unit, value()); });
+  }
+
+  template <int dim>
+  void Process<dim>::Observed::result(const std::string &name, std::function<Json()> value)
+  {
+    results.connect([=](const TimeTable &, Json &summary) { summary[name] = value(); });
   }
 
   template <int dim>

@@ -36,12 +36,6 @@ namespace tombolo
   }
 
   template <int dim>
-  IndexSet ThermalModel<dim>::required_nodes() const
-  {
-    return conditions.required_nodes();
-  }
-
-  template <int dim>
   void ThermalModel<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
     conditions.set_partition(*partition);

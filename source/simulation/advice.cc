@@ -300,8 +300,8 @@ namespace tombolo
 
     /** Judges the safety factor, or a step that is given. Collective. */
     template <int dim>
-    void judge_step(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
-                    const double n_steps, Log &log)
+    void judge_step(const Model<dim> &model, const StepSize<dim> &step_size,
+                    const Parameters &parameters, const double n_steps, Log &log)
     {
       const Section section = parameters.section("Time step");
       const double fixed = section.get_double("Fixed");
@@ -385,7 +385,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  double spectral_limit(Model<dim> &model)
+  double spectral_limit(const Model<dim> &model)
   {
     // With its defaults: the scene does not use its entries, and a resumed run has none of them.
     const std::string name = "spectral";
@@ -401,8 +401,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
-                    const double end_time, const double n_steps, Log &log)
+  void print_advice(const Model<dim> &model, const StepSize<dim> &step_size,
+                    const Parameters &parameters, const double end_time, const double n_steps,
+                    Log &log)
   {
     if (!model.has_mechanics)
       return;
@@ -424,20 +425,22 @@ namespace tombolo
   }
 
   template <int dim>
-  void print_warnings(Model<dim> &model, const Clock &clock,
+  void print_warnings(const Model<dim> &model, const Clock &clock,
                       const typename Process<dim>::Occasion occasion, Log &log)
   {
+    std::vector<std::string> warnings;
     for (const auto &process : model.processes)
-      for (const std::string &warning : process->warnings(model, clock, occasion))
-        log.warn(warning);
+      process->observed.warnings(clock, occasion, warnings);
+    for (const std::string &warning : warnings)
+      log.warn(warning);
   }
 
-  template double spectral_limit(Model<2> &);
-  template double spectral_limit(Model<3> &);
-  template void print_advice<2>(Model<2> &, const StepSize<2> &, const Parameters &, double, double,
-                                Log &);
-  template void print_advice<3>(Model<3> &, const StepSize<3> &, const Parameters &, double, double,
-                                Log &);
-  template void print_warnings(Model<2> &, const Clock &, Process<2>::Occasion, Log &);
-  template void print_warnings(Model<3> &, const Clock &, Process<3>::Occasion, Log &);
+  template double spectral_limit(const Model<2> &);
+  template double spectral_limit(const Model<3> &);
+  template void print_advice<2>(const Model<2> &, const StepSize<2> &, const Parameters &, double,
+                                double, Log &);
+  template void print_advice<3>(const Model<3> &, const StepSize<3> &, const Parameters &, double,
+                                double, Log &);
+  template void print_warnings(const Model<2> &, const Clock &, Process<2>::Occasion, Log &);
+  template void print_warnings(const Model<3> &, const Clock &, Process<3>::Occasion, Log &);
 } // namespace tombolo

@@ -52,7 +52,7 @@ namespace tombolo
 
     /** The wall time of a step [s], estimated from one evaluation that changes no state. */
     template <int dim>
-    double seconds_per_step(Model<dim> &model)
+    double seconds_per_step(const Model<dim> &model)
     {
       const Quantity quantity = model.has_mechanics ? Quantity::vector : Quantity::scalars;
       NodalVector velocity, force;
@@ -219,8 +219,9 @@ namespace tombolo
     }
 
     template <int dim>
-    double print_steps(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                       const StaticSteps<dim> *statics, const double end_time, std::ostream &text)
+    double print_steps(const Model<dim> &model, StepSize<dim> &step_size,
+                       ThermalStep<dim> *thermal_step, const StaticSteps<dim> *statics,
+                       const double end_time, std::ostream &text)
     {
       Clock clock;
       double n_steps = 0;
@@ -254,7 +255,7 @@ namespace tombolo
 
     /** Returns the bytes of nodes, points and tools of the ranks. Collective. */
     template <int dim>
-    Utilities::MPI::MinMaxAvg print_memory(Model<dim> &model, const std::size_t bytes_before,
+    Utilities::MPI::MinMaxAvg print_memory(const Model<dim> &model, const std::size_t bytes_before,
                                            const unsigned long n_nodes, std::ostream &text)
     {
       const MPI_Comm communicator = model.communicator;
@@ -357,9 +358,9 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                     const StaticSteps<dim> *statics, const double end_time,
-                     const std::size_t bytes_before, Log &log)
+  double print_audit(const Model<dim> &model, StepSize<dim> &step_size,
+                     ThermalStep<dim> *thermal_step, const StaticSteps<dim> *statics,
+                     const double end_time, const std::size_t bytes_before, Log &log)
   {
     const auto counts = model.counts();
     std::ostringstream text;
@@ -370,7 +371,7 @@ namespace tombolo
     print_parts(model, text);
     print_mass_and_extent(model, text);
     for (const auto &process : model.processes)
-      process->describe(model, text);
+      process->observed.audit(text);
     const double n_steps = print_steps(model, step_size, thermal_step, statics, end_time, text);
     if (statics == nullptr) // at rest springs do not follow from a step
       print_contact_stiffness(model, step_size.limit().time_step, text);
@@ -390,8 +391,8 @@ namespace tombolo
     return n_steps;
   }
 
-  template double print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *,
+  template double print_audit<2>(const Model<2> &, StepSize<2> &, ThermalStep<2> *,
                                  const StaticSteps<2> *, double, std::size_t, Log &);
-  template double print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *,
+  template double print_audit<3>(const Model<3> &, StepSize<3> &, ThermalStep<3> *,
                                  const StaticSteps<3> *, double, std::size_t, Log &);
 } // namespace tombolo

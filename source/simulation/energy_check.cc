@@ -18,7 +18,7 @@ namespace tombolo
   {
     /** Sentences about a step that is too long for a motion, or that is not. Collective. */
     template <int dim>
-    std::string judgement_of_step(Model<dim> &model, const EnergyBalance &balance,
+    std::string judgement_of_step(const Model<dim> &model, const EnergyBalance &balance,
                                   const Clock &clock, const StepSize<dim> &step_size)
     {
       const std::string cure = std::string("a smaller step (`Time step/") +
@@ -50,8 +50,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void check_energy_balance(Model<dim> &model, const EnergyBalance &balance, const Clock &clock,
-                            const double limit, const StepSize<dim> &step_size)
+  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
+                            const Clock &clock, const double limit, const StepSize<dim> &step_size)
   {
     if (limit == 0. || std::abs(balance.error) <= limit)
       return;
@@ -72,11 +72,12 @@ namespace tombolo
     if (std::isfinite(balance.total) &&
         std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
       return;
-    std::string reason;
+    std::vector<std::string> sentences;
     for (const auto &process : model.processes)
-      for (const std::string &sentence :
-           process->warnings(model, clock, Process<dim>::Occasion::energy_lost))
-        reason += (reason.empty() ? "" : " ") + sentence;
+      process->observed.warnings(clock, Process<dim>::Occasion::energy_lost, sentences);
+    std::string reason;
+    for (const std::string &sentence : sentences)
+      reason += (reason.empty() ? "" : " ") + sentence;
     std::ostringstream message;
     message.precision(4);
     message << "The energy balance does not hold at time " << clock.time << ", step " << clock.step
@@ -96,8 +97,8 @@ namespace tombolo
                      ": densities, heat capacities or temperatures are beyond all numbers.");
   }
 
-  template void check_energy_balance(Model<2> &, const EnergyBalance &, const Clock &, double,
+  template void check_energy_balance(const Model<2> &, const EnergyBalance &, const Clock &, double,
                                      const StepSize<2> &);
-  template void check_energy_balance(Model<3> &, const EnergyBalance &, const Clock &, double,
+  template void check_energy_balance(const Model<3> &, const EnergyBalance &, const Clock &, double,
                                      const StepSize<3> &);
 } // namespace tombolo

@@ -26,12 +26,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const ExactSolution<dim> *ExactErrors<dim>::solution() const
-  {
-    return exact.get();
-  }
-
-  template <int dim>
   void ExactErrors<dim>::evaluate(const Model<dim> &model, const Clock &clock,
                                   TimeTable &statistics)
   {

@@ -75,11 +75,6 @@ namespace tombolo
     return std::max(request - 1, 0);
   }
 
-  bool Requests::wants_checkpoint() const
-  {
-    return request > 0;
-  }
-
   int Requests::received_signal() const
   {
     return Utilities::MPI::max(static_cast<int>(noted_signal), communicator);

@@ -39,7 +39,7 @@ namespace tombolo
     { return *model.bridge->mass().node(node) / *model.bridge->lumped_mass().node(node); };
     view.heat = model.heat ? &model.heat->state : nullptr;
     for (const auto &process : model.processes)
-      process->show(view);
+      process->observed.views(view);
     for (const Part<dim> &part : model.parts)
     {
       OutputPart<dim> output_part;

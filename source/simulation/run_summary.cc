@@ -91,7 +91,7 @@ namespace tombolo
     statistics.add("angular momentum drift", "1", balance.angular_momentum_drift);
     statistics.add("lattice mode share", "1", balance.short_wave_share);
     for (const auto &process : model.processes)
-      process->report(model, statistics);
+      process->observed.columns(statistics);
     add_extremes(model, statistics);
   }
 
@@ -105,7 +105,7 @@ namespace tombolo
       statistics.add(account.name, energy, account.value);
     for (const auto &process : model.processes)
       if (!model.has_mechanics)
-        process->report(model, statistics);
+        process->observed.columns(statistics);
     statistics.add("heat balance error", "1", balance.error);
     double smallest = std::numeric_limits<double>::max(), largest = -smallest;
     const NodalVector &temperature = model.heat->state.present_temperature;

@@ -56,7 +56,7 @@ namespace tombolo
     if (statics)
       statics->add_to_summary(summary.document());
     for (const auto &process : model->processes)
-      process->summarize(*model, statistics, summary.document());
+      process->observed.results(statistics, summary.document());
     if (model->heat)
       add_heat_to_summary(*thermal_step, last_heat_balance, summary);
     // The wall time is that of this process, and so are the steps that it is shared among.

@@ -131,11 +131,6 @@ namespace tombolo
     }
   }
 
-  const std::vector<std::string> &Stages::names() const
-  {
-    return stage_names;
-  }
-
   std::string Stages::value(const std::string &stage, const std::string &entry) const
   {
     const ParameterScanner::Item *item = scanner.entry(stage_prefix + stage + "/" + entry);

@@ -58,14 +58,17 @@ namespace tombolo
       Records &all = this->records.group("lattice filter");
       all.value("time since filter", time_since_filter);
       all.value("dissipated", dissipated);
+      this->observed.energies.connect(
+          [this](EnergyAccounts &accounts)
+          { accounts.add_replicated("filter dissipation", EnergyKind::artificial, dissipated); });
     }
 
-    void model_changed(Model<dim> &model) override
+    void model_changed(const Model<dim> &model) override
     {
       rate = filter_rate(model);
     }
 
-    void after_acceleration(Model<dim> &model, const Clock &clock) override
+    void after_acceleration(const Model<dim> &model, const Clock &clock) override
     {
       if (!is_due(clock))
         return;
@@ -74,28 +77,23 @@ namespace tombolo
       half_kick.copy_from(model.state.unsmoothed_velocity);
     }
 
-    void after_motion(Model<dim> &model, const Clock &clock) override
+    void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override
     {
       time_since_filter += clock.next_step;
       if (!is_due(clock))
         return;
-      NodalVector &v_hat = model.state.unsmoothed_velocity;
+      NodalVector &v_hat = state.unsmoothed_velocity;
       const std::size_t n = static_cast<std::size_t>(v_hat.partition()->n_local()) * node_stride;
       for (std::size_t i = 0; i < n; ++i)
       {
         half_kick.data()[i] = 0.5 * (v_hat.data()[i] - half_kick.data()[i]);
         v_hat.data()[i] -= half_kick.data()[i];
       }
-      dissipated += filter(model);
+      dissipated += filter(model, state);
       for (std::size_t i = 0; i < n; ++i)
         v_hat.data()[i] += half_kick.data()[i];
       v_hat.update_ghosts();
       time_since_filter = 0;
-    }
-
-    void account(EnergyAccounts &accounts) const override
-    {
-      accounts.add_replicated("filter dissipation", EnergyKind::artificial, dissipated);
     }
 
   private:
@@ -106,10 +104,10 @@ namespace tombolo
 
     /** Filters v̂ once, with δ of the time since the last call, at most 1. Returns what is lost of
      * the kinetic energy and of the work of what keeps prescribed components. Collective. */
-    double filter(Model<dim> &model)
+    double filter(const Model<dim> &model, NodalState &state)
     {
       Bridge &bridge = *model.bridge;
-      NodalVector &v_hat = model.state.unsmoothed_velocity;
+      NodalVector &v_hat = state.unsmoothed_velocity;
       if (bridge.operators() == Bridge::Operators::identity)
         return 0.;
       const double before = bridge.kinetic_energy(v_hat);
@@ -132,7 +130,7 @@ namespace tombolo
         bridge.mass_split().make_symmetric(change);
         for (unsigned int i = 0; i < v_hat.partition()->n_owned(); ++i)
           store_node(load_node(change.node(i)) * delta, change.node(i));
-        work += bridge.remove_from_velocity(change, model.state);
+        work += bridge.remove_from_velocity(change, state);
       }
       return ordered_sum(work, model.communicator) + before - bridge.kinetic_energy(v_hat);
     }

@@ -50,15 +50,29 @@ namespace tombolo
         section.fail("Path", "allowed are functions of t.");
     }
 
-    void initialize(const Section &section, Model<dim> &model) override
+    void initialize(const Section &section, const Model<dim> &model) override
     {
       name = section.name();
       if (!model.heat)
         section.fail("Type", "the scene has no heat; give its materials a section \"Heat\".");
       torch = &this->actions.add_heat("heat source " + name, "heat of " + name);
+      this->observed.columns.connect(
+          [this](TimeTable &table)
+          {
+            const double time = table.present("time");
+            table.add("power of " + name, "M L^2/T^3", power_at(time));
+            for (unsigned int d = 0; d < dim; ++d)
+              table.add(name + " " + "xyz"[d], "L", centre(time)[d]);
+          });
+      this->observed.audit.connect(
+          [this](std::ostream &text)
+          {
+            text << "  heat source \"" << name << "\" of radius " << radius << ", at ("
+                 << centre(0.) << ") at time 0\n";
+          });
     }
 
-    void add_heat(Model<dim> &model, const double begin, const double end) override
+    void add_heat(const Model<dim> &model, const double begin, const double end) override
     {
       const double middle = 0.5 * (begin + end);
       const double energy =
@@ -87,20 +101,6 @@ namespace tombolo
       }
       for (unsigned int i = 0; i < n_owned; ++i)
         torch->add_heat(i, energy * weight[i] / sum);
-    }
-
-    void report(const Model<dim> &, TimeTable &table) const override
-    {
-      const double time = table.present("time");
-      table.add("power of " + name, "M L^2/T^3", power_at(time));
-      for (unsigned int d = 0; d < dim; ++d)
-        table.add(name + " " + "xyz"[d], "L", centre(time)[d]);
-    }
-
-    void describe(const Model<dim> &, std::ostream &text) const override
-    {
-      text << "  heat source \"" << name << "\" of radius " << radius << ", at (" << centre(0.)
-           << ") at time 0\n";
     }
 
   private:

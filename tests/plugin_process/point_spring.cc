@@ -48,7 +48,7 @@ namespace tombolo
         section.fail("End", "allowed are functions of t.");
     }
 
-    void initialize(const Section &section, Model<dim> &model) override
+    void initialize(const Section &section, const Model<dim> &model) override
     {
       if (!model.has_mechanics)
         section.fail("Type", "the scene has no mechanics; nothing can be pulled.");
@@ -56,6 +56,14 @@ namespace tombolo
       pull = &this->actions.add("spring " + name, ActsAt::positions)
                   .books("work of " + name, EnergyKind::external)
                   .comes_from_outside();
+      this->observed.columns.connect(
+          [this, &model](TimeTable &table)
+          {
+            const double time = table.present("time");
+            const double here = is_here ? (end_at(time) - position(model)).norm() : 0.;
+            table.add("length of " + name, "L",
+                      dealii::Utilities::MPI::sum(here, model.communicator));
+          });
       find_node(model);
       // A node between others gives its force to them; none is lighter than the lightest.
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
@@ -64,13 +72,13 @@ namespace tombolo
       lightest = dealii::Utilities::MPI::min(lightest, model.communicator);
     }
 
-    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &) override
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
     {
       if (is_here)
         pull->add_force(node, stiffness * (end_at(clock.time) - position(model)));
     }
 
-    void linearize(Model<dim> &, const Clock &, Tangent<dim> &tangent) override
+    void linearize(const Model<dim> &, const Clock &, Tangent<dim> &tangent) override
     {
       if (is_here)
         tangent.add_spring(node, stiffness);
@@ -80,12 +88,6 @@ namespace tombolo
     double stable_fraction(const double step) const override
     {
       return 1. / std::sqrt(1. + 0.25 * step * step * stiffness / lightest);
-    }
-
-    void report(const Model<dim> &model, TimeTable &table) const override
-    {
-      const double here = is_here ? (end_at(table.present("time")) - position(model)).norm() : 0.;
-      table.add("length of " + name, "L", dealii::Utilities::MPI::sum(here, model.communicator));
     }
 
   private:

@@ -91,7 +91,7 @@ namespace tombolo
     void renew_faces(const Nodes<dim> &nodes, const Selector &is_slave, const Selector &is_master,
                      const IsGone &is_gone);
 
-    /** See Process::nodes_were_placed(). Positions have current ghosts. Not of tied surfaces.
+    /** See ModelSignals::nodes_placed. Positions have current ghosts. Not of tied surfaces.
      * Collective. */
     void place_nodes(const NodalVector &before, const NodalVector &position)
     {
@@ -116,7 +116,7 @@ namespace tombolo
       return histories;
     }
 
-    /** See Process::begin_trials(). */
+    /** See ModelSignals::trials. */
     void become_static(const double tolerance)
     {
       is_static = true;

@@ -78,12 +78,12 @@ namespace tombolo
                             const NodalHeat & /*nodal_heat*/ = {})
     {}
 
-    /** See Process::keep_outside(). Positions have ghosts. Collective. */
+    /** See ModelSignals::nodes_move. Positions have ghosts. Collective. */
     virtual void keep_outside(const Clock &clock, const NodalVector &slides,
                               const NodalVector &from, NodalVector &position,
                               NodalVector &is_bound);
 
-    /** See Process::nodes_were_placed(). Collective. */
+    /** See ModelSignals::nodes_placed. Collective. */
     virtual void place_nodes(const NodalState &state, const NodalVector &before, const Clock &)
     {
       for (std::size_t k = 0; k < candidates.size(); ++k)
@@ -103,7 +103,7 @@ namespace tombolo
       yield_stress = &of_nodes;
     }
 
-    /** See Process::begin_trials(). */
+    /** See ModelSignals::trials. */
     void become_static(const double tolerance)
     {
       settings.law = settings.law.without_damping();
@@ -218,7 +218,7 @@ namespace tombolo
     }
 
     /** Gaps up to this distance [L] are needed, beside those of the contact. */
-    void require_gaps(const double distance)
+    void require_gaps(const double distance) const
     {
       surface->set_reach(std::max(distance, settings.radius));
     }

@@ -113,7 +113,10 @@ namespace tombolo
 
     /** What momentum_rate(), velocity_rate() and remove_from_velocity() did to keep prescribed
      * components, since the last call. */
-    ConstraintReaction take_constraint_reaction();
+    ConstraintReaction take_constraint_reaction()
+    {
+      return constrained_particles.take_reaction();
+    }
 
     /** Brings the nodal mass up to date after shape functions changed their values or lost
      * neighbours, at the same particles and partition. Throws RunError where it cannot be made
@@ -122,19 +125,34 @@ namespace tombolo
 
     /** Whether rows lost negative values since the last call. Other users of the rows must then
      * take the new ones. */
-    bool take_change_of_rows();
+    bool take_change_of_rows()
+    {
+      return split.take_change_of_rows();
+    }
 
     /** The nodal forces of loads. Its nodes are to be set again after every reinit(). */
-    LoadTransfer &load_transfer();
+    LoadTransfer &load_transfer()
+    {
+      return loads;
+    }
 
     /** Particles with prescribed components, as smooth_velocity() left them. */
-    const std::vector<ConstrainedParticle> &constrained_particle_velocities() const;
+    const std::vector<ConstrainedParticle> &constrained_particle_velocities() const
+    {
+      return constrained_particles.particles();
+    }
 
     /** What keeps them. */
-    ConstrainedParticles &get_constrained_particles();
+    ConstrainedParticles &get_constrained_particles()
+    {
+      return constrained_particles;
+    }
 
     /** The velocity that elements see: v, except for the trace bridge at shared nodes. */
-    const NodalVector &element_velocity(const NodalVector &velocity);
+    const NodalVector &element_velocity(const NodalVector &velocity)
+    {
+      return trace ? trace_transfer.field_of_particles(velocity) : velocity;
+    }
 
     /** Adds the forces of elements (ghosts collected here) and of particles to the nodal force. */
     void collect_element_force(NodalVector &element_force, NodalVector &force);
@@ -149,18 +167,39 @@ namespace tombolo
 
     /** m of eqs (11), (21), (49), by component. One at nodes whose m̂ is zero: none of the operators
      * moves them or takes anything from them. */
-    const NodalVector &nodal_mass() const;
+    const NodalVector &nodal_mass() const
+    {
+      return split.nodal_mass;
+    }
     /** m̂, scalar. */
-    const NodalVector &mass() const;
+    const NodalVector &mass() const
+    {
+      return split.unsmoothed_mass();
+    }
     /** The mass of the cells and particles of each node, scalar: m̂ but for lumped rows. */
-    const NodalVector &lumped_mass() const;
+    const NodalVector &lumped_mass() const
+    {
+      return split.total_mass;
+    }
 
     /** The masses that S and Φ are made of. */
-    const MassSplit &mass_split() const;
+    const MassSplit &mass_split() const
+    {
+      return split;
+    }
 
-    bool has_particles() const;
-    bool is_trace() const;
-    const SmoothingSettings &smoothing() const;
+    bool has_particles() const
+    {
+      return !split.parts.empty();
+    }
+    bool is_trace() const
+    {
+      return trace;
+    }
+    const SmoothingSettings &smoothing() const
+    {
+      return settings;
+    }
 
     /** Kinetic energy ½ v̂·M̂ v̂ of a nodal field, and the share of it that the paper's S removes: the
      * lattice-mode monitor. Collective. */

@@ -101,7 +101,10 @@ namespace tombolo
      * zero from now on. */
     ConstraintReaction take_reaction();
 
-    const std::vector<ConstrainedParticle> &particles() const;
+    const std::vector<ConstrainedParticle> &particles() const
+    {
+      return of_rank;
+    }
 
     /** The same, to read what a checkpoint has of them. */
     std::vector<ConstrainedParticle> &particles();

@@ -41,7 +41,10 @@ namespace tombolo
     LoadTransfer(const MassSplit &split, bool direct);
 
     /** Whether loads of some particles act at the nodes, since their rows are lumped. */
-    bool acts_at_nodes() const;
+    bool acts_at_nodes() const
+    {
+      return split.has_lumped_rows;
+    }
 
     /** To be called when the split is another one. */
     void forget_rows();

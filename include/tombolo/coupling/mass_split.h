@@ -74,13 +74,25 @@ namespace tombolo
     bool take_change_of_rows();
 
     /** m̂ of the nodes, scalar [M]. */
-    const NodalVector &unsmoothed_mass() const;
+    const NodalVector &unsmoothed_mass() const
+    {
+      return has_lumped_rows ? adjoint_mass : total_mass;
+    }
     /** What body forces act on, scalar [M]: m before its smoothing, if that spreads loads, too. */
-    const NodalVector &loaded_mass() const;
+    const NodalVector &loaded_mass() const
+    {
+      return has_lumped_rows ? body_mass : total_mass;
+    }
     /** The largest lumped mass over m̂; 1 without lumped rows. */
-    double largest_mass_ratio() const;
+    double largest_mass_ratio() const
+    {
+      return has_lumped_rows ? largest_ratio : 1.;
+    }
     /** W 1 by component, with current ghosts [M]. */
-    const NodalVector &row_sums() const;
+    const NodalVector &row_sums() const
+    {
+      return has_lumped_rows ? sums_of_rows : nodal_mass;
+    }
     /** m a / (W 1) of a nodal field a, the field itself without lumped rows. @p field has current
      * ghosts, and so has the result, which is valid until the next call. */
     const NodalVector &field_over_row_sums(const NodalVector &field);

@@ -29,7 +29,10 @@ namespace tombolo
     explicit PositionResponse(Bridge &bridge);
 
     /** Whether predict() costs as much as moving all nodes. */
-    bool is_global() const;
+    bool is_global() const
+    {
+      return bridge.operators() == Bridge::Operators::affine;
+    }
 
     /** Before other calls, with the present partition. */
     void begin_step(const std::shared_ptr<const NodePartition> &partition);

@@ -101,11 +101,17 @@ namespace tombolo
     }
 
     /** The nodal forces. */
-    const NodalForces &nodal_forces() const;
+    const NodalForces &nodal_forces() const
+    {
+      return of_nodes;
+    }
     dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
 
     /** The work of this rank since the start [M L^2/T^2]. */
-    double work() const;
+    double work() const
+    {
+      return sum_of_work;
+    }
 
   private:
     friend class Actions;

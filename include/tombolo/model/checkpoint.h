@@ -38,14 +38,20 @@ namespace tombolo
                const std::function<void(StateArchive &)> &serialize);
 
     /** Whether the scene keeps the state at its end. */
-    bool keep_end_state() const;
+    bool keep_end_state() const
+    {
+      return keeps_end_state;
+    }
 
     /** Writes that state with what @p serialize puts into it. Throws likewise. Collective. */
     void write_end_state(const OutputDirectory &directory,
                          const std::function<void(StateArchive &)> &serialize) const;
 
     /** The file written last, relative to the working directory; empty if none was. */
-    const std::string &last_file() const;
+    const std::string &last_file() const
+    {
+      return newest;
+    }
 
     /** The checkpoint to resume from: @p wanted, a file or a directory of checkpoints, or where it
      * is empty the newest whole one of the output directory. Warns of damaged ones that are passed

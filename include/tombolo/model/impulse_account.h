@@ -7,6 +7,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -39,13 +40,14 @@ namespace tombolo
       add_moment(position, impulse.data(), pending_angular);
     }
 
-    /** Adds the impulse of the step at hand with its moment. */
-    void add(const Vector &impulse, const Vector &moment)
+    /** Adds the impulse of the step at hand with its moment, or @p interval times a force and its
+     * moment. */
+    void add(const Vector &impulse, const Vector &moment, const double interval = 1.)
     {
       for (unsigned int d = 0; d < 3; ++d)
       {
-        pending_linear[d] += impulse[d];
-        pending_angular[d] += moment[d];
+        pending_linear[d] += interval * impulse[d];
+        pending_angular[d] += interval * moment[d];
       }
     }
 
@@ -62,6 +64,13 @@ namespace tombolo
     void account(EnergyAccounts &accounts) const
     {
       accounts.add_impulse(linear, angular);
+    }
+
+    /** Appends the three components of the impulse, and those of its moment. */
+    void append(std::vector<double> &numbers) const
+    {
+      numbers.insert(numbers.end(), linear.begin(), linear.end());
+      numbers.insert(numbers.end(), angular.begin(), angular.end());
     }
 
     void list(Records &records)

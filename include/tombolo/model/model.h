@@ -10,9 +10,9 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/impulse_account.h>
+#include <tombolo/model/model_signals.h>
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
-#include <tombolo/model/renewal_of_rows.h>
 #include <tombolo/model/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
 
@@ -53,7 +53,7 @@ namespace tombolo
 
     /** Builds, with these cells of the mesh divided further. Throws InputError. Collective. */
     Model(const Parameters &parameters, MPI_Comm communicator, const CellDivisions &divisions = {});
-    ~Model();
+    ~Model() = default;
 
     /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
      * ghosts, masses. The set of ghost nodes may have changed even if it returns no change.
@@ -142,7 +142,7 @@ namespace tombolo
     /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
      * the step remembers it until it is estimated anew. */
     bool stencils_change_for_good = false;
-    RenewalOfRows renewal;
+    ModelSignals signals;
 
   private:
     void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections,
@@ -158,6 +158,7 @@ namespace tombolo
                                        bool trace);
     void set_initial_positions();
 
+    bool rows_are_changing = false; // in this step
     std::shared_ptr<const NodePartition> partition;
     NodalVector mass_of_bodies; // where inertia is not that of the mass
   };

@@ -5,10 +5,12 @@
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
+#include <tombolo/base/signal.h>
 #include <tombolo/model/actions.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <string>
@@ -58,6 +60,7 @@ namespace tombolo
    * changes the model, observes the step, limits it, names its energies and fills columns of the
    * tables. Processes do not know each other. What one of them does to the model (cells, rows,
    * masses) is a change of the model, to which whoever depends on it responds in model_changed().
+   * The few that have to know more connect to ModelSignals.
    *
    * All functions are collective and are called on all ranks, in the order of the processes, unless
    * they say otherwise. Each has an empty default.
@@ -70,7 +73,7 @@ namespace tombolo
 
     /** Of a process that the scene names: its section, for messages, and the model as it is
      * initially. Throws InputError. */
-    virtual void initialize(const Section &, Model<dim> &) {}
+    virtual void initialize(const Section &, const Model<dim> &) {}
 
     /** Changes the model before the forces at t_n: cells, rows, masses. Positions are those of t_n,
      * velocities those of t_{n-1/2}. */
@@ -79,90 +82,41 @@ namespace tombolo
       return {};
     }
 
-    /** The model is about to change, with the smoothed velocity of the rows as they are: whatever
-     * has to be accounted for with the present nodes, masses or cells is accounted for now. */
-    virtual void prepare_change(Model<dim> &) {}
-
     /** Partition, rows or masses are other ones; also called once after the start and after a
      * checkpoint was read. */
-    virtual void model_changed(Model<dim> &) {}
-
-    /** Nodes were placed anew, at positions to which no motion has led, as when a part is refilled;
-     * @p before has their former positions, with the ghosts of now. Called after model_changed().
-     */
-    virtual void nodes_were_placed(Model<dim> &, const Clock &, const NodalVector & /*before*/) {}
-
-    /** Owned nodes of which @p slides (scalar) is positive are about to be placed at @p position.
-     * @p from: where they are now, or those next to them on the surface of now. Moves those deeper
-     * in a surface than these, and those that touched it, to where they are as deep, and marks them
-     * in @p is_bound (scalar). If @p slides is below one, a node may leave a surface steeply. */
-    virtual void keep_outside(const Clock &, const NodalVector & /*slides*/,
-                              const NodalVector & /*from*/, NodalVector & /*position*/,
-                              NodalVector & /*is_bound*/) const
-    {}
-
-    /** How deep nodes with these positions are in its surfaces: @p gaps are their signed distances,
-     * negative inside, from the surface that is named, or from the nearest less its radius [L];
-     * beyond @p reach any larger number. Returns whether there is such a surface. Not collective.
-     */
-    virtual bool find_gaps(const std::string & /*surface*/, double /*reach*/,
-                           const NodalVector & /*position*/,
-                           const std::vector<unsigned int> & /*nodes*/, double /*time*/,
-                           std::vector<double> & /*gaps*/) const
-    {
-      return false;
-    }
-
-    /** Called before and after (@p is_added) a part adds its internal force at t_n, number @p part
-     * in the model, with the vector that it goes to: at local nodes, ghosts and images not
-     * collected yet. Not collective. */
-    virtual void part_force(std::size_t /*part*/, const NodalVector & /*force*/, bool /*is_added*/)
-    {}
+    virtual void model_changed(const Model<dim> &) {}
 
     /** Gives its actions their forces at t_n. @p force has the nodal forces of the parts and of the
      * processes before this one, at owned nodes [M L/T^2]. */
-    virtual void add_forces(Model<dim> &, const Clock &, const NodalVector & /*force*/) {}
+    virtual void add_forces(const Model<dim> &, const Clock &, const NodalVector & /*force*/) {}
 
     /** Adds how the forces of the last add_forces() change with positions and velocities, as far
      * as the tangent asks for it: bodies at rest for the stiffness, the estimate of the stable step
      * for the viscosity. What is left out costs iterations, and the step may not be stable. */
-    virtual void linearize(Model<dim> &, const Clock &, Tangent<dim> &) {}
+    virtual void linearize(const Model<dim> &, const Clock &, Tangent<dim> &) {}
 
-    /** A step of bodies at rest begins, where nothing resists rates, and what is apart by less than
-     * @p touch_distance [L] touches. Forces are asked for at several positions, each time with the
-     * records as this function leaves them. The clock has in `stable_step` the time of which
-     * springs of contacts are made, and in `previous_step` the length of the step, zero at the
-     * start of the run. */
-    virtual void begin_trials(Model<dim> &, const Clock &, double /*touch_distance*/) {}
-
-    /** What made the last call useless on this rank, for a message; empty if nothing did. Not
-     * thrown from there, since other ranks do not know. Not collective. */
-    virtual std::string failure() const
-    {
-      return {};
-    }
-
-    /** Prescribes components of the acceleration of owned nodes at t_n, or gives forces to actions
-     * that follow it; the size of the coming step is known now. */
-    virtual void constrain_acceleration(Model<dim> &, const Clock &) {}
+    /** Prescribes components of the acceleration of owned nodes at t_n in @p state, or gives forces
+     * to actions that follow it; the size of the coming step is known now. */
+    virtual void constrain_acceleration(const Model<dim> &, const Clock &, NodalState & /*state*/)
+    {}
 
     /** Works and impulses of the step, beside those of its actions: the acceleration at t_n is
      * complete, with its ghosts. */
-    virtual void after_acceleration(Model<dim> &, const Clock &) {}
+    virtual void after_acceleration(const Model<dim> &, const Clock &) {}
 
-    /** Positions are those of t_{n+1}, velocities those of t_{n+1/2}. */
-    virtual void after_motion(Model<dim> &, const Clock &) {}
+    /** Positions in @p state are those of t_{n+1}, velocities those of t_{n+1/2}. */
+    virtual void after_motion(const Model<dim> &, const Clock &, NodalState & /*state*/) {}
 
     /** What it does where not every process is made for; set when it is made. */
     struct Roles
     {
       /** Steps of bodies at rest (`Time integration`): they ask for forces at trial positions
-       * (act(), part_force(), linearize()), and for works and impulses (complete_step()) where the
-       * equilibrium is found; nothing else of a step is called. */
+       * (act(), linearize()), and for works and impulses (complete_step()) where the equilibrium is
+       * found; nothing else of a step is called. */
       ProcessRole rest = ProcessRole::acts;
       /** Cells are divided in the run: the records go over to a mesh with other cells. */
       ProcessRole divided_cells = ProcessRole::acts;
-      /** Nodes on surfaces are placed anew: nodes_were_placed(). */
+      /** Nodes on surfaces are placed anew: ModelSignals::nodes_placed. */
       ProcessRole placed_nodes = ProcessRole::acts;
     };
     Roles roles;
@@ -176,19 +130,7 @@ namespace tombolo
 
     /** Gives its sources of heat (Actions::add_heat()) that of a thermal step from @p begin to @p
      * end, where it does not come with the steps of the mechanics. */
-    virtual void add_heat(Model<dim> &, double /*begin*/, double /*end*/) {}
-
-    /** Adds this rank's shares of its energies and impulses, beside those of its actions. */
-    virtual void account(EnergyAccounts &) const {}
-
-    /** Fills columns of the table over time, beyond those of its energies and its heat. */
-    virtual void report(const Model<dim> &, TimeTable &) const {}
-
-    /** Adds entries to the summary of the run. */
-    virtual void summarize(const Model<dim> &, const TimeTable &, Json & /*summary*/) const {}
-
-    /** Lines for the audit. */
-    virtual void describe(const Model<dim> &, std::ostream &) const {}
+    virtual void add_heat(const Model<dim> &, double /*begin*/, double /*end*/) {}
 
     /** When warnings are asked for. */
     enum class Occasion
@@ -198,14 +140,38 @@ namespace tombolo
       energy_lost, ///< the balance of energy does not hold, and ends the run: why
       end
     };
-    /** What should be known then: sentences, the same on all ranks. */
-    virtual std::vector<std::string> warnings(const Model<dim> &, const Clock &, Occasion)
-    {
-      return {};
-    }
 
-    /** Adds what outputs may show. Not collective. */
-    virtual void show(OutputView<dim> &) const {}
+    /** What others see of a process, beside its actions; listed in its constructor or in
+     * initialize(). */
+    struct Observed
+    {
+      /** This rank's share of an energy [M L^2/T^2]. */
+      void energy(const std::string &name, EnergyKind kind, const double &share);
+
+      /** A column of the table over time; the value is the same on all ranks. */
+      void column(const std::string &name, const std::string &unit, std::function<double()> value);
+
+      /** An entry of the summary of the run; the value is the same on all ranks. */
+      void result(const std::string &name, std::function<Json()> value);
+
+      /** Add this rank's shares of other energies, and of momenta. */
+      Signal<EnergyAccounts &> energies;
+      /** Fill columns whose number is not known before. */
+      Signal<TimeTable &> columns;
+      /** Add to the summary what follows from the table. */
+      Signal<const TimeTable &, Json &> results;
+      /** Write lines for the audit. */
+      Signal<std::ostream &> audit;
+      /** Add what should be known then: sentences, the same on all ranks. */
+      Signal<const Clock &, Occasion, std::vector<std::string> &> warnings;
+      /** Add what outputs may show. Not collective. */
+      Signal<OutputView<dim> &> views;
+    };
+    Observed observed;
+
+    /** What makes the last forces useless on this rank, for a message; empty if nothing does. Not
+     * thrown, since other ranks do not know. */
+    std::string failure;
 
     /** What is kept from step to step, beside what its actions keep; listed in its constructor or
      * in initialize(). It is read when the model has the state of its nodes and points. */
@@ -219,10 +185,10 @@ namespace tombolo
     Actions actions;
 
     /** What steps call: add_forces(), and @p force with what it has given. */
-    void act(Model<dim> &model, const Clock &clock, NodalVector &force);
+    void act(const Model<dim> &model, const Clock &clock, NodalVector &force);
 
     /** add_heat(), and what it has given. Returns whether the process ever heats. */
-    bool give_heat(Model<dim> &model, double begin, double end);
+    bool give_heat(const Model<dim> &model, double begin, double end);
 
     /** constrain_acceleration(), and the actions that follow the acceleration. */
     void constrain(Model<dim> &model, const Clock &clock);
@@ -230,11 +196,11 @@ namespace tombolo
     /** after_acceleration(), and works and impulses of the actions. */
     void complete_step(Model<dim> &model, const Clock &clock);
 
-    /** account(), and the works of the actions. */
+    /** The energies that others see, and the works of the actions. */
     void add_energies(EnergyAccounts &accounts) const;
 
   private:
-    void collect_heat(Model<dim> &model, bool on_rank_only);
+    void collect_heat(const Model<dim> &model, bool on_rank_only);
   };
 
   /**

@@ -13,7 +13,7 @@ namespace tombolo
   {
     OutputView<dim> view;
     for (const auto &process : model.processes)
-      process->show(view);
+      process->observed.views(view);
     return view;
   }
 } // namespace tombolo

@@ -44,7 +44,10 @@ namespace tombolo
                  bool trace);
 
     /** Nodes whose values this rank must see. */
-    dealii::IndexSet required_nodes() const;
+    dealii::IndexSet required_nodes() const
+    {
+      return conditions.required_nodes();
+    }
 
     /** After the parts have @p partition and their shape functions: capacities, volumes, bridge.
      * The state is moved there. Collective. */

@@ -24,16 +24,16 @@ namespace tombolo
    * the sentences about them. @p n_steps are those expected. Collective.
    */
   template <int dim>
-  void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
-                    double end_time, double n_steps, Log &log);
+  void print_advice(const Model<dim> &model, const StepSize<dim> &step_size,
+                    const Parameters &parameters, double end_time, double n_steps, Log &log);
 
   /** The stable step of bodies and contacts in the present state by the spectral estimate with its
    * defaults, whichever the scene uses [T]. Collective. */
   template <int dim>
-  double spectral_limit(Model<dim> &model);
+  double spectral_limit(const Model<dim> &model);
 
   /** Warns of what processes have to say now. Collective. */
   template <int dim>
-  void print_warnings(Model<dim> &model, const Clock &clock,
+  void print_warnings(const Model<dim> &model, const Clock &clock,
                       typename Process<dim>::Occasion occasion, Log &log);
 } // namespace tombolo

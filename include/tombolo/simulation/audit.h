@@ -16,7 +16,7 @@ namespace tombolo
    * bytes_before were allocated before the model was built. Returns how many steps are expected.
    * Collective. */
   template <int dim>
-  double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                     const StaticSteps<dim> *statics, double end_time, std::size_t bytes_before,
-                     Log &log);
+  double print_audit(const Model<dim> &model, StepSize<dim> &step_size,
+                     ThermalStep<dim> *thermal_step, const StaticSteps<dim> *statics,
+                     double end_time, std::size_t bytes_before, Log &log);
 } // namespace tombolo

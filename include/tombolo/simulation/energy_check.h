@@ -22,8 +22,8 @@ namespace tombolo
    * the smallest numbers. That of a body at rest is all round-off. The message says what helps:
    * @p step_size has chosen the steps, and none where bodies are at rest. Collective. */
   template <int dim>
-  void check_energy_balance(Model<dim> &model, const EnergyBalance &balance, const Clock &clock,
-                            double limit, const StepSize<dim> &step_size);
+  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
+                            const Clock &clock, double limit, const StepSize<dim> &step_size);
 
   /** Throws RunError where the balance of heat is not finite. */
   void check_heat_balance(const HeatBalance &balance, const Clock &clock);

@@ -23,7 +23,10 @@ namespace tombolo
     explicit ExactErrors(const Section &section);
 
     /** Null where the case has no exact solution. */
-    const ExactSolution<dim> *solution() const;
+    const ExactSolution<dim> *solution() const
+    {
+      return exact.get();
+    }
 
     /** Computes the errors at the present time and adds them to the present row of @p statistics.
      * Collective. */

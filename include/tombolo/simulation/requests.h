@@ -36,7 +36,10 @@ namespace tombolo
     int signal() const;
 
     /** Whether a checkpoint is asked for: by a signal, or by any rank. */
-    bool wants_checkpoint() const;
+    bool wants_checkpoint() const
+    {
+      return request > 0;
+    }
 
     /** The signal that any rank has received up to now, or zero. Collective. */
     int received_signal() const;

@@ -22,7 +22,10 @@ namespace tombolo
     /** Reads the file. Throws InputError where stages and their sections do not fit. Collective. */
     Stages(const std::string &file, MPI_Comm communicator);
 
-    const std::vector<std::string> &names() const;
+    const std::vector<std::string> &names() const
+    {
+      return stage_names;
+    }
 
     /** The entries of a stage with @p overrides of the command line, not declared yet. Throws
      * InputError. */

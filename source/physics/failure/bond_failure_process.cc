@@ -2,7 +2,6 @@
 #include <tombolo/physics/failure/bond_failure_process.h>
 
 #include <tombolo/model/model.h>
-#include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -19,13 +18,20 @@ namespace tombolo
   {
     this->roles.rest = ProcessRole::is_idle; // bonds stay those of the start
     model.stencils_change_for_good = true;
-    model.renewal.after = [this, &model]()
-    {
-      redistribution.complete();
-      // Broken bonds make larger gradients at the same lengths.
-      if (model.heat)
-        model.heat->limit_is_outdated = true;
-    };
+    model.signals.rows_changed.connect(
+        [this, &model]
+        {
+          redistribution.complete();
+          // Broken bonds make larger gradients at the same lengths.
+          if (model.heat)
+            model.heat->limit_is_outdated = true;
+        });
+    const auto n_broken = [&model] { return bond_counts(model).n_broken; };
+    this->observed.column("broken bonds", "1", n_broken);
+    this->observed.column("debris particles", "1",
+                          [&model] { return static_cast<double>(bond_counts(model).n_debris); });
+    this->observed.result("broken_bonds", n_broken);
+    this->observed.result("debris_particles", [&model] { return bond_counts(model).n_debris; });
   }
 
   template <int dim>
@@ -43,23 +49,6 @@ namespace tombolo
     sum.n_broken = Utilities::MPI::sum(sum.n_broken, model.communicator);
     sum.n_debris = Utilities::MPI::sum(sum.n_debris, model.communicator);
     return sum;
-  }
-
-  template <int dim>
-  void BondFailureProcess<dim>::report(const Model<dim> &model, TimeTable &table) const
-  {
-    const BondCounts bonds = bond_counts(model);
-    table.add("broken bonds", "1", bonds.n_broken);
-    table.add("debris particles", "1", static_cast<double>(bonds.n_debris));
-  }
-
-  template <int dim>
-  void BondFailureProcess<dim>::summarize(const Model<dim> &model, const TimeTable &,
-                                          Json &summary) const
-  {
-    const BondCounts bonds = bond_counts(model);
-    summary["broken_bonds"] = bonds.n_broken;
-    summary["debris_particles"] = bonds.n_debris;
   }
 
   namespace

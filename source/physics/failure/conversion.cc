@@ -7,7 +7,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
-#include <tombolo/output/time_table.h>
+#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -119,6 +120,12 @@ namespace tombolo
     this->structure.archived([this, &model](StateArchive &archive)
                              { serialize_structure(model, archive); });
     this->records.group("conversion").sums("lost", lost);
+    this->observed.energy("conversion loss", EnergyKind::removed, lost);
+    this->observed.column("converted cells", "1",
+                          [this] { return static_cast<double>(n_converted_cells()); });
+    this->observed.result("converted_cells", [this] { return n_converted_cells(); });
+    this->observed.result("conversion_loss",
+                          [this] { return Utilities::MPI::sum(lost, communicator); });
   }
 
   template <int dim>
@@ -151,14 +158,15 @@ namespace tombolo
           nodes.push_back(partition.local_index(node));
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    std::vector<double> gaps;
-    if (std::none_of(model.processes.begin(), model.processes.end(),
-                     [&](const auto &process)
-                     {
-                       return process->find_gaps(criterion.contact(), *criterion.gap(),
-                                                 model.state.position, nodes, time, gaps);
-                     }))
+    const auto contacts = shown_by_processes(model).contacts;
+    const auto contact =
+        std::find_if(contacts.begin(), contacts.end(),
+                     [&](const auto *one) { return one->name() == criterion.contact(); });
+    if (contact == contacts.end())
       criterion.refuse("there is no such contact.");
+    (*contact)->require_gaps(*criterion.gap());
+    std::vector<double> gaps(nodes.size(), std::numeric_limits<double>::max());
+    (*contact)->contact_surface().evaluate_gaps(model.state.position, nodes, time, gaps);
     std::set<unsigned int> near;
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (gaps[k] < *criterion.gap())
@@ -314,31 +322,6 @@ namespace tombolo
     }
     if (has_read)
       model.set_partition();
-  }
-
-  template <int dim>
-  void Conversion<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("conversion loss", EnergyKind::removed, lost);
-  }
-
-  template <int dim>
-  void Conversion<dim>::report(const Model<dim> &, TimeTable &table) const
-  {
-    table.add("converted cells", "1", static_cast<double>(n_converted_cells()));
-  }
-
-  template <int dim>
-  void Conversion<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
-  {
-    summary["converted_cells"] = n_converted_cells();
-    summary["conversion_loss"] = Utilities::MPI::sum(lost, communicator);
-  }
-
-  template <int dim>
-  double Conversion<dim>::lost_energy() const
-  {
-    return lost;
   }
 
   template <int dim>

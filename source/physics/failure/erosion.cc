@@ -41,6 +41,29 @@ namespace tombolo
     this->structure.on_completion([this, &model] { remove_faces(model); });
     this->records.group("erosion").sums("eroded", lost.n_cells, lost.mass, lost.energy,
                                         interleaved(lost.momentum, lost.angular_momentum));
+    this->observed.energy("eroded energy", EnergyKind::removed, lost.energy);
+    this->observed.energies.connect(
+        [this](EnergyAccounts &accounts)
+        { accounts.add_removed_momentum(lost.momentum, lost.angular_momentum); });
+    this->observed.columns.connect(
+        [this](TimeTable &table)
+        {
+          const ErosionLoss total = total_loss();
+          table.add("eroded cells", "1", total.n_cells);
+          table.add("eroded mass", "M", total.mass);
+          for (unsigned int d = 0; d < dim; ++d)
+            table.add(std::string("eroded momentum ") + "xyz"[d], "M L/T", total.momentum[d]);
+        });
+    this->observed.results.connect(
+        [this](const TimeTable &, Json &summary)
+        {
+          const ErosionLoss total = total_loss();
+          summary["eroded_cells"] = n_removed_cells();
+          summary["eroded_mass"] = total.mass;
+          summary["eroded_energy"] = total.energy;
+          summary["eroded_momentum"] =
+              std::vector<double>(total.momentum.begin(), total.momentum.begin() + dim);
+        });
   }
 
   template <int dim>
@@ -133,7 +156,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Erosion<dim>::model_changed(Model<dim> &model)
+  void Erosion<dim>::model_changed(const Model<dim> &model)
   {
     massless.clear();
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
@@ -142,17 +165,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void Erosion<dim>::constrain_acceleration(Model<dim> &model, const Clock &)
+  void Erosion<dim>::constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state)
   {
     for (const unsigned int node : massless)
-      std::fill_n(model.state.acceleration.node(node), node_stride, 0.);
-  }
-
-  template <int dim>
-  void Erosion<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("eroded energy", EnergyKind::removed, lost.energy);
-    accounts.add_removed_momentum(lost.momentum, lost.angular_momentum);
+      std::fill_n(state.acceleration.node(node), node_stride, 0.);
   }
 
   template <int dim>
@@ -166,47 +182,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void Erosion<dim>::report(const Model<dim> &, TimeTable &table) const
-  {
-    const ErosionLoss total = total_loss();
-    table.add("eroded cells", "1", total.n_cells);
-    table.add("eroded mass", "M", total.mass);
-    for (unsigned int d = 0; d < dim; ++d)
-      table.add(std::string("eroded momentum ") + "xyz"[d], "M L/T", total.momentum[d]);
-  }
-
-  template <int dim>
-  void Erosion<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
-  {
-    const ErosionLoss total = total_loss();
-    summary["eroded_cells"] = n_removed_cells();
-    summary["eroded_mass"] = total.mass;
-    summary["eroded_energy"] = total.energy;
-    Json momentum = Json::array();
-    for (unsigned int d = 0; d < dim; ++d)
-      momentum.push_back(total.momentum[d]);
-    summary["eroded_momentum"] = momentum;
-  }
-
-  template <int dim>
   unsigned long Erosion<dim>::n_removed_cells() const
   {
     unsigned long count = 0;
     for (const ErodingCells<dim> *const part : parts)
       count += part->n_removed_cells();
     return Utilities::MPI::sum(count, communicator);
-  }
-
-  template <int dim>
-  const ErosionLoss &Erosion<dim>::loss() const
-  {
-    return lost;
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &Erosion<dim>::massless_nodes() const
-  {
-    return massless;
   }
 
   namespace

@@ -22,7 +22,7 @@ namespace tombolo
   template <int dim>
   MomentumRedistribution<dim>::MomentumRedistribution(Model<dim> &model) : model(model)
   {
-    model.renewal.before = [this]() { prepare(); };
+    model.signals.rows_change.connect([this] { prepare(); });
   }
 
   template <int dim>

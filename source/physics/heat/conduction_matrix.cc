@@ -62,25 +62,14 @@ namespace tombolo
         double temperature = 0;
         for (unsigned int k = 0; k < n; ++k)
         {
-          double value = 1.;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            double derivative = 1.;
-            for (unsigned int e = 0; e < dim; ++e)
-            {
-              const bool is_upper = ((k >> e) & 1u) != 0;
-              const double x = quadrature.point(q)[e];
-              derivative *= e == d ? (is_upper ? 1. : -1.) : (is_upper ? x : 1. - x);
-            }
-            gradients[k][d] = derivative;
-            const double x = quadrature.point(q)[d];
-            value *= ((k >> d) & 1u) != 0 ? x : 1. - x;
-          }
+          gradients[k] =
+              GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), k);
           Tensor<1, dim> place;
           for (unsigned int d = 0; d < dim; ++d)
             place[d] = position.node(corners[k])[d];
           jacobian += outer_product(place, gradients[k]);
-          temperature += value * *field.node(corners[k]);
+          temperature += GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), k) *
+                         *field.node(corners[k]);
         }
         const double volume = quadrature.weight(q) * std::abs(determinant(jacobian));
         const Tensor<2, dim> inverse =
@@ -458,38 +447,33 @@ namespace tombolo
     constexpr unsigned int entries_per_row = 0; // unknown; they are allocated as they come
     TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), writable,
                                               partition.communicator(), entries_per_row);
-    for (unsigned int row = 0; row < rows.n_rows(); ++row)
+    // Calls the function with the row of the matrix, and what the factor of its values is.
+    const auto for_rows = [&](const auto &add)
     {
-      const types::global_dof_index number = partition.global_index(row);
-      rows.find(row);
-      if (rows.columns.empty())
-        continue;
-      dependent.condense_columns(rows.columns, rows.values);
-      for (const auto &[node, weight] : dependent.weights(number))
-        pattern.add_entries(node, rows.columns.begin(), rows.columns.end());
-      if (dependent.depends(number) && row < partition.n_owned())
-        pattern.add(number, number);
-    }
+      for (unsigned int row = 0; row < rows.n_rows(); ++row)
+      {
+        const types::global_dof_index number = partition.global_index(row);
+        rows.find(row);
+        if (rows.columns.empty())
+          continue;
+        dependent.condense_columns(rows.columns, rows.values);
+        for (const auto &[node, weight] : dependent.weights(number))
+          add(node, weight, rows.columns, rows.values);
+        if (dependent.depends(number) && row < partition.n_owned())
+          add(number, 1., std::vector<types::global_dof_index>{number}, std::vector<double>{1.});
+      }
+    };
+    for_rows([&](const auto row, const double, const auto &columns, const auto &)
+             { pattern.add_entries(row, columns.begin(), columns.end()); });
     pattern.compress();
     matrix.reinit(pattern);
-    for (unsigned int row = 0; row < rows.n_rows(); ++row)
-    {
-      const types::global_dof_index number = partition.global_index(row);
-      rows.find(row);
-      if (rows.columns.empty())
-        continue;
-      dependent.condense_columns(rows.columns, rows.values);
-      for (const auto &[node, weight] : dependent.weights(number))
-      {
-        std::vector<double> values = rows.values;
-        for (double &value : values)
-          value *= weight;
-        matrix.add(node, static_cast<unsigned int>(values.size()), rows.columns.data(),
-                   values.data());
-      }
-      if (dependent.depends(number) && row < partition.n_owned())
-        matrix.add(number, number, 1.);
-    }
+    for_rows(
+        [&](const auto row, const double weight, const auto &columns, std::vector<double> values)
+        {
+          for (double &value : values)
+            value *= weight;
+          matrix.add(row, static_cast<unsigned int>(values.size()), columns.data(), values.data());
+        });
     matrix.compress(VectorOperation::add);
   }
 

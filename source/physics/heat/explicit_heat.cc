@@ -33,7 +33,7 @@ namespace tombolo
                          "The largest step allowed; 0 is no limit of its own.");
     }
 
-    double allowed_step(Model<dim> &model, const double time) override
+    double allowed_step(const Model<dim> &model, const double time) override
     {
       find_limit(model, time);
       ++steps_since_look;
@@ -48,7 +48,7 @@ namespace tombolo
       return step_of_limit();
     }
 
-    void advance(Model<dim> &model, const double time, const double time_step,
+    void advance(const Model<dim> &model, const double time, const double time_step,
                  std::vector<double> &of_condition) override
     {
       ThermalState &state = model.heat->state;
@@ -93,7 +93,7 @@ namespace tombolo
     }
 
   private:
-    void find_limit(Model<dim> &model, const double time)
+    void find_limit(const Model<dim> &model, const double time)
     {
       ThermalModel<dim> &heat = *model.heat;
       const StepLimit paper = heat.diffusion_limit(model.state.position);
@@ -150,7 +150,7 @@ namespace tombolo
     }
 
     /** @p time_step is the present one of find_limit(). */
-    void mend_limit(Model<dim> &model, const double time, const double time_step)
+    void mend_limit(const Model<dim> &model, const double time, const double time_step)
     {
       if (time_step * shown_eigenvalue <= 2.)
         return;
@@ -166,7 +166,7 @@ namespace tombolo
       return maximum > 0. ? std::min(step, maximum) : step;
     }
 
-    void find_rate(Model<dim> &model, const double time)
+    void find_rate(const Model<dim> &model, const double time)
     {
       ThermalModel<dim> &heat = *model.heat;
       const auto &partition = heat.state.enthalpy.partition();
@@ -190,10 +190,6 @@ namespace tombolo
     GrowingRates<dim> growing_rates;
     double shown_eigenvalue = 0; ///< by rates that grow, at the coming step
   };
-
-  template class ExplicitHeat<2>;
-
-  template class ExplicitHeat<3>;
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, ExplicitHeat, "explicit",
                                   "forward Euler steps below the stable one")

@@ -29,7 +29,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  double GrowingRates<dim>::find_eigenvalue(Model<dim> &model, const double time,
+  double GrowingRates<dim>::find_eigenvalue(const Model<dim> &model, const double time,
                                             const NodalVector &rate, const double time_step)
   {
     const ThermalModel<dim> &heat = *model.heat;
@@ -68,7 +68,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double GrowingRates<dim>::quotient_of_rates(Model<dim> &model, const double time,
+  double GrowingRates<dim>::quotient_of_rates(const Model<dim> &model, const double time,
                                               const NodalVector &rate, const double time_step)
   {
     ThermalModel<dim> &heat = *model.heat;

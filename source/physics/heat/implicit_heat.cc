@@ -45,17 +45,19 @@ namespace tombolo
     ImplicitHeat(const Entries &e, double weight);
     ~ImplicitHeat() override;
 
-    double allowed_step(Model<dim> &model, double time) override;
-    void advance(Model<dim> &model, double time, double time_step,
+    double allowed_step(const Model<dim> &, const double) override
+    {
+      return time_step;
+    }
+    void advance(const Model<dim> &model, double time, double time_step,
                  std::vector<double> &of_condition) override;
-    const StepLimit &limit() const override;
+    const StepLimit &limit() const override
+    {
+      return no_limit;
+    }
     void list(Records &records, const Model<dim> &model) override;
     void mesh_has_changed() override;
     void add_to_summary(Summary &summary) const override;
-
-    /** Iterations of conjugate gradients and of Newton since the beginning. */
-    unsigned long n_linear_iterations() const;
-    unsigned long n_newton_iterations() const;
 
   private:
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
@@ -68,7 +70,7 @@ namespace tombolo
 
     /** Solves for the Newton step until the residual is at most @p target. Returns the number of
      * iterations. */
-    unsigned int solve(Model<dim> &model, double time, double factor, double target,
+    unsigned int solve(const Model<dim> &model, double time, double factor, double target,
                        const Vector &right_hand_side, Vector &solution);
 
     /** Solves the equation of a step, whose residual has the norm @p norm, until this is at most
@@ -122,7 +124,7 @@ namespace tombolo
   class ImplicitHeat<dim>::Operator
   {
   public:
-    Operator(ImplicitHeat &owner, Model<dim> &model, const double time, const double factor)
+    Operator(ImplicitHeat &owner, const Model<dim> &model, const double time, const double factor)
         : owner(owner), model(model), time(time), factor(factor)
     {}
 
@@ -138,7 +140,7 @@ namespace tombolo
 
   private:
     ImplicitHeat &owner;
-    Model<dim> &model;
+    const Model<dim> &model;
     double time, factor;
   };
 
@@ -146,7 +148,8 @@ namespace tombolo
   class ImplicitHeat<dim>::Preconditioner
   {
   public:
-    Preconditioner(ImplicitHeat &owner, Model<dim> &model, const double time, const double factor)
+    Preconditioner(ImplicitHeat &owner, const Model<dim> &model, const double time,
+                   const double factor)
         : factor(factor), owner(owner), model(model)
     {
       NodalVector diagonal(owner.capacity.partition(), Quantity::scalar);
@@ -225,7 +228,7 @@ namespace tombolo
     }
 
     ImplicitHeat &owner;
-    Model<dim> &model;
+    const Model<dim> &model;
     mutable Vector between;
     bool inverts_smoothing = false;
     bool is_diagonal = false;
@@ -240,7 +243,7 @@ namespace tombolo
   class ImplicitHeat<dim>::StepEquation
   {
   public:
-    StepEquation(ImplicitHeat &owner, Model<dim> &model, const double time, const double step,
+    StepEquation(ImplicitHeat &owner, const Model<dim> &model, const double time, const double step,
                  const std::size_t n_conditions)
         : model(model), theta(model.heat->state.next_unsmoothed_temperature), begin(time),
           end(time + step), step(step), n_owned(model.heat->state.enthalpy.partition()->n_owned()),
@@ -299,7 +302,7 @@ namespace tombolo
         of_condition[c] += step * (weight * rates[c] + (1. - weight) * first_rates[c]);
     }
 
-    Model<dim> &model;
+    const Model<dim> &model;
     NodalVector &theta; ///< θ̂, the next unsmoothed temperature
     const double begin, end, step;
     const unsigned int n_owned;
@@ -329,15 +332,9 @@ namespace tombolo
   ImplicitHeat<dim>::~ImplicitHeat() = default;
 
   template <int dim>
-  double ImplicitHeat<dim>::allowed_step(Model<dim> & /*scene*/, const double /*time*/)
-  {
-    return time_step;
-  }
-
-  template <int dim>
-  unsigned int ImplicitHeat<dim>::solve(Model<dim> &model, const double time, const double factor,
-                                        const double target, const Vector &right_hand_side,
-                                        Vector &solution)
+  unsigned int ImplicitHeat<dim>::solve(const Model<dim> &model, const double time,
+                                        const double factor, const double target,
+                                        const Vector &right_hand_side, Vector &solution)
   {
     if (preconditioner == nullptr || std::abs(preconditioner->factor / factor - 1.) > 0.1)
     {
@@ -427,7 +424,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ImplicitHeat<dim>::advance(Model<dim> &model, const double time, const double step,
+  void ImplicitHeat<dim>::advance(const Model<dim> &model, const double time, const double step,
                                   std::vector<double> &of_condition)
   {
     ThermalState &state = model.heat->state;
@@ -455,12 +452,6 @@ namespace tombolo
   {
     preconditioner.reset();
     last_step = 0.;
-  }
-
-  template <int dim>
-  const StepLimit &ImplicitHeat<dim>::limit() const
-  {
-    return no_limit;
   }
 
   template <int dim>
@@ -493,25 +484,6 @@ namespace tombolo
     summary["heat_linear_iterations"] = linear_iterations;
     summary["heat_newton_iterations"] = newton_iterations;
   }
-
-  template <int dim>
-  unsigned long ImplicitHeat<dim>::n_linear_iterations() const
-  {
-    return linear_iterations;
-  }
-
-  template <int dim>
-  unsigned long ImplicitHeat<dim>::n_newton_iterations() const
-  {
-    return newton_iterations;
-  }
-
-  template class ImplicitHeat<2>;
-  template class ImplicitHeat<3>;
-  template class BackwardEulerHeat<2>;
-  template class BackwardEulerHeat<3>;
-  template class CrankNicolsonHeat<2>;
-  template class CrankNicolsonHeat<3>;
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, BackwardEulerHeat, "backward Euler",
                                   "implicit steps of first order, without oscillations")

@@ -24,7 +24,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalStep<dim>::start(Model<dim> &model, const double time)
+  void ThermalStep<dim>::start(const Model<dim> &model, const double time)
   {
     ThermalState &state = model.heat->state;
     entered.assign(model.heat->conditions.n_conditions(), 0.);
@@ -38,7 +38,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double ThermalStep<dim>::begin_step(Model<dim> &model, const double target)
+  double ThermalStep<dim>::begin_step(const Model<dim> &model, const double target)
   {
     const auto begin = std::chrono::steady_clock::now();
     ThermalState &state = model.heat->state;
@@ -62,7 +62,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalStep<dim>::complete_step(Model<dim> &model)
+  void ThermalStep<dim>::complete_step(const Model<dim> &model)
   {
     ThermalModel<dim> &heat = *model.heat;
     ThermalState &state = heat.state;
@@ -99,7 +99,7 @@ namespace tombolo
   }
 
   template <int dim>
-  bool ThermalStep<dim>::bring_to(Model<dim> &model, const double time, const double target,
+  bool ThermalStep<dim>::bring_to(const Model<dim> &model, const double time, const double target,
                                   const std::function<bool()> &must_stop)
   {
     constexpr unsigned long patience = 1000, interval = 16;
@@ -219,43 +219,19 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned long ThermalStep<dim>::n_steps() const
-  {
-    return count;
-  }
-
-  template <int dim>
-  double ThermalStep<dim>::smallest_step() const
-  {
-    return smallest;
-  }
-
-  template <int dim>
-  double ThermalStep<dim>::largest_step() const
-  {
-    return largest;
-  }
-
-  template <int dim>
   const StepLimit &ThermalStep<dim>::limit() const
   {
     return scheme->limit();
   }
 
   template <int dim>
-  double ThermalStep<dim>::allowed_step(Model<dim> &model)
+  double ThermalStep<dim>::allowed_step(const Model<dim> &model)
   {
     return scheme->allowed_step(model, time_of_state);
   }
 
   template <int dim>
-  double ThermalStep<dim>::seconds() const
-  {
-    return seconds_spent;
-  }
-
-  template <int dim>
-  void ThermalStep<dim>::list(Records &records, Model<dim> &model, HeatBalance &last)
+  void ThermalStep<dim>::list(Records &records, const Model<dim> &model, HeatBalance &last)
   {
     records.value("time", time_of_state);
     records.value("next time", next_time);

@@ -27,49 +27,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void ConditionAccounts<dim>::add_impulse(const unsigned int condition,
-                                           const unsigned int component,
-                                           const double *const position, const double impulse)
-  {
-    ImpulseAccount::Vector vector{};
-    vector[component] = impulse;
-    accounts[condition].impulses.add(position, vector);
-  }
-
-  template <int dim>
   void ConditionAccounts<dim>::add_loads(const std::vector<LoadSum> &loads, const double interval)
   {
     for (std::size_t c = 0; c < accounts.size(); ++c)
-    {
-      LoadSum impulse = loads[c];
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        impulse.force[d] *= interval;
-        impulse.moment[d] *= interval;
-      }
-      accounts[c].impulses.add(impulse.force, impulse.moment);
-    }
-  }
-
-  template <int dim>
-  void ConditionAccounts<dim>::add_moment(const unsigned int condition,
-                                          const std::array<double, 3> &moment)
-  {
-    accounts[condition].impulses.add(ImpulseAccount::Vector{}, moment);
-  }
-
-  template <int dim>
-  void ConditionAccounts<dim>::add_work(const unsigned int condition, const double work)
-  {
-    accounts[condition].work += work;
-  }
-
-  template <int dim>
-  void ConditionAccounts<dim>::add_now(const unsigned int condition,
-                                       const ConstraintReaction &reaction)
-  {
-    accounts[condition].impulses.add_now(reaction.impulse, reaction.angular_impulse);
-    accounts[condition].work += reaction.work;
+      accounts[c].impulses.add(loads[c].force, loads[c].moment, interval);
   }
 
   template <int dim>
@@ -104,10 +65,7 @@ namespace tombolo
     const std::vector<std::array<double, 4>> displacement = displacements();
     for (std::size_t c = 0; c < accounts.size(); ++c)
     {
-      EnergyAccounts shares;
-      accounts[c].impulses.account(shares);
-      sums.insert(sums.end(), shares.impulse.begin(), shares.impulse.end());
-      sums.insert(sums.end(), shares.angular_impulse.begin(), shares.angular_impulse.end());
+      accounts[c].impulses.append(sums);
       sums.push_back(accounts[c].work);
       sums.insert(sums.end(), displacement[c].begin(), displacement[c].end());
     }

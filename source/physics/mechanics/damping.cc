@@ -36,7 +36,7 @@ namespace tombolo
           .stays_on_rank();
     }
 
-    void model_changed(Model<dim> &model) override
+    void model_changed(const Model<dim> &model) override
     {
       is_rigid.clear();
       for (unsigned int part = 0; part < model.parts.size(); ++part)
@@ -48,12 +48,12 @@ namespace tombolo
         }
     }
 
-    void constrain_acceleration(Model<dim> &model, const Clock &clock) override
+    void constrain_acceleration(const Model<dim> &model, const Clock &clock,
+                                NodalState &state) override
     {
       const double alpha = rate.value(Point<dim>(), clock.time);
       const double step = clock.velocity_step();
       const auto &constrained = model.conditions->constrained_components();
-      const NodalState &state = model.state;
       NodalVector &force = damping.at_all_nodes();
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       {
@@ -132,10 +132,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class Damping<2>;
-
-  template class Damping<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(DampingKind, process_order::damping)
 } // namespace tombolo

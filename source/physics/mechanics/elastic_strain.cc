@@ -165,24 +165,26 @@ namespace tombolo
     };
 
     /** @p foreseen: the largest strain that prescribed displacements tell. */
-    ElasticStrain(std::vector<WatchedPart> parts, const double foreseen)
-        : parts(std::move(parts)), foreseen(foreseen)
+    ElasticStrain(std::vector<WatchedPart> of_parts, const double foreseen, const Model<dim> &model)
+        : parts(std::move(of_parts)), foreseen(foreseen)
     {
-      this->parts.front().is_told = foreseen > large_strain;
+      parts.front().is_told = foreseen > large_strain;
+      this->observed.warnings.connect([this, &model](auto &, const auto occasion, auto &warnings)
+                                      { add_warnings(model, occasion, warnings); });
     }
 
-    std::vector<std::string> warnings(const Model<dim> &model, const Clock &,
-                                      const typename Process<dim>::Occasion occasion) override
+  private:
+    void add_warnings(const Model<dim> &model, const typename Process<dim>::Occasion occasion,
+                      std::vector<std::string> &warnings)
     {
       using Occasion = typename Process<dim>::Occasion;
       if (occasion == Occasion::energy_lost)
-        return advice(model);
-      std::vector<std::string> warnings;
+        add_advice(model, warnings);
       if (occasion == Occasion::audit && foreseen > large_strain)
         warnings.push_back(sentence("Prescribed displacements change distances of an elastic body",
                                     foreseen, parts.front().cure));
       if (occasion != Occasion::row)
-        return warnings;
+        return;
       for (WatchedPart &watched : parts)
       {
         if (watched.is_told)
@@ -194,16 +196,14 @@ namespace tombolo
           warnings.push_back(
               sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure));
       }
-      return warnings;
     }
 
-  private:
     /** What to say where the balance of energy stops a run: of the part with the largest strain, or
      * nothing where all are small. Collective. */
-    std::vector<std::string> advice(const Model<dim> &model) const
+    void add_advice(const Model<dim> &model, std::vector<std::string> &warnings) const
     {
       double largest = large_strain;
-      std::vector<std::string> text;
+      std::string text;
       for (const WatchedPart &watched : parts)
       {
         const Part<dim> &part = model.parts[watched.part];
@@ -211,10 +211,10 @@ namespace tombolo
         if (!(strain > largest))
           continue;
         largest = strain;
-        text = {
-            sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure)};
+        text = sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure);
       }
-      return text;
+      if (!text.empty())
+        warnings.push_back(text);
     }
 
     std::vector<WatchedPart> parts;
@@ -272,14 +272,11 @@ namespace tombolo
           return nullptr;
         const bool is_run = !value_of(run, "End time").empty();
         return std::make_unique<ElasticStrain<dim>>(
-            std::move(parts), is_run ? foreseen_strain(model, run.get_double("End time")) : 0.);
+            std::move(parts), is_run ? foreseen_strain(model, run.get_double("End time")) : 0.,
+            model);
       }
     };
   } // namespace
-
-  template class ElasticStrain<2>;
-
-  template class ElasticStrain<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(ElasticStrainKind, process_order::sections)
 } // namespace tombolo

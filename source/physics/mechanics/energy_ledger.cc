@@ -93,7 +93,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  EnergyBalance EnergyLedger::balance(Model<dim> &model, const Clock &clock,
+  EnergyBalance EnergyLedger::balance(const Model<dim> &model, const Clock &clock,
                                       const double unresolved)
   {
     EnergyBalance result;
@@ -181,6 +181,6 @@ namespace tombolo
     records.value("last short wave share", last.short_wave_share);
   }
 
-  template EnergyBalance EnergyLedger::balance(Model<2> &, const Clock &, double);
-  template EnergyBalance EnergyLedger::balance(Model<3> &, const Clock &, double);
+  template EnergyBalance EnergyLedger::balance(const Model<2> &, const Clock &, double);
+  template EnergyBalance EnergyLedger::balance(const Model<3> &, const Clock &, double);
 } // namespace tombolo

@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/fragment_contact.h>
 
 #include <tombolo/model/model.h>
-#include <tombolo/output/time_table.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
 #include <deal.II/base/mpi.h>
@@ -57,6 +56,11 @@ namespace tombolo
   {
     if (!rubs)
       forces.stays_on_rank();
+    this->observed.column("fragments", "1",
+                          [&] { return static_cast<double>(sum_of_counts(model).n_fragments); });
+    this->observed.column("particles in self-contact", "1",
+                          [&] { return static_cast<double>(sum_of_counts(model).n_touching); });
+    this->observed.result("fragments", [&] { return sum_of_counts(model).n_fragments; });
     if (!rubs || !model.heat)
       return;
     heat = &this->actions.add_heat("heat of fragments", "self-contact friction heat");
@@ -64,7 +68,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void FragmentContact<dim>::add_forces(Model<dim> &, const Clock &clock, const NodalVector &)
+  void FragmentContact<dim>::add_forces(const Model<dim> &, const Clock &clock, const NodalVector &)
   {
     const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
     FragmentHeat of_nodes;
@@ -89,20 +93,6 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       fraction = std::min(fraction, particles->stable_fraction(stable_step));
     return fraction;
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::report(const Model<dim> &, TimeTable &table) const
-  {
-    const FragmentCounts counts = sum_of_counts(model);
-    table.add("fragments", "1", static_cast<double>(counts.n_fragments));
-    table.add("particles in self-contact", "1", static_cast<double>(counts.n_touching));
-  }
-
-  template <int dim>
-  void FragmentContact<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
-  {
-    summary["fragments"] = sum_of_counts(model).n_fragments;
   }
 
   namespace

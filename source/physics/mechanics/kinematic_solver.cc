@@ -380,7 +380,7 @@ namespace tombolo
 
   template <int dim>
   KinematicSolver<dim>::KinematicSolver(std::vector<KinematicContact<dim> *> of_scene,
-                                        Model<dim> &model)
+                                        const Model<dim> &model)
       : contacts(std::move(of_scene)), position_response(*model.bridge)
   {
     for (const KinematicContact<dim> *const contact : contacts)
@@ -413,7 +413,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double KinematicSolver<dim>::find_constraints(Model<dim> &model, const Clock &clock,
+  double KinematicSolver<dim>::find_constraints(const Model<dim> &model, const Clock &clock,
                                                 const NodalHeat &nodal_heat)
   {
     position_response.predict(model.state, clock, candidates, predicted);
@@ -432,7 +432,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void KinematicSolver<dim>::sweep(Model<dim> &model, const Clock &clock, const double tolerance)
+  void KinematicSolver<dim>::sweep(const Model<dim> &model, const Clock &clock,
+                                   const double tolerance)
   {
     for (const unsigned int node : nodes)
       *count.node(node) = 0.;
@@ -460,7 +461,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void KinematicSolver<dim>::solve(Model<dim> &model, const Clock &clock,
+  void KinematicSolver<dim>::solve(const Model<dim> &model, const Clock &clock,
                                    const NodalHeat &nodal_heat, NodalVector &loads,
                                    std::vector<unsigned int> &loaded_nodes)
   {
@@ -469,7 +470,6 @@ namespace tombolo
       vector->fit_to(partition);
     count.fit_to(partition, Quantity::scalar);
     position_response.begin_step(partition);
-    model.state.acceleration.update_ghosts();
     if (!position_response.is_global() || may_touch(model, clock))
     {
       const double deepest = find_constraints(model, clock, nodal_heat);

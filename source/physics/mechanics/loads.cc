@@ -12,11 +12,20 @@
 namespace tombolo
 {
   template <int dim>
-  Loads<dim>::Loads(const Model<dim> &model)
+  Loads<dim>::Loads(Model<dim> &model)
       : conditions(*model.conditions), loads(this->actions.add("loads", ActsAt::loads)),
         of_conditions(model, false)
   {
     loads.books("external work", EnergyKind::external).comes_from_outside().stays_on_rank();
+    model.signals.change.connect(
+        [this, &model]
+        {
+          add_works(model, [](SingleLoad &load, const NodalVector &velocity, double &work)
+                    { load.work.begin_change(velocity, work); });
+        });
+    this->observed.views.connect(
+        [this](OutputView<dim> &view)
+        { view.condition_balances.push_back([this] { return balances(); }); });
     for (unsigned int c = 0; c < conditions.all().size(); ++c)
       if (!prescribes_motion(conditions.all()[c].type))
         single.push_back({c, {}, {}});
@@ -29,13 +38,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string Loads<dim>::failure() const
-  {
-    return conditions.failure();
-  }
-
-  template <int dim>
-  void Loads<dim>::model_changed(Model<dim> &model)
+  void Loads<dim>::model_changed(const Model<dim> &model)
   {
     loaded_nodes =
         with_nodes_depended_on(model.state.partition(), conditions.loaded_nodes(model.state));
@@ -65,19 +68,12 @@ namespace tombolo
     {
       double work = 0;
       add(load, velocity, work);
-      of_conditions.add_work(load.condition, work);
+      of_conditions[load.condition].work += work;
     }
   }
 
   template <int dim>
-  void Loads<dim>::prepare_change(Model<dim> &model)
-  {
-    add_works(model, [](SingleLoad &load, const NodalVector &velocity, double &work)
-              { load.work.begin_change(velocity, work); });
-  }
-
-  template <int dim>
-  void Loads<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
+  void Loads<dim>::add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &)
   {
     const bool has_particles = model.bridge->has_particles();
     if (has_particles)
@@ -96,7 +92,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Loads<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  void Loads<dim>::after_acceleration(const Model<dim> &model, const Clock &clock)
   {
     of_conditions.begin_step(clock.time - 0.5 * clock.previous_step);
     of_conditions.add_loads(resultants, clock.velocity_step());
@@ -105,17 +101,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void Loads<dim>::show(OutputView<dim> &view) const
+  std::vector<ConditionBalance> Loads<dim>::balances() const
   {
-    view.condition_balances.emplace_back(
-        [this]()
-        {
-          std::vector<ConditionBalance> balances = of_conditions.balances();
-          if (single.empty()) // one load, which has done all the work
-            balances.front().work =
-                ordered_sum(loads.work(), loads.given().partition()->communicator());
-          return balances;
-        });
+    std::vector<ConditionBalance> result = of_conditions.balances();
+    if (single.empty()) // one load, which has done all the work
+      result.front().work = ordered_sum(loads.work(), loads.given().partition()->communicator());
+    return result;
   }
 
   namespace

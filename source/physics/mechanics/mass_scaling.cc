@@ -52,19 +52,9 @@ namespace tombolo
                          "become smaller. It is never taken away.");
   }
 
-  double ScalingSettings::inertia_factor() const
-  {
-    return mass_factor * process_time_factor * process_time_factor;
-  }
-
   bool ScalingSettings::is_active() const
   {
     return inertia_factor() != 1. || is_selective();
-  }
-
-  bool ScalingSettings::is_selective() const
-  {
-    return target_time_step > 0.;
   }
 
   template <int dim>
@@ -75,8 +65,13 @@ namespace tombolo
     this->roles.rest = ProcessRole::is_idle;
     this->roles.divided_cells = ProcessRole::is_refused;
     this->records.group("mass scaling").sums("work", work);
+    this->observed.audit.connect([this, &model](std::ostream &text) { describe(model, text); });
+    this->observed.columns.connect([this, &model](TimeTable &table) { report(model, table); });
+    this->observed.results.connect([this, &model](const TimeTable &table, Json &summary)
+                                   { summary["scaling"] = results(model, table); });
     if (!settings.is_selective())
       return;
+    this->observed.energy("mass scaling work", EnergyKind::external, work);
     for (unsigned int p = 0; p < model.parts.size(); ++p)
       this->structure.group("inertia of part " + model.parts[p].name)
           .archived(
@@ -189,13 +184,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void MassScaling<dim>::account(EnergyAccounts &accounts) const
-  {
-    if (settings.is_selective())
-      accounts.add("mass scaling work", EnergyKind::external, work);
-  }
-
-  template <int dim>
   typename MassScaling<dim>::Extent MassScaling<dim>::extent(const Model<dim> &model) const
   {
     Extent extent;
@@ -274,8 +262,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MassScaling<dim>::summarize(const Model<dim> &model, const TimeTable &table,
-                                   Json &summary) const
+  Json MassScaling<dim>::results(const Model<dim> &model, const TimeTable &table) const
   {
     const Masses mass = masses(model);
     const Extent present = extent(model);
@@ -308,7 +295,7 @@ namespace tombolo
         ratio = std::max(ratio, kinetic[i] / (elastic[i] + plastic[i]));
         result["largest_kinetic_over_internal_energy"] = ratio;
       }
-    summary["scaling"] = result;
+    return result;
   }
 
   namespace

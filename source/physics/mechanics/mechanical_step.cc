@@ -116,7 +116,7 @@ namespace tombolo
     differences.advance(model, clock); // (22)-(25), (52)-(56)
     stopwatch.lap("motion");
     for (const auto &process : model.processes)
-      process->after_motion(model, clock);
+      process->after_motion(model, clock, model.state);
     stopwatch.lap("processes after the motion");
   }
 
@@ -133,8 +133,7 @@ namespace tombolo
     const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
-      for (const auto &process : model.processes)
-        process->part_force(number, force, false);
+      model.signals.part_force(number, force, false);
       // A failure is known to one rank alone; all must hear of it before any leaves.
       std::string failure;
       try
@@ -150,8 +149,7 @@ namespace tombolo
       if (!failure.empty())
         failures.note("At time " + format_number(clock.time) + ", step " +
                       std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
-      for (const auto &process : model.processes)
-        process->part_force(number, force, true);
+      model.signals.part_force(number, force, true);
       stopwatch.lap(part.formulation->phase());
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
@@ -160,9 +158,14 @@ namespace tombolo
   template <int dim>
   void MechanicalStep<dim>::divide_by_mass(const Clock &clock)
   {
-    for (const auto &process : model.processes)
-      if (const std::string failure = process->failure(); !failure.empty())
+    const auto note = [&](const std::string &failure)
+    {
+      if (!failure.empty())
         failures.note("In step " + std::to_string(clock.step) + ": " + failure);
+    };
+    note(model.conditions->failure());
+    for (const auto &process : model.processes)
+      note(process->failure);
     NodalState &state = model.state;
     const unsigned int n_owned = state.partition()->n_owned();
     const NodalVector &mass = model.bridge->nodal_mass();
@@ -198,12 +201,6 @@ namespace tombolo
   void MechanicalStep<dim>::check_now()
   {
     failures.end();
-  }
-
-  template <int dim>
-  const Stopwatch &MechanicalStep<dim>::times() const
-  {
-    return stopwatch;
   }
 
   template class MechanicalStep<2>;

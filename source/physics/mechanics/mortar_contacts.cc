@@ -176,6 +176,53 @@ namespace tombolo
     of_all.nodal("last position", dim, last_position);
     of_all.archived([this](StateArchive &archive)
                     { archive.nodal("force", dim, force.at_all_nodes()); });
+    observe(model);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::observe(Model<dim> &model)
+  {
+    model.signals.nodes_placed.connect([this, &model](const Clock &, const NodalVector &before)
+                                       { place_nodes(before, model); });
+    model.signals.trials.connect(
+        [this, &model](const Clock &clock, const double touch_distance)
+        {
+          for (const auto &contact : members)
+          {
+            contact->become_static(touch_distance);
+            contact->find_stiffness(model.state, clock); // one for all evaluations of the step
+          }
+          if (clock.step == 0)
+            last_position.copy_from(model.state.position);
+        });
+    this->observed.energies.connect(
+        [this](EnergyAccounts &accounts)
+        {
+          ContactBalance sum;
+          for (const auto &contact : members)
+            sum.add(contact->balance());
+          accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
+          accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
+          accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
+        });
+    this->observed.audit.connect(
+        [this, &model](std::ostream &text)
+        {
+          for (const auto &contact : members)
+            if (contact->is_tied())
+              text << "  contact \"" << contact->name() << "\": "
+                   << MortarHistory<dim>::describe_tie(model.state.initial_position,
+                                                       contact->slave_faces().owned_nodes(),
+                                                       contact->node_histories(), communicator)
+                   << "\n";
+        });
+    this->observed.views.connect(
+        [this](OutputView<dim> &view)
+        {
+          for (const auto &contact : members)
+            view.body_contacts.push_back(contact.get());
+          view.body_contact_force = &force.given();
+        });
   }
 
   template <int dim>
@@ -192,7 +239,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::model_changed(Model<dim> &model)
+  void MortarContacts<dim>::model_changed(const Model<dim> &model)
   {
     const auto &partition = model.state.partition();
     renew_faces(model);
@@ -211,8 +258,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::nodes_were_placed(Model<dim> &model, const Clock &,
-                                              const NodalVector &before)
+  void MortarContacts<dim>::place_nodes(const NodalVector &before, Model<dim> &model)
   {
     const NodalVector places = nodal_field(model.state.partition(), Quantity::position,
                                            [&](const unsigned int i, double *const place)
@@ -229,7 +275,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
+  void MortarContacts<dim>::add_forces(const Model<dim> &model, const Clock &clock,
+                                       const NodalVector &)
   {
     NodalHeat nodal_heat;
     if (heat != nullptr)
@@ -247,7 +294,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::after_acceleration(Model<dim> &, const Clock &clock)
+  void MortarContacts<dim>::after_acceleration(const Model<dim> &, const Clock &clock)
   {
     for (const auto &contact : members)
       contact->complete_step(clock);
@@ -263,54 +310,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContacts<dim>::account(EnergyAccounts &accounts) const
-  {
-    ContactBalance sum;
-    for (const auto &contact : members)
-      sum.add(contact->balance());
-    accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
-    accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
-    accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::describe(const Model<dim> &model, std::ostream &text) const
-  {
-    for (const auto &contact : members)
-    {
-      if (!contact->is_tied())
-        continue;
-      text << "  contact \"" << contact->name() << "\": "
-           << MortarHistory<dim>::describe_tie(model.state.initial_position,
-                                               contact->slave_faces().owned_nodes(),
-                                               contact->node_histories(), communicator)
-           << "\n";
-    }
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::show(OutputView<dim> &view) const
-  {
-    for (const auto &contact : members)
-      view.body_contacts.push_back(contact.get());
-    view.body_contact_force = &force.given();
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::begin_trials(Model<dim> &model, const Clock &clock,
-                                         const double touch_distance)
-  {
-    for (const auto &contact : members)
-    {
-      contact->become_static(touch_distance);
-      contact->find_stiffness(model.state, clock); // one for all evaluations of the step
-    }
-    if (clock.step == 0)
-      last_position.copy_from(model.state.position);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent)
+  void MortarContacts<dim>::linearize(const Model<dim> &model, const Clock &clock,
+                                      Tangent<dim> &tangent)
   {
     if (tangent.springs == nullptr)
       return;

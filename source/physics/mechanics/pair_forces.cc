@@ -56,7 +56,11 @@ namespace tombolo
                              has_stress = has_stress || pairs.pair_terms().has_artificial_stress();
                            });
       if (has_viscosity)
+      {
         viscosity = add("pair viscosity");
+        this->observed.warnings.connect([this](auto &, const auto occasion, auto &warnings)
+                                        { add_warnings(occasion, warnings); });
+      }
       if (has_stress)
         stress = add("artificial stress");
       if (!has_viscosity || !model.heat)
@@ -65,7 +69,7 @@ namespace tombolo
       heat->stays_on_rank();
     }
 
-    void add_forces(Model<dim> &, const Clock &, const NodalVector &) override
+    void add_forces(const Model<dim> &, const Clock &, const NodalVector &) override
     {
       const NodalState &state = model.state;
       if (viscosity != nullptr)
@@ -96,7 +100,7 @@ namespace tombolo
           });
     }
 
-    void linearize(Model<dim> &, const Clock &, Tangent<dim> &tangent) override
+    void linearize(const Model<dim> &, const Clock &, Tangent<dim> &tangent) override
     {
       if (viscosity == nullptr || tangent.velocity == nullptr)
         return;
@@ -115,7 +119,7 @@ namespace tombolo
                    tangent.force->node(i));
     }
 
-    void after_acceleration(Model<dim> &, const Clock &clock) override
+    void after_acceleration(const Model<dim> &, const Clock &clock) override
     {
       if (heat == nullptr)
         return;
@@ -129,16 +133,17 @@ namespace tombolo
           });
     }
 
+  private:
     /** At the end of the run, where inertia is scaled, material has flowed and the viscosity has
      * taken more than 5 % of the plastic work. */
-    std::vector<std::string> warnings(const Model<dim> &, const Clock &,
-                                      const typename Process<dim>::Occasion occasion) override
+    void add_warnings(const typename Process<dim>::Occasion occasion,
+                      std::vector<std::string> &warnings) const
     {
-      if (occasion != Process<dim>::Occasion::end || viscosity == nullptr ||
+      if (occasion != Process<dim>::Occasion::end ||
           std::none_of(model.parts.begin(), model.parts.end(),
                        [](const Part<dim> &part)
                        { return part.material->relative_inertia() > 1.; }))
-        return {};
+        return;
       double plastic = 0;
       for (const Part<dim> &part : model.parts)
         plastic += part.formulation->energies()["plastic dissipation"];
@@ -146,17 +151,16 @@ namespace tombolo
       const double viscous = ordered_sum(-viscosity->work(), model.communicator);
       constexpr double tolerable = 0.05;
       if (plastic == 0. || !(viscous > tolerable * plastic))
-        return {};
+        return;
       std::ostringstream text;
       text.precision(3);
       text << "The artificial viscosity of pairs has taken " << viscous
            << ", more than 5 % of the plastic work " << plastic
            << ". It grows with the speed at which the process is run, and makes forces too large. "
               "Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
-      return {text.str()};
+      warnings.push_back(text.str());
     }
 
-  private:
     const Model<dim> &model;
     Action *viscosity = nullptr, *stress = nullptr; // null: no part has it
     HeatAction *heat = nullptr;                     // null where nothing heats
@@ -193,10 +197,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class PairForces<2>;
-
-  template class PairForces<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(PairForcesKind, process_order::loads + 2)
 } // namespace tombolo

@@ -64,6 +64,8 @@ namespace tombolo
         law.frequency =
             std::sqrt(law.stiffness) * part.material->longitudinal_wave_speed() / spacing;
       }
+      this->observed.energy("self-contact energy", EnergyKind::stored, stored);
+      this->observed.energy("self-contact damping", EnergyKind::dissipated, dissipated);
       this->records.group("contact between parts")
           .list(
               [this, &model](Records &now)
@@ -80,12 +82,12 @@ namespace tombolo
               });
     }
 
-    void model_changed(Model<dim> &) override
+    void model_changed(const Model<dim> &) override
     {
       is_current = false;
     }
 
-    void add_forces(Model<dim> &model, const Clock &, const NodalVector &) override
+    void add_forces(const Model<dim> &model, const Clock &, const NodalVector &) override
     {
       if (!is_current)
       {
@@ -130,12 +132,6 @@ namespace tombolo
           fraction = std::min(fraction, ContactLaw::stable_fraction(springs, dampers));
         }
       return fraction;
-    }
-
-    void account(EnergyAccounts &accounts) const override
-    {
-      accounts.add("self-contact energy", EnergyKind::stored, stored);
-      accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
     }
 
   private:
@@ -413,10 +409,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class PartContact<2>;
-
-  template class PartContact<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(PartContactKind, process_order::fragment_contact)
 } // namespace tombolo

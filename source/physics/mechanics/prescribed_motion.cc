@@ -81,7 +81,7 @@ namespace tombolo
   class PrescribedMotion : public Process<dim>
   {
   public:
-    explicit PrescribedMotion(const Model<dim> &model)
+    explicit PrescribedMotion(Model<dim> &model)
         : model(model), conditions(*model.conditions), supports(model, true)
     {
       const auto vector = [](Vector & of_node) -> auto &
@@ -95,36 +95,22 @@ namespace tombolo
       all.at_nodes(nodes, previous_force).vector("previous force", vector);
       all.archived([this](StateArchive &archive) { serialize_offsets(archive); });
       supports.list(all);
+      model.signals.change.connect([this] { prepare_change(); });
+      this->observed.energy("external work", EnergyKind::external, work);
+      this->observed.views.connect(
+          [this](OutputView<dim> &view)
+          {
+            view.reaction = [this](const unsigned int node) { return reaction(node); };
+            view.condition_balances.push_back([this] { return supports.balances(); });
+          });
     }
 
-    void prepare_change(Model<dim> &model) override
+    void constrain_acceleration(const Model<dim> &, const Clock &clock, NodalState &state) override
     {
-      if (previous_inertia.size() == conditions.constrained_nodes().size())
-        for_constrained(model,
-                        [&](const std::size_t k, const unsigned int d, const double velocity,
-                            const double inertial_velocity)
-                        {
-                          const double half = 0.5 * (inertial_velocity * previous_inertia[k][d] -
-                                                     velocity * previous_force[k][d]);
-                          work += half;
-                          supports.add_work(condition_of(conditions, k, d), half);
-                        });
-      previous_inertia.clear();
-      previous_force.clear();
+      conditions.prescribe_acceleration(state, clock.time, clock.velocity_step(), clock.next_step);
     }
 
-    std::string failure() const override
-    {
-      return conditions.failure();
-    }
-
-    void constrain_acceleration(Model<dim> &model, const Clock &clock) override
-    {
-      conditions.prescribe_acceleration(model.state, clock.time, clock.velocity_step(),
-                                        clock.next_step);
-    }
-
-    void after_acceleration(Model<dim> &model, const Clock &clock) override
+    void after_acceleration(const Model<dim> &, const Clock &clock) override
     {
       const NodalState &state = model.state;
       const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
@@ -150,41 +136,53 @@ namespace tombolo
                 inertial_velocity * impulse_of_step(inertia, previous_inertia[k][d], is_start) -
                 velocity * impulse_of_step(force, previous_force[k][d], is_start);
             work += of_step;
-            supports.add_work(condition, of_step);
+            supports[condition].work += of_step;
             Vector reaction{};
             reaction[d] = inertia - force;
             model.impulses.add(state.position.node(node), reaction);
-            supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
+            supports[condition].impulses.add(state.position.node(node), reaction);
           });
-      add_moments(model, velocity_step);
+      add_moments(velocity_step);
     }
 
-    void after_motion(Model<dim> &model, const Clock &) override
+    void after_motion(const Model<dim> &, const Clock &, NodalState &) override
     {
       for_particles(
-          model, [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
-          { supports.add_now(condition_of(conditions, k, d), particle.reactions[d]); });
+          model,
+          [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+          {
+            const ConstraintReaction &reaction = particle.reactions[d];
+            auto &account = supports[condition_of(conditions, k, d)];
+            account.impulses.add_now(reaction.impulse, reaction.angular_impulse);
+            account.work += reaction.work;
+          });
       const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
       work += reaction.work;
       model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
     }
 
-    void account(EnergyAccounts &accounts) const override
-    {
-      accounts.add("external work", EnergyKind::external, work);
-    }
-
-    void show(OutputView<dim> &view) const override
-    {
-      view.reaction = [this](const unsigned int node) { return reaction(node); };
-      view.condition_balances.emplace_back([this]() { return supports.balances(); });
-    }
-
   private:
     using Vector = std::array<double, 3>;
 
+    /** Books the first half of the step with the nodes and masses of before. */
+    void prepare_change()
+    {
+      if (previous_inertia.size() == conditions.constrained_nodes().size())
+        for_constrained(model,
+                        [&](const std::size_t k, const unsigned int d, const double velocity,
+                            const double inertial_velocity)
+                        {
+                          const double half = 0.5 * (inertial_velocity * previous_inertia[k][d] -
+                                                     velocity * previous_force[k][d]);
+                          work += half;
+                          supports[condition_of(conditions, k, d)].work += half;
+                        });
+      previous_inertia.clear();
+      previous_force.clear();
+    }
+
     /** What prescribed components of particles add to the moment of the reactions. Collective. */
-    void add_moments(Model<dim> &model, const double velocity_step)
+    void add_moments(const double velocity_step)
     {
       if (model.bridge->operators() != Bridge::Operators::affine)
         return;
@@ -193,11 +191,9 @@ namespace tombolo
           model,
           [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
           {
-            Vector moment = particle.moments[d];
-            for (double &component : moment)
-              component *= velocity_step;
-            model.impulses.add(Vector{}, moment);
-            supports.add_moment(condition_of(conditions, k, d), moment);
+            const Vector &moment = particle.moments[d];
+            model.impulses.add(Vector{}, moment, velocity_step);
+            supports[condition_of(conditions, k, d)].impulses.add(Vector{}, moment, velocity_step);
           });
     }
 
@@ -234,7 +230,7 @@ namespace tombolo
       return result;
     }
 
-    const Model<dim> &model;
+    Model<dim> &model;
     const MechanicalConditions<dim> &conditions;
     double work = 0;                      ///< this rank's share [M L^2/T^2]
     ConditionAccounts<dim> supports;      ///< the same by condition, and impulses
@@ -256,10 +252,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class PrescribedMotion<2>;
-
-  template class PrescribedMotion<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(PrescribedMotionKind, process_order::prescribed_motion)
 } // namespace tombolo

@@ -48,7 +48,8 @@ namespace tombolo
 
   template <int dim>
   RigidBodies<dim>::RigidBodies(const Parameters &parameters, Model<dim> &model)
-      : is_first_rank(Utilities::MPI::this_mpi_process(model.communicator) == 0)
+      : impulses(model.impulses),
+        is_first_rank(Utilities::MPI::this_mpi_process(model.communicator) == 0)
   {
     this->roles.rest = ProcessRole::is_refused;
     this->roles.divided_cells = ProcessRole::is_refused;
@@ -72,6 +73,41 @@ namespace tombolo
     masses_have_changed(model);
     model.state.unsmoothed_velocity.distribute();
     list(model);
+    observe();
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::observe()
+  {
+    this->observed.energies.connect(
+        [this](EnergyAccounts &accounts)
+        {
+          double kinetic = 0, work = 0;
+          for (const RigidBody<dim> &body : bodies)
+          {
+            kinetic += body.kinetic_energy_beyond_nodes();
+            work += body.external_work();
+          }
+          accounts.add_replicated("kinetic energy", EnergyKind::stored, kinetic);
+          accounts.add_replicated("external work", EnergyKind::external, work);
+          if (lost != 0.) // beside that of the process which has moved mass
+            accounts.add_replicated("remap loss", EnergyKind::dissipated, lost);
+          accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
+        });
+    this->observed.results.connect([this](const TimeTable &, Json &summary)
+                                   { summarize(summary); });
+    this->observed.audit.connect([this](std::ostream &text) { describe(text); });
+    this->observed.views.connect(
+        [this](OutputView<dim> &view)
+        {
+          view.rigid_bodies = [this]
+          {
+            std::vector<RigidBodyBalance> result;
+            for (const RigidBody<dim> &body : bodies)
+              result.push_back(body.balance());
+            return result;
+          };
+        });
   }
 
   template <int dim>
@@ -146,12 +182,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBodies<dim>::model_changed(Model<dim> &)
-  {
-    masses_can_be_old = true;
-  }
-
-  template <int dim>
   ModelChange RigidBodies<dim>::change_model(Model<dim> &model, const Clock &clock)
   {
     if (!std::exchange(masses_can_be_old, false) || !masses_have_changed(model))
@@ -219,9 +249,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBodies<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
+  void RigidBodies<dim>::constrain_acceleration(const Model<dim> &model, const Clock &clock,
+                                                NodalState &state)
   {
-    NodalState &state = model.state;
     std::vector<double> sums;
     for (std::size_t b = 0; b < bodies.size(); ++b)
     {
@@ -274,37 +304,21 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBodies<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  void RigidBodies<dim>::after_acceleration(const Model<dim> &, const Clock &clock)
   {
     for (RigidBody<dim> &body : bodies)
-      body.complete_step(clock, is_first_rank ? &model.impulses : nullptr);
+      body.complete_step(clock, is_first_rank ? &impulses : nullptr);
   }
 
   template <int dim>
-  void RigidBodies<dim>::after_motion(Model<dim> &, const Clock &)
+  void RigidBodies<dim>::after_motion(const Model<dim> &, const Clock &, NodalState &)
   {
     for (RigidBody<dim> &body : bodies)
       body.advance();
   }
 
   template <int dim>
-  void RigidBodies<dim>::account(EnergyAccounts &accounts) const
-  {
-    double kinetic = 0, work = 0;
-    for (const RigidBody<dim> &body : bodies)
-    {
-      kinetic += body.kinetic_energy_beyond_nodes();
-      work += body.external_work();
-    }
-    accounts.add_replicated("kinetic energy", EnergyKind::stored, kinetic);
-    accounts.add_replicated("external work", EnergyKind::external, work);
-    if (lost != 0.) // beside that of the process which has moved mass
-      accounts.add_replicated("remap loss", EnergyKind::dissipated, lost);
-    accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
+  void RigidBodies<dim>::summarize(Json &summary) const
   {
     for (const RigidBody<dim> &body : bodies)
     {
@@ -328,7 +342,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBodies<dim>::describe(const Model<dim> &, std::ostream &text) const
+  void RigidBodies<dim>::describe(std::ostream &text) const
   {
     for (const RigidBody<dim> &body : bodies)
     {
@@ -350,24 +364,6 @@ namespace tombolo
                                                           : ", moments turn it about its axis")
            << "\n";
     }
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::show(OutputView<dim> &view) const
-  {
-    view.rigid_bodies = [this]()
-    {
-      std::vector<RigidBodyBalance> result;
-      for (const RigidBody<dim> &body : bodies)
-        result.push_back(body.balance());
-      return result;
-    };
-  }
-
-  template <int dim>
-  const std::vector<RigidBody<dim>> &RigidBodies<dim>::all() const
-  {
-    return bodies;
   }
 
   namespace

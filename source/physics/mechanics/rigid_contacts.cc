@@ -99,6 +99,7 @@ namespace tombolo
       create_contact(section, model, can_be_exposed, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
     create_heat(has_heat);
+    observe(model);
     if (std::any_of(members.begin(), members.end(),
                     [](const auto &contact) { return contact->is_with_part(); }))
       this->roles.placed_nodes = ProcessRole::is_refused;
@@ -160,7 +161,94 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::model_changed(Model<dim> &model)
+  void RigidContacts<dim>::observe(Model<dim> &model)
+  {
+    model.signals.nodes_move.connect(
+        [this](const Clock &clock, const NodalVector &slides, const NodalVector &from,
+               NodalVector &position, NodalVector &is_bound)
+        {
+          for (const auto &contact : members)
+            contact->keep_outside(clock, slides, from, position, is_bound);
+        });
+    model.signals.nodes_placed.connect(
+        [this, &model](const Clock &clock, const NodalVector &before)
+        {
+          for (const auto &contact : members)
+            contact->place_nodes(model.state, before, clock);
+        });
+    model.signals.trials.connect(
+        [this, &model](const Clock &clock, const double touch_distance)
+        {
+          for (const auto &contact : members)
+          {
+            contact->become_static(touch_distance);
+            if (clock.step == 0)
+              contact->forget_motion(model.state);
+          }
+        });
+    this->observed.energies.connect(
+        [this](EnergyAccounts &accounts)
+        {
+          const ContactBalance sum = balance();
+          accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
+          accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
+          accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
+          if (has_tool_mass())
+            accounts.add_replicated("tool kinetic energy", EnergyKind::stored, sum.tool_kinetic);
+          accounts.add_replicated("external work", EnergyKind::external, sum.external_work);
+        });
+    this->observed.columns.connect(
+        [this, &model](TimeTable &table)
+        {
+          if (const auto count = ContactNodes<dim>(model).count_fast_particles(members))
+            table.add("particles that fly off", "1", *count);
+          for (unsigned int d = 0; d < dim && has_tool_mass(); ++d)
+            table.add(std::string("tool momentum ") + "xyz"[d], "M L/T",
+                      balance().tool_momentum[d]);
+        });
+    this->observed.results.connect(
+        [this, &model](const TimeTable &, Json &summary)
+        {
+          if (const auto count = ContactNodes<dim>(model).count_fast_particles(members))
+            summary["particles_that_fly_off"] = static_cast<unsigned long>(*count);
+        });
+    this->observed.audit.connect(
+        [this](std::ostream &text)
+        {
+          for (const auto &contact : members)
+            if (const auto description = contact->contact_surface().description();
+                !description.empty())
+              text << "  contact \"" << contact->name() << "\": " << description << "\n";
+        });
+    this->observed.views.connect(
+        [this](OutputView<dim> &view)
+        {
+          for (const auto &contact : members)
+            view.contacts.push_back(contact.get());
+        });
+    this->observed.warnings.connect(
+        [this, &model](const Clock &clock, const auto occasion, std::vector<std::string> &result)
+        {
+          for (const auto &contact : members)
+            if (occasion == Process<dim>::Occasion::audit)
+              for (const std::string &remark : contact->contact_surface().remarks())
+                result.push_back("Surface of the contact \"" + contact->name() + "\": " + remark);
+          for (auto &[member, corridor] : corridors)
+            if (occasion == Process<dim>::Occasion::row)
+              if (const auto exit = corridor.find_exit(*members[member], model.state, clock))
+                result.push_back(*exit);
+        });
+  }
+
+  template <int dim>
+  bool RigidContacts<dim>::has_tool_mass() const
+  {
+    return std::any_of(members.begin(), members.end(),
+                       [](const auto &contact) { return contact->has_tool_mass(); });
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::model_changed(const Model<dim> &model)
   {
     ContactNodes<dim>(model).take_faces_of_full_cells(members);
     for (const auto &contact : members)
@@ -170,49 +258,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::nodes_were_placed(Model<dim> &model, const Clock &clock,
-                                             const NodalVector &before)
-  {
-    for (const auto &contact : members)
-      contact->place_nodes(model.state, before, clock);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
-                                        const NodalVector &from, NodalVector &position,
-                                        NodalVector &is_bound) const
-  {
-    for (const auto &contact : members)
-      contact->keep_outside(clock, slides, from, position, is_bound);
-  }
-
-  template <int dim>
-  bool RigidContacts<dim>::find_gaps(const std::string &surface, const double reach,
-                                     const NodalVector &position,
-                                     const std::vector<unsigned int> &nodes, const double time,
-                                     std::vector<double> &gaps) const
-  {
-    gaps.assign(nodes.size(), std::numeric_limits<double>::max());
-    std::vector<double> of_one;
-    for (const auto &contact : members)
-    {
-      if (contact->name() == surface)
-      {
-        contact->require_gaps(reach);
-        contact->contact_surface().evaluate_gaps(position, nodes, time, gaps);
-        return true;
-      }
-      if (!surface.empty())
-        continue;
-      contact->find_gaps(position, nodes, time, of_one);
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        gaps[k] = std::min(gaps[k], of_one[k]);
-    }
-    return surface.empty();
-  }
-
-  template <int dim>
-  NodalHeat RigidContacts<dim>::present_heat(Model<dim> &model)
+  NodalHeat RigidContacts<dim>::present_heat(const Model<dim> &model)
   {
     if (friction_heat == nullptr)
       return {};
@@ -221,7 +267,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::exchange_heat(Model<dim> &model)
+  void RigidContacts<dim>::exchange_heat(const Model<dim> &model)
   {
     if (friction_heat == nullptr)
       return;
@@ -244,7 +290,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, const NodalVector &)
+  void RigidContacts<dim>::add_forces(const Model<dim> &model, const Clock &clock,
+                                      const NodalVector &)
   {
     if (revision_of_stencils != model.revisions.stencils)
       ContactNodes<dim>(model).find_isolated_nodes(members);
@@ -260,17 +307,19 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
+  void RigidContacts<dim>::constrain_acceleration(const Model<dim> &model, const Clock &clock,
+                                                  NodalState &state)
   {
     if (!solver)
       return;
+    state.acceleration.update_ghosts();
     solver->solve(model, clock, present_heat(model), kinematic_force->at_touched_nodes(),
                   kinematic_force->touched_nodes());
     exchange_heat(model);
   }
 
   template <int dim>
-  void RigidContacts<dim>::after_acceleration(Model<dim> &, const Clock &clock)
+  void RigidContacts<dim>::after_acceleration(const Model<dim> &, const Clock &clock)
   {
     for (const auto &contact : members)
       contact->complete_step(clock);
@@ -283,7 +332,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::after_motion(Model<dim> &, const Clock &clock)
+  void RigidContacts<dim>::after_motion(const Model<dim> &, const Clock &clock, NodalState &)
   {
     for (const auto &contact : members)
       contact->advance(clock);
@@ -308,90 +357,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::account(EnergyAccounts &accounts) const
-  {
-    const ContactBalance sum = balance();
-    accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
-    accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
-    accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
-    if (std::any_of(members.begin(), members.end(),
-                    [](const auto &contact) { return contact->has_tool_mass(); }))
-      accounts.add_replicated("tool kinetic energy", EnergyKind::stored, sum.tool_kinetic);
-    accounts.add_replicated("external work", EnergyKind::external, sum.external_work);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::report(const Model<dim> &model, TimeTable &table) const
-  {
-    if (const auto count = ContactNodes<dim>(model).count_fast_particles(members))
-      table.add("particles that fly off", "1", *count);
-    if (std::none_of(members.begin(), members.end(),
-                     [](const auto &contact) { return contact->has_tool_mass(); }))
-      return;
-    const ContactBalance sum = balance();
-    for (unsigned int d = 0; d < dim; ++d)
-      table.add(std::string("tool momentum ") + "xyz"[d], "M L/T", sum.tool_momentum[d]);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::summarize(const Model<dim> &model, const TimeTable &,
-                                     Json &summary) const
-  {
-    if (const auto count = ContactNodes<dim>(model).count_fast_particles(members))
-      summary["particles_that_fly_off"] = static_cast<unsigned long>(*count);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::describe(const Model<dim> &, std::ostream &text) const
-  {
-    for (const auto &contact : members)
-    {
-      const std::string description = contact->contact_surface().description();
-      if (!description.empty())
-        text << "  contact \"" << contact->name() << "\": " << description << "\n";
-    }
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::show(OutputView<dim> &view) const
-  {
-    for (const auto &contact : members)
-      view.contacts.push_back(contact.get());
-  }
-
-  template <int dim>
-  std::vector<std::string>
-  RigidContacts<dim>::warnings(const Model<dim> &model, const Clock &clock,
-                               const typename Process<dim>::Occasion occasion)
-  {
-    using Occasion = typename Process<dim>::Occasion;
-    std::vector<std::string> result;
-    if (occasion == Occasion::audit)
-      for (const auto &contact : members)
-        for (const std::string &remark : contact->contact_surface().remarks())
-          result.push_back("Surface of the contact \"" + contact->name() + "\": " + remark);
-    if (occasion != Occasion::row)
-      return result;
-    for (auto &[member, corridor] : corridors)
-      if (const auto exit = corridor.find_exit(*members[member], model.state, clock))
-        result.push_back(*exit);
-    return result;
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::begin_trials(Model<dim> &model, const Clock &clock,
-                                        const double touch_distance)
-  {
-    for (const auto &contact : members)
-    {
-      contact->become_static(touch_distance);
-      if (clock.step == 0)
-        contact->forget_motion(model.state);
-    }
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent)
+  void RigidContacts<dim>::linearize(const Model<dim> &model, const Clock &clock,
+                                     Tangent<dim> &tangent)
   {
     if (tangent.springs == nullptr)
       return;
@@ -402,12 +369,6 @@ namespace tombolo
         tangent.add_bound(
             node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
     }
-  }
-
-  template <int dim>
-  const std::vector<std::unique_ptr<SurfaceContact<dim>>> &RigidContacts<dim>::contacts() const
-  {
-    return members;
   }
 
   namespace

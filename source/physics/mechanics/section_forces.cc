@@ -186,19 +186,18 @@ namespace tombolo
       of_first.reinit(model.state.partition());
     }
 
-    /** Of an interface: what a part, whose number may be any, has added is the force after it less
-     * that before. Collective. */
-    void before_part_force(const std::size_t part, const NodalVector &force)
-    {
-      if (is_interface() && part == between->first)
-        of_first.copy_from(force);
-    }
-
-    void after_part_force(const std::size_t part, const NodalVector &force,
-                          const NodalVector &position)
+    /** Of an interface: what a part, whose number may be any, has added is the force where it @p
+     * is_added less that before. Collective. */
+    void see_part_force(const std::size_t part, const NodalVector &force, const bool is_added,
+                        const NodalVector &position)
     {
       if (!is_interface() || part != between->first)
         return;
+      if (!is_added)
+      {
+        of_first.copy_from(force);
+        return;
+      }
       const std::size_t n = std::size_t(force.partition()->n_local()) * node_stride;
       for (std::size_t i = 0; i < n; ++i)
         of_first.data()[i] = force.data()[i] - of_first.data()[i];
@@ -301,10 +300,6 @@ namespace tombolo
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };
 
-  template class BodySection<2>;
-
-  template class BodySection<3>;
-
   /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
    * forces which it sees are those of the material alone. */
@@ -312,73 +307,56 @@ namespace tombolo
   class SectionForces : public Process<dim>
   {
   public:
-    SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model)
+    SectionForces(std::vector<BodySection<dim>> sections, Model<dim> &model)
         : model(model), members(std::move(sections)), impulses(members.size())
     {
       Records &all = this->records.group("sections");
       for (std::size_t k = 0; k < members.size(); ++k)
         impulses[k].list(all.group(std::to_string(k)));
       all.value("time of impulse", time_of_impulse);
+      model.signals.part_force.connect(
+          [this](const std::size_t part, const NodalVector &force, const bool is_added)
+          {
+            for (BodySection<dim> &member : members)
+              member.see_part_force(part, force, is_added, this->model.state.position);
+          });
+      this->observed.audit.connect(
+          [this](std::ostream &text)
+          {
+            for (const BodySection<dim> &member : members)
+              text << "  section \"" << member.name() << "\": " << member.description() << "\n";
+          });
+      this->observed.warnings.connect(
+          [this](auto &, const auto occasion, auto &warnings)
+          {
+            for (const BodySection<dim> &member : members)
+              if (occasion == Process<dim>::Occasion::audit && !member.remark().empty())
+                warnings.push_back(member.remark());
+          });
+      this->observed.views.connect([this](OutputView<dim> &view)
+                                   { view.section_balances = [this] { return balances(); }; });
     }
 
-    void model_changed(Model<dim> &changed) override
+    void model_changed(const Model<dim> &changed) override
     {
       for (BodySection<dim> &member : members)
         member.model_changed(changed);
     }
 
-    void part_force(const std::size_t part, const NodalVector &force, const bool is_added) override
-    {
-      for (BodySection<dim> &member : members)
-        if (is_added)
-          member.after_part_force(part, force, model.state.position);
-        else
-          member.before_part_force(part, force);
-    }
-
-    void add_forces(Model<dim> &, const Clock &, const NodalVector &force) override
+    void add_forces(const Model<dim> &, const Clock &, const NodalVector &force) override
     {
       for (BodySection<dim> &member : members)
         member.take_internal_force(force, model.state.position);
     }
 
-    void after_acceleration(Model<dim> &, const Clock &clock) override
+    void after_acceleration(const Model<dim> &, const Clock &clock) override
     {
       time_of_impulse = clock.time - 0.5 * clock.previous_step;
       for (std::size_t k = 0; k < members.size(); ++k)
       {
-        LoadSum impulse = members[k].sum();
-        for (unsigned int d = 0; d < 3; ++d)
-        {
-          impulse.force[d] *= clock.velocity_step();
-          impulse.moment[d] *= clock.velocity_step();
-        }
         impulses[k].begin_step();
-        impulses[k].add(impulse.force, impulse.moment);
+        impulses[k].add(members[k].sum().force, members[k].sum().moment, clock.velocity_step());
       }
-    }
-
-    void describe(const Model<dim> &, std::ostream &text) const override
-    {
-      for (const BodySection<dim> &member : members)
-        text << "  section \"" << member.name() << "\": " << member.description() << "\n";
-    }
-
-    std::vector<std::string> warnings(const Model<dim> &, const Clock &,
-                                      const typename Process<dim>::Occasion occasion) override
-    {
-      std::vector<std::string> result;
-      if (occasion != Process<dim>::Occasion::audit)
-        return result;
-      for (const BodySection<dim> &member : members)
-        if (const std::string remark = member.remark(); !remark.empty())
-          result.push_back(remark);
-      return result;
-    }
-
-    void show(OutputView<dim> &view) const override
-    {
-      view.section_balances = [this]() { return balances(); };
     }
 
     /** Sums over all ranks, in the order of the sections. Collective. */
@@ -386,12 +364,7 @@ namespace tombolo
     {
       std::vector<double> sums;
       for (const ImpulseAccount &account : impulses)
-      {
-        EnergyAccounts shares;
-        account.account(shares);
-        sums.insert(sums.end(), shares.impulse.begin(), shares.impulse.end());
-        sums.insert(sums.end(), shares.angular_impulse.begin(), shares.angular_impulse.end());
-      }
+        account.append(sums);
       sums = ordered_sum(sums, model.communicator);
       std::vector<SectionBalance> result(members.size());
       for (std::size_t k = 0; k < members.size(); ++k)
@@ -402,12 +375,6 @@ namespace tombolo
         std::copy_n(sums.data() + 6 * k + 3, 3, result[k].angular_impulse.begin());
       }
       return result;
-    }
-
-    /** With this rank's share of the force at t_n. */
-    const std::vector<BodySection<dim>> &sections() const
-    {
-      return members;
     }
 
   private:
@@ -464,10 +431,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class SectionForces<2>;
-
-  template class SectionForces<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(SectionForcesKind, process_order::sections)
 } // namespace tombolo

@@ -46,12 +46,6 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int SpectralEstimator<dim>::n_applications() const
-  {
-    return count;
-  }
-
-  template <int dim>
   void SpectralEstimator<dim>::remove_constrained(const Model<dim> &model,
                                                   NodalVector &vector) const
   {
@@ -69,7 +63,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpectralEstimator<dim>::apply(Model<dim> &model, const NodalVector &v_hat,
+  void SpectralEstimator<dim>::apply(const Model<dim> &model, const NodalVector &v_hat,
                                      const double time_step, NodalVector &result)
   {
     ++count;
@@ -95,7 +89,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double SpectralEstimator<dim>::largest_eigenvalue(Model<dim> &model, const double time_step,
+  double SpectralEstimator<dim>::largest_eigenvalue(const Model<dim> &model, const double time_step,
                                                     const unsigned int min_iterations)
   {
     remove_constrained(model, solver.mode);
@@ -107,7 +101,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double SpectralEstimator<dim>::viscous_part(Model<dim> &model, const double time_step)
+  double SpectralEstimator<dim>::viscous_part(const Model<dim> &model, const double time_step)
   {
     double quotient[2];
     for (const int k : {0, 1})
@@ -120,7 +114,7 @@ namespace tombolo
   }
 
   template <int dim>
-  StepLimit SpectralEstimator<dim>::estimate(Model<dim> &model)
+  StepLimit SpectralEstimator<dim>::estimate(const Model<dim> &model)
   {
     count = 0;
     const auto &partition = model.state.partition();
@@ -172,7 +166,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpectralEstimator<dim>::find_entity(Model<dim> &model, StepLimit &limit) const
+  void SpectralEstimator<dim>::find_entity(const Model<dim> &model, StepLimit &limit) const
   {
     const unsigned int n_owned = model.state.partition()->n_owned();
     const auto share = [&](const unsigned int i)

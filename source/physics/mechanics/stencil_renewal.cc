@@ -3,12 +3,12 @@
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
-#include <tombolo/output/time_table.h>
 #include <tombolo/physics/failure/bond_failure_process.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <cmath>
+#include <string>
 
 namespace tombolo
 {
@@ -29,10 +29,31 @@ namespace tombolo
     /** @p breaks: whether bonds can break; @p renews: whether kernels are renewed now and then.
      * Where they are renewed in every step alone, nothing is booked: it would take two more
      * evaluations of the forces. */
-    StencilRenewal(const bool breaks, const bool renews) : breaks(breaks), renews(renews)
+    StencilRenewal(const bool breaks, const bool renews, Model<dim> &model)
+        : breaks(breaks), renews(renews)
     {
       this->roles.rest = ProcessRole::is_idle; // rows stay those of the start
       this->records.group("renewal of stencils").sums("taken", taken_by_breaks, taken_by_renewals);
+      model.signals.change.connect([this, &model] { prepare_change(model); });
+      if (breaks)
+        this->observed.energy("failure dissipation", EnergyKind::dissipated, taken_by_breaks);
+      if (renews)
+        this->observed.energy("kernel renewal", EnergyKind::artificial, taken_by_renewals);
+      const auto add_column = [&](const std::string &name, const auto &n_of_rows)
+      {
+        this->observed.column(name, "1",
+                              [=, &model]
+                              {
+                                double n = 0;
+                                for (ParticleFormulation<dim> *const part : model.particle_parts())
+                                  n += static_cast<double>(n_of_rows(part->stencils()));
+                                return Utilities::MPI::sum(n, model.communicator);
+                              });
+      };
+      add_column("particles without a basis", [](const Stencils &rows)
+                 { return rows.rank_deficient_rows.size() + rows.uncorrected_rows.size(); });
+      add_column("particles kept from extrapolating",
+                 [](const Stencils &rows) { return rows.non_negative_rows.size(); });
     }
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override
@@ -55,7 +76,15 @@ namespace tombolo
       return change;
     }
 
-    void prepare_change(Model<dim> &model) override
+    void model_changed(const Model<dim> &model) override
+    {
+      if (step == 0.) // else in change_model()
+        n_broken = n_broken_bonds(model);
+    }
+
+  private:
+    /** Finds the power before rows change. Collective. */
+    void prepare_change(Model<dim> &model)
     {
       // Bonds that break are counted before they leave the rows.
       is_booked = step > 0. && (renews || n_broken_bonds(model) > n_broken);
@@ -69,37 +98,6 @@ namespace tombolo
       power = power_back(model);
     }
 
-    void model_changed(Model<dim> &model) override
-    {
-      if (step == 0.) // else in change_model()
-        n_broken = n_broken_bonds(model);
-    }
-
-    void account(EnergyAccounts &accounts) const override
-    {
-      if (breaks)
-        accounts.add("failure dissipation", EnergyKind::dissipated, taken_by_breaks);
-      if (renews)
-        accounts.add("kernel renewal", EnergyKind::artificial, taken_by_renewals);
-    }
-
-    void report(const Model<dim> &model, TimeTable &table) const override
-    {
-      double n_deficient = 0, n_non_negative = 0;
-      for (ParticleFormulation<dim> *const particles : model.particle_parts())
-      {
-        const Stencils &stencils = particles->stencils();
-        n_deficient += static_cast<double>(stencils.rank_deficient_rows.size() +
-                                           stencils.uncorrected_rows.size());
-        n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
-      }
-      table.add("particles without a basis", "1",
-                Utilities::MPI::sum(n_deficient, model.communicator));
-      table.add("particles kept from extrapolating", "1",
-                Utilities::MPI::sum(n_non_negative, model.communicator));
-    }
-
-  private:
     /** internal_power() where nodes were a time `back` ago. Collective. */
     double power_back(Model<dim> &model) const
     {
@@ -153,14 +151,10 @@ namespace tombolo
             renews = renews || (method.is_declared("Configuration") &&
                                 method.get("Configuration") == "updated Lagrangian");
           }
-        return std::make_unique<StencilRenewal<dim>>(breaks, renews);
+        return std::make_unique<StencilRenewal<dim>>(breaks, renews, model);
       }
     };
   } // namespace
-
-  template class StencilRenewal<2>;
-
-  template class StencilRenewal<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(StencilRenewalKind, process_order::renewal)
 } // namespace tombolo

@@ -133,7 +133,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double StepSize<dim>::next(Model<dim> &model, const Clock &clock, const double target,
+  double StepSize<dim>::next(const Model<dim> &model, const Clock &clock, const double target,
                              const bool has_new_neighbours)
   {
     stable_fraction = 1.;
@@ -186,12 +186,6 @@ namespace tombolo
     smallest_step = std::min(smallest_step, step);
     largest_step = std::max(largest_step, step);
     return step;
-  }
-
-  template <int dim>
-  void StepSize<dim>::forget_limit()
-  {
-    has_limit = false;
   }
 
   template <int dim>
@@ -264,36 +258,6 @@ namespace tombolo
     records.archived([this, &model](StateArchive &archive)
                      { shortening.serialize(archive, model); });
     estimator->list(records.group("spectral estimator"), model);
-  }
-
-  template <int dim>
-  const StepLimit &StepSize<dim>::limit() const
-  {
-    return present;
-  }
-
-  template <int dim>
-  bool StepSize<dim>::is_given() const
-  {
-    return fixed > 0.;
-  }
-
-  template <int dim>
-  double StepSize<dim>::smallest() const
-  {
-    return smallest_step;
-  }
-
-  template <int dim>
-  double StepSize<dim>::largest() const
-  {
-    return largest_step;
-  }
-
-  template <int dim>
-  unsigned int StepSize<dim>::n_estimates() const
-  {
-    return count;
   }
 
   template class StepSize<2>;

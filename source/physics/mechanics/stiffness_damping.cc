@@ -34,12 +34,12 @@ namespace tombolo
       damping.books("stiffness damping", EnergyKind::dissipated).stays_on_rank();
     }
 
-    void model_changed(Model<dim> &model) override
+    void model_changed(const Model<dim> &model) override
     {
       stiffness_force.reinit(model.state.partition());
     }
 
-    void add_forces(Model<dim> &model, const Clock &, const NodalVector &) override
+    void add_forces(const Model<dim> &model, const Clock &, const NodalVector &) override
     {
       NodalVector &force = damping.at_all_nodes();
       apply_stiffness(model, model.state.velocity, force);
@@ -48,7 +48,7 @@ namespace tombolo
           force.node(i)[d] *= -factor;
     }
 
-    void linearize(Model<dim> &model, const Clock &, Tangent<dim> &tangent) override
+    void linearize(const Model<dim> &model, const Clock &, Tangent<dim> &tangent) override
     {
       if (tangent.velocity == nullptr)
         return;
@@ -116,10 +116,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class StiffnessDamping<2>;
-
-  template class StiffnessDamping<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(StiffnessDampingKind, process_order::loads + 1)
 } // namespace tombolo

@@ -62,13 +62,7 @@ namespace tombolo
   }
 
   template <int dim>
-  bool SurfaceDamping<dim>::has_fibres() const
-  {
-    return !fibres.empty();
-  }
-
-  template <int dim>
-  void SurfaceDamping<dim>::model_changed(Model<dim> &model)
+  void SurfaceDamping<dim>::model_changed(const Model<dim> &model)
   {
     const auto &partition = model.state.partition();
     viscous_force.reinit(partition);
@@ -108,14 +102,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceDamping<dim>::add_forces(Model<dim> &model, const Clock &, const NodalVector &)
+  void SurfaceDamping<dim>::add_forces(const Model<dim> &model, const Clock &, const NodalVector &)
   {
     damping.touched_nodes() = touched;
     add_to(model.state.position, model.state.velocity, damping.at_touched_nodes());
   }
 
   template <int dim>
-  void SurfaceDamping<dim>::linearize(Model<dim> &model, const Clock &, Tangent<dim> &tangent)
+  void SurfaceDamping<dim>::linearize(const Model<dim> &model, const Clock &, Tangent<dim> &tangent)
   {
     if (tangent.velocity == nullptr)
       return;

@@ -3,7 +3,6 @@
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
-#include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <cstdint>
@@ -33,16 +32,19 @@ namespace tombolo
   class Xsph : public Process<dim>
   {
   public:
-    Xsph()
+    explicit Xsph(const Model<dim> &model)
     {
       Records &all = this->records.group("XSPH");
       all.sums("work", work, in_contacts);
       all.nodal("moved", dim, moved);
+      this->observed.energy("XSPH in contacts", EnergyKind::artificial, in_contacts);
+      this->observed.column("XSPH work", "M L^2/T^2",
+                            [&] { return ordered_sum(work, model.communicator); });
       this->roles.rest = ProcessRole::is_idle;
       this->roles.divided_cells = ProcessRole::is_refused;
     }
 
-    void model_changed(Model<dim> &model) override
+    void model_changed(const Model<dim> &model) override
     {
       const auto &partition = model.state.partition();
       mass.reinit(partition, Quantity::scalar);
@@ -57,26 +59,25 @@ namespace tombolo
           particles->add_mass(mass);
     }
 
-    void add_forces(Model<dim> &, const Clock &, const NodalVector &force) override
+    void add_forces(const Model<dim> &, const Clock &, const NodalVector &force) override
     {
       other_force.copy_from(force);
     }
 
-    void constrain_acceleration(Model<dim> &model, const Clock &) override
+    void constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state) override
     {
-      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
         {
           // What contacts, and processes that a scene names, have added.
           double &force = other_force.node(i)[d];
-          force = model.state.force.node(i)[d] - force;
+          force = state.force.node(i)[d] - force;
           in_contacts += 0.5 * force * moved.node(i)[d];
         }
     }
 
-    void after_motion(Model<dim> &model, const Clock &clock) override
+    void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override
     {
-      NodalState &state = model.state;
       if (model.bridge->operators() != Bridge::Operators::identity)
         state.unsmoothed_velocity.update_ghosts(); // those who smooth read owned values only
       const auto add = [&]
@@ -113,16 +114,6 @@ namespace tombolo
       model.bridge->positions_have_changed();
     }
 
-    void account(EnergyAccounts &accounts) const override
-    {
-      accounts.add("XSPH in contacts", EnergyKind::artificial, in_contacts);
-    }
-
-    void report(const Model<dim> &model, TimeTable &table) const override
-    {
-      table.add("XSPH work", "M L^2/T^2", ordered_sum(work, model.communicator));
-    }
-
   private:
     NodalVector mass;        // of particles of parts with XSPH, scalar, owned values [M]
     NodalVector momentum;    // that they exchange
@@ -144,15 +135,11 @@ namespace tombolo
           return nullptr;
         for (const ParticleFormulation<dim> *const particles : model.particle_parts())
           if (has_xsph(*particles))
-            return std::make_unique<Xsph<dim>>();
+            return std::make_unique<Xsph<dim>>(model);
         return nullptr;
       }
     };
   } // namespace
-
-  template class Xsph<2>;
-
-  template class Xsph<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(XsphKind, process_order::contact - 1)
 } // namespace tombolo

@@ -91,6 +91,23 @@ namespace tombolo
     all.sums("lost", lost, interleaved(lost_momentum, lost_angular_momentum));
     if (model.heat)
       model.heat->can_lose_heat = true;
+    this->observed.energy("refinement loss", EnergyKind::artificial, lost);
+    this->observed.energies.connect(
+        [this](EnergyAccounts &accounts)
+        { accounts.add_removed_momentum(lost_momentum, lost_angular_momentum); });
+    this->observed.column("cells", "1", [this] { return n_cells; });
+    this->observed.column("refinements", "1", [this] { return static_cast<double>(n_meshes); });
+    this->observed.result("refinements", [this] { return n_meshes; });
+    this->observed.result("most_cells", [this] { return most_cells; });
+    this->observed.result("refinement_loss",
+                          [this, &model] { return Utilities::MPI::sum(lost, model.communicator); });
+    this->observed.audit.connect(
+        [this](std::ostream &out)
+        {
+          out << "Adaptive refinement by " << section.get("Criterion") << " above " << refine_above
+              << ", up to " << most_levels << (most_levels == 1 ? " level" : " levels") << " every "
+              << interval << " steps\n";
+        });
   }
 
   template <int dim>
@@ -135,7 +152,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<CellDivisions> AdaptiveRefinement<dim>::next_divisions(Model<dim> &model,
+  std::optional<CellDivisions> AdaptiveRefinement<dim>::next_divisions(const Model<dim> &model,
                                                                        const unsigned long step)
   {
     if (!is_announced && (step == 0 || step % interval != 0))
@@ -162,7 +179,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void AdaptiveRefinement<dim>::model_changed(Model<dim> &model)
+  void AdaptiveRefinement<dim>::model_changed(const Model<dim> &model)
   {
     count_cells(model);
     for (const auto &process : model.processes)
@@ -211,7 +228,7 @@ namespace tombolo
 
   template <int dim>
   std::vector<std::vector<bool>>
-  AdaptiveRefinement<dim>::cells_to_be_fine(Model<dim> &model,
+  AdaptiveRefinement<dim>::cells_to_be_fine(const Model<dim> &model,
                                             const std::vector<std::vector<double>> &values) const
   {
     std::vector<std::vector<bool>> result;
@@ -259,7 +276,7 @@ namespace tombolo
 
   template <int dim>
   std::optional<typename AdaptiveRefinement<dim>::Wanted>
-  AdaptiveRefinement<dim>::find_wanted(Model<dim> &model) const
+  AdaptiveRefinement<dim>::find_wanted(const Model<dim> &model) const
   {
     const std::vector<std::vector<double>> values = criterion->values(model);
     const std::vector<std::vector<bool>> is_fine = cells_to_be_fine(model, values);
@@ -339,37 +356,6 @@ namespace tombolo
       lost_momentum[d] += before.momentum[d] - after.momentum[d];
       lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
     }
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::account(EnergyAccounts &accounts) const
-  {
-    accounts.add("refinement loss", EnergyKind::artificial, lost);
-    accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::report(const Model<dim> &, TimeTable &table) const
-  {
-    table.add("cells", "1", n_cells);
-    table.add("refinements", "1", static_cast<double>(n_meshes));
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::summarize(const Model<dim> &model, const TimeTable &,
-                                          Json &summary) const
-  {
-    summary["refinements"] = n_meshes;
-    summary["most_cells"] = most_cells;
-    summary["refinement_loss"] = Utilities::MPI::sum(lost, model.communicator);
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::describe(const Model<dim> &, std::ostream &out) const
-  {
-    out << "Adaptive refinement by " << section.get("Criterion") << " above " << refine_above
-        << ", up to " << most_levels << (most_levels == 1 ? " level" : " levels") << " every "
-        << interval << " steps\n";
   }
 
   namespace

@@ -92,17 +92,11 @@ namespace tombolo
       for (unsigned int i = 0; i < n; ++i)
       {
         const unsigned int steps[3] = {i % n_along, i / n_along % n_along, i / n_along / n_along};
-        Point<dim> place;
+        Point<dim> in_cell, place;
+        for (unsigned int d = 0; d < dim; ++d)
+          in_cell[d] = (steps[d] + 0.5) / n_along;
         for (unsigned int k = 0; k < corners.size(); ++k)
-        {
-          double weight = 1.;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double along = (steps[d] + 0.5) / n_along;
-            weight *= ((k >> d) & 1u) != 0 ? along : 1. - along;
-          }
-          place += weight * corners[k];
-        }
+          place += GeometryInfo<dim>::d_linear_shape_function(in_cell, k) * corners[k];
         n_inside += body.contains(place) ? 1 : 0;
       }
       return static_cast<double>(n_inside) / n;

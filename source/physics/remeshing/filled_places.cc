@@ -335,10 +335,7 @@ namespace tombolo
         *surface, search.in_patch, search.volume, search.on_surface, search.way_shares,
         search.mesh_places, position,
         [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
-        {
-          for (const auto &process : model.processes)
-            process->keep_outside(clock, slides, from, places, is_bound);
-        },
+        { model.signals.nodes_move(clock, slides, from, places, is_bound); },
         [&](const NodalVector &places, const NodalVector &is_bound)
         { return missing(places, is_bound, search); },
         result);

@@ -3,7 +3,6 @@
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/internal_power.h>
-#include <tombolo/output/time_table.h>
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <deal.II/base/mpi.h>
@@ -72,6 +71,7 @@ namespace tombolo
             if (has_read && archive.is_reading())
               model.set_partition();
           });
+      observe(model);
       Records &all = this->records.group("refills");
       all.sums("lost energy", lost);
       all.sums("lost momentum", lost_momentum, lost_angular_momentum);
@@ -136,15 +136,15 @@ namespace tombolo
     }
 
     /** Nodes of void cells alone stay where they are. */
-    void constrain_acceleration(Model<dim> &model, const Clock &) override
+    void constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state) override
     {
       for (const unsigned int node : massless)
         for (NodalVector *const vector :
-             {&model.state.acceleration, &model.state.velocity, &model.state.unsmoothed_velocity})
+             {&state.acceleration, &state.velocity, &state.unsmoothed_velocity})
           std::fill_n(vector->node(node), node_stride, 0.);
     }
 
-    void model_changed(Model<dim> &model) override
+    void model_changed(const Model<dim> &model) override
     {
       massless.clear();
       if (std::any_of(parts.begin(), parts.end(),
@@ -159,48 +159,6 @@ namespace tombolo
         if (part.refill->settings.surface_slides() && !follow)
           part.refill->settings.refuse_sliding(
               "a contact between parts does not follow nodes that slide; allowed with it is held.");
-    }
-
-    void account(EnergyAccounts &accounts) const override
-    {
-      accounts.add("remap loss", EnergyKind::dissipated, lost);
-      accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
-    }
-
-    void report(const Model<dim> &, TimeTable &table) const override
-    {
-      table.add("refills", "1", static_cast<double>(n_refills()));
-    }
-
-    void summarize(const Model<dim> &model, const TimeTable &, Json &summary) const override
-    {
-      summary["refills"] = n_refills();
-      summary["remap_loss"] = Utilities::MPI::sum(lost, model.communicator);
-    }
-
-    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
-                                      const typename Process<dim>::Occasion occasion) override
-    {
-      std::vector<std::string> result;
-      if (occasion != Process<dim>::Occasion::row)
-        return result;
-      for (Refilled &part : parts)
-      {
-        const auto end = part.has_reached_end || !part.refill->settings.fills_cells()
-                             ? std::nullopt
-                             : part.refill->reached_end(model.communicator);
-        if (!end)
-          continue;
-        part.has_reached_end = true;
-        std::ostringstream text;
-        text << "At t = " << clock.time << " the material of part \""
-             << model.parts[part.refill->part].name << "\" has reached void cells at "
-             << place_text(*end)
-             << " that cannot be filled, at the end of the mesh or beside cells of another size. A "
-                "larger mesh with more void cells, all of one size, gives it room.";
-        result.push_back(text.str());
-      }
-      return result;
     }
 
     /** Over all parts. */
@@ -236,6 +194,39 @@ namespace tombolo
     {
       double enthalpy = 0, next_enthalpy = 0, given = 0;
     };
+
+    void observe(const Model<dim> &model)
+    {
+      this->observed.energy("remap loss", EnergyKind::dissipated, lost);
+      this->observed.energies.connect(
+          [this](EnergyAccounts &accounts)
+          { accounts.add_removed_momentum(lost_momentum, lost_angular_momentum); });
+      this->observed.column("refills", "1", [this] { return static_cast<double>(n_refills()); });
+      this->observed.result("refills", [this] { return n_refills(); });
+      this->observed.result("remap_loss", [this, &model]
+                            { return Utilities::MPI::sum(lost, model.communicator); });
+      this->observed.warnings.connect(
+          [this, &model](const Clock &clock, const auto occasion, std::vector<std::string> &result)
+          {
+            for (Refilled &part : parts)
+            {
+              if (occasion != Process<dim>::Occasion::row || part.has_reached_end ||
+                  !part.refill->settings.fills_cells())
+                continue;
+              const auto end = part.refill->reached_end(model.communicator);
+              if (!end)
+                continue;
+              part.has_reached_end = true;
+              std::ostringstream text;
+              text << "At t = " << clock.time << " the material of part \""
+                   << model.parts[part.refill->part].name << "\" has reached void cells at "
+                   << place_text(*end)
+                   << " that cannot be filled, at the end of the mesh or beside cells of another "
+                      "size. A larger mesh with more void cells, all of one size, gives it room.";
+              result.push_back(text.str());
+            }
+          });
+    }
 
     static Content content_of(const Model<dim> &model)
     {
@@ -306,8 +297,7 @@ namespace tombolo
       if (before.partition() != model.state.partition())
         before.move_to(model.state.partition());
       const double former = stored();
-      for (const auto &process : model.processes)
-        process->nodes_were_placed(model, clock, before);
+      model.signals.nodes_placed(clock, before);
       return stored() - former;
     }
 
@@ -421,10 +411,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class Refill<2>;
-
-  template class Refill<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(RefillKind, process_order::conversion + 5)
 } // namespace tombolo

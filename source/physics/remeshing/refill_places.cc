@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/refill_places.h>
 
+#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/inner_places.h>
@@ -8,6 +9,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace tombolo
 {
@@ -165,6 +167,7 @@ namespace tombolo
     const std::vector<Corners> present = corners_at<dim>(local_nodes, position);
     const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
     const double way = motion.largest_way(cells, clock.time, model.communicator);
+    const auto contacts = shown_by_processes(model).contacts;
     NodalVector result = position.copy();
     NodalVector stays =
         scalar_field(position.partition(), [&](const unsigned int i)
@@ -177,26 +180,24 @@ namespace tombolo
       surface->slide(
           on_surface, mesh_places, position,
           [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
-          {
-            for (const auto &process : model.processes)
-              process->keep_outside(clock, on_surface, from, places, is_bound);
-          },
+          { model.signals.nodes_move(clock, on_surface, from, places, is_bound); },
           result);
       std::optional<NodalVector> wrong;
-      for (const auto &process : model.processes)
-      {
-        std::vector<double> none;
-        if (!wrong && process->find_gaps("", 0., position, {}, clock.time, none))
-          wrong = surface->nodes_of_cut_faces(
-              on_surface, position, result, way,
-              [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
-                  std::vector<double> &depths)
+      if (!contacts.empty())
+        wrong = surface->nodes_of_cut_faces(
+            on_surface, position, result, way,
+            [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+                std::vector<double> &depths)
+            {
+              depths.assign(numbers.size(), std::numeric_limits<double>::lowest());
+              std::vector<double> gaps;
+              for (const auto *const contact : contacts)
               {
-                process->find_gaps("", 0., places, numbers, clock.time, depths);
-                for (double &depth : depths)
-                  depth *= -1.;
-              });
-      }
+                contact->find_gaps(places, numbers, clock.time, gaps);
+                for (std::size_t k = 0; k < numbers.size(); ++k)
+                  depths[k] = std::max(depths[k], -gaps[k]);
+              }
+            });
       const bool is_cut = wrong.has_value();
       if (!is_cut)
       {

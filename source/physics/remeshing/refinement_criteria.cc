@@ -65,7 +65,7 @@ namespace tombolo
   class PlasticStrainCriterion : public RefinementCriterion<dim>
   {
   public:
-    std::vector<std::vector<double>> values(Model<dim> &model) const override
+    std::vector<std::vector<double>> values(const Model<dim> &model) const override
     {
       std::vector<std::vector<double>> result = zero_for_cells(model);
       for (unsigned int p = 0; p < model.parts.size(); ++p)
@@ -97,7 +97,7 @@ namespace tombolo
   class TemperatureGradientCriterion : public RefinementCriterion<dim>
   {
   public:
-    std::vector<std::vector<double>> values(Model<dim> &model) const override
+    std::vector<std::vector<double>> values(const Model<dim> &model) const override
     {
       std::vector<std::vector<double>> result = zero_for_cells(model);
       const NodalVector &temperature = model.heat->state.temperature;
@@ -128,7 +128,7 @@ namespace tombolo
   class StressGradientCriterion : public RefinementCriterion<dim>
   {
   public:
-    std::vector<std::vector<double>> values(Model<dim> &model) const override
+    std::vector<std::vector<double>> values(const Model<dim> &model) const override
     {
       std::vector<unsigned int> parts(model.parts.size());
       std::iota(parts.begin(), parts.end(), 0u);
@@ -159,13 +159,6 @@ namespace tombolo
       return part.material->has_mechanics() ? "" : "the scene has no mechanics";
     }
   };
-
-  template class PlasticStrainCriterion<2>;
-  template class PlasticStrainCriterion<3>;
-  template class TemperatureGradientCriterion<2>;
-  template class TemperatureGradientCriterion<3>;
-  template class StressGradientCriterion<2>;
-  template class StressGradientCriterion<3>;
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(RefinementCriterion, PlasticStrainCriterion, "plastic strain",
                                   "the largest plastic strain of the points of the cell")

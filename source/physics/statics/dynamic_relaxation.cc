@@ -181,10 +181,6 @@ namespace tombolo
     double cells_per_matrix = 0;
   };
 
-  template class DynamicRelaxation<2>;
-
-  template class DynamicRelaxation<3>;
-
   TOMBOLO_REGISTER_FOR_DIMENSIONS(StaticSolver, DynamicRelaxation, "dynamic relaxation",
                                   "explicit steps with kinetic damping and masses that bring every "
                                   "node to one step, until the residual is small")

@@ -234,10 +234,6 @@ namespace tombolo
     double cells_per_matrix = 0; ///< evaluations of cells that one assembly takes
   };
 
-  template class NewtonKrylov<2>;
-
-  template class NewtonKrylov<3>;
-
   TOMBOLO_REGISTER_FOR_DIMENSIONS(StaticSolver, NewtonKrylov, "quasi-static",
                                   "Newton's method with the consistent tangent of the materials, "
                                   "multigrid for its equations")

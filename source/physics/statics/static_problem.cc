@@ -96,10 +96,10 @@ namespace tombolo
   template <int dim>
   void StaticProblem<dim>::begin_trials(const Clock &clock)
   {
+    model.signals.trials(clock, touch_distance);
     for_acting(
-        [&](Process<dim> &process)
+        [](Process<dim> &process)
         {
-          process.begin_trials(model, clock, touch_distance);
           process.records.keep();
           process.actions.records.keep();
         });
@@ -177,7 +177,7 @@ namespace tombolo
     const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
-      for_acting([&](Process<dim> &process) { process.part_force(number, force, false); });
+      model.signals.part_force(number, force, false);
       std::string of_part;
       try
       {
@@ -191,7 +191,7 @@ namespace tombolo
       }
       if (!of_part.empty() && failure.empty())
         failure = "part \"" + part.name + "\": " + of_part;
-      for_acting([&](Process<dim> &process) { process.part_force(number, force, true); });
+      model.signals.part_force(number, force, true);
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
     const Clock clock = process_clock();
@@ -200,9 +200,9 @@ namespace tombolo
         {
           process.act(model, clock, model.state.force);
           if (failure.empty())
-            failure = process.failure();
+            failure = process.failure;
         });
-    return failure;
+    return failure.empty() ? model.conditions->failure() : failure;
   }
 
   template <int dim>
@@ -265,12 +265,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const NodalVector &StaticProblem<dim>::residual() const
-  {
-    return free_force;
-  }
-
-  template <int dim>
   double StaticProblem<dim>::residual_norm() const
   {
     double sum = 0;
@@ -328,48 +322,12 @@ namespace tombolo
   }
 
   template <int dim>
-  const NodalVector &StaticProblem<dim>::prescribed() const
-  {
-    return prescribed_displacement;
-  }
-
-  template <int dim>
-  bool StaticProblem<dim>::is_driven() const
-  {
-    return has_driven_nodes;
-  }
-
-  template <int dim>
-  const NodalVector &StaticProblem<dim>::constrained() const
-  {
-    return mask;
-  }
-
-  template <int dim>
   void StaticProblem<dim>::remove_constrained(NodalVector &vector) const
   {
     for (unsigned int i = 0; i < mask.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         if (mask.node(i)[d] > 0.)
           vector.node(i)[d] = 0.;
-  }
-
-  template <int dim>
-  const StaticInterval &StaticProblem<dim>::interval() const
-  {
-    return present;
-  }
-
-  template <int dim>
-  const std::string &StaticProblem<dim>::failure() const
-  {
-    return failure_text;
-  }
-
-  template <int dim>
-  std::uint64_t StaticProblem<dim>::n_evaluations() const
-  {
-    return count;
   }
 
   template class StaticProblem<2>;

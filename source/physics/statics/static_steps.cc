@@ -186,12 +186,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::continue_from_state()
-  {
-    is_continued = true;
-  }
-
-  template <int dim>
   void StaticSteps<dim>::set_initial_temperature()
   {
     NodalVector &force = model.state.force;

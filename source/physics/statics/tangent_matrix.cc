@@ -453,18 +453,6 @@ namespace tombolo
     return n_iterations;
   }
 
-  template <int dim>
-  const NodalVector &TangentMatrix<dim>::row_sums() const
-  {
-    return absolute_row_sums;
-  }
-
-  template <int dim>
-  std::uint64_t TangentMatrix<dim>::n_assemblies() const
-  {
-    return count;
-  }
-
   template class TangentMatrix<2>;
   template class TangentMatrix<3>;
 } // namespace tombolo

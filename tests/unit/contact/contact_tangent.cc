@@ -107,19 +107,15 @@ namespace tombolo
           constexpr double stiffer = 100., touch_distance = 1e-9;
           clock.stable_step = round_down(courant_limit(model).time_step) / std::sqrt(stiffer);
           force.reinit(model.state.partition());
+          model.signals.trials(clock, touch_distance);
           for (const auto &process : model.processes)
-          {
-            process->begin_trials(model, clock, touch_distance);
             process->records.keep();
-          }
           evaluate({}, 0., 0.);
           clock.step = 1;
           clock.time = clock.previous_step = clock.next_step = 1.;
+          model.signals.trials(clock, touch_distance);
           for (const auto &process : model.processes)
-          {
-            process->begin_trials(model, clock, touch_distance);
             process->records.keep();
-          }
         }
 
         /** Its difference to a difference quotient of the forces, over it. */

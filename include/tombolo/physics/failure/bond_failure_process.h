@@ -20,8 +20,6 @@ namespace tombolo
   public:
     explicit BondFailureProcess(Model<dim> &model);
 
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     /** Over parts and ranks; the criterion of the first part that has one. Collective. */
     static BondCounts bond_counts(const Model<dim> &model);
 

@@ -23,9 +23,6 @@ namespace tombolo
     explicit Conversion(Model<dim> &model);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
-    void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
 
     /** Finds the cells that fulfil the criterion of their part, where the step is one in which the
      * check is made, with the layers around them. Returns whether there are any on any rank.
@@ -38,7 +35,10 @@ namespace tombolo
     /** What was stored in the parts less than before, what isolated particles released, and what
      * forces before and after the change do in the two halves of its step: this rank's share
      * [M L^2/T^2]. */
-    double lost_energy() const;
+    double lost_energy() const
+    {
+      return lost;
+    }
 
     /** Over all ranks. Collective. */
     unsigned long n_converted_cells() const;

@@ -33,21 +33,25 @@ namespace tombolo
     explicit Erosion(Model<dim> &model);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
-    void model_changed(Model<dim> &model) override;
-    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
-    void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
+    void model_changed(const Model<dim> &model) override;
+    void constrain_acceleration(const Model<dim> &model, const Clock &clock,
+                                NodalState &state) override;
 
     /** Removes the cells that fulfil their criterion. Returns whether there were any on any rank.
      * Collective. */
     bool erode(Model<dim> &model, const Clock &clock);
 
     /** Since the start, on this rank. */
-    const ErosionLoss &loss() const;
+    const ErosionLoss &loss() const
+    {
+      return lost;
+    }
 
     /** Owned nodes all of whose cells were removed. */
-    const std::vector<unsigned int> &massless_nodes() const;
+    const std::vector<unsigned int> &massless_nodes() const
+    {
+      return massless;
+    }
 
     /** Over all ranks. Collective. */
     unsigned long n_removed_cells() const;

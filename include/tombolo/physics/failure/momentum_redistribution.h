@@ -29,7 +29,7 @@ namespace tombolo
   class MomentumRedistribution
   {
   public:
-    /** Is told by RenewalOfRows::before of @p model. */
+    /** Is told by ModelSignals::rows_change of @p model. */
     explicit MomentumRedistribution(Model<dim> &model);
 
     /** After all parts were updated and one has changed, as long as the state has the partition in

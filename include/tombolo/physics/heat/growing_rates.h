@@ -23,7 +23,7 @@ namespace tombolo
      * the present. Zero where the largest rate is not twice the usual one, which is that at the
      * last λ and follows smaller ones by 3 % a step, and where a step of @p time_step changes
      * temperatures by round-off only. Collective. */
-    double find_eigenvalue(Model<dim> &model, double time, const NodalVector &rate,
+    double find_eigenvalue(const Model<dim> &model, double time, const NodalVector &rate,
                            double time_step);
 
     /** Lists what is kept between steps. */
@@ -36,7 +36,7 @@ namespace tombolo
     /** Whether the largest rate is that of a uniform temperature. Collective. */
     bool changes_are_round_off(const ThermalModel<dim> &heat, double time_step) const;
     /** The quotient for the rates. Collective. */
-    double quotient_of_rates(Model<dim> &model, double time, const NodalVector &rate,
+    double quotient_of_rates(const Model<dim> &model, double time, const NodalVector &rate,
                              double time_step);
 
     double largest = 0;           ///< of the last rates, of all ranks [temperature/T]

@@ -20,13 +20,13 @@ namespace tombolo
 
     /** The step allowed at the present state: a fraction of the stable one, or the one that the
      * user gives. Collective. */
-    virtual double allowed_step(Model<dim> &model, double time) = 0;
+    virtual double allowed_step(const Model<dim> &model, double time) = 0;
 
     /** From enthalpy, unsmoothed temperature and temperature at @p time to next_enthalpy and
      * next_unsmoothed_temperature (owned) at the end of the step, such that Σ next_enthalpy has
      * changed by what is added to @p of_condition, summed over conditions and ranks, to round-off.
      * Collective. */
-    virtual void advance(Model<dim> &model, double time, double time_step,
+    virtual void advance(const Model<dim> &model, double time, double time_step,
                          std::vector<double> &of_condition) = 0;
 
     /** Forgets what belongs to the nodes of a mesh, which is another one now. */

@@ -30,22 +30,22 @@ namespace tombolo
     explicit ThermalStep(const Entries &e);
 
     /** Makes the fields at the time of the beginning. Collective. */
-    void start(Model<dim> &model, double time);
+    void start(const Model<dim> &model, double time);
 
     /** Completes the step in progress when its end is not later than @p time, and begins another
      * towards @p target, not beyond it, when needed; then brings the present temperature to @p
      * time. Throws RunError on all ranks when a temperature is not finite. Where it takes more than
      * a thousand steps, @p must_stop is asked now and then, which must answer alike on all ranks:
      * returns false where it says so, with the temperature still before @p time. Collective. */
-    bool bring_to(Model<dim> &model, double time, double target,
+    bool bring_to(const Model<dim> &model, double time, double target,
                   const std::function<bool()> &must_stop = {});
 
     /** Begins a step towards @p target and returns its size: in a scene without mechanics the run
      * takes these. Collective. */
-    double begin_step(Model<dim> &model, double target);
+    double begin_step(const Model<dim> &model, double target);
 
     /** The step that begin_step() would take if there were no target. Collective. */
-    double allowed_step(Model<dim> &model);
+    double allowed_step(const Model<dim> &model);
 
     /** The model is another one of the same time, on another mesh. */
     void mesh_has_changed()
@@ -56,22 +56,34 @@ namespace tombolo
     /** At the time of the last bring_to(). Collective. */
     HeatBalance balance(const Model<dim> &model);
 
-    unsigned long n_steps() const;
-    double smallest_step() const;
-    double largest_step() const;
+    unsigned long n_steps() const
+    {
+      return count;
+    }
+    double smallest_step() const
+    {
+      return smallest;
+    }
+    double largest_step() const
+    {
+      return largest;
+    }
     /** Of the explicit step, before the safety factor. */
     const StepLimit &limit() const;
     /** Wall time of all thermal steps on this rank. */
-    double seconds() const;
+    double seconds() const
+    {
+      return seconds_spent;
+    }
 
     /** Lists what is kept between steps, with the error of the @p last balance. */
-    void list(Records &records, Model<dim> &model, HeatBalance &last);
+    void list(Records &records, const Model<dim> &model, HeatBalance &last);
 
     /** What the integrator has to say about its cost. */
     void add_to_summary(Summary &summary) const;
 
   private:
-    void complete_step(Model<dim> &model);
+    void complete_step(const Model<dim> &model);
     /** Fills the accounts of @p result with sums over all ranks. Collective. */
     void account(const Model<dim> &model, HeatBalance &result) const;
     void check(const Model<dim> &model) const;

@@ -10,7 +10,6 @@
 
 namespace tombolo
 {
-  struct ConstraintReaction;
   template <int dim>
   class Model;
 
@@ -27,16 +26,20 @@ namespace tombolo
      * around t_n, which began at @p time_of_impulse = t_{n-1/2}. */
     void begin_step(double time_of_impulse);
 
-    /** Adds the impulse of the reaction along a component at @p position, in the step at hand. */
-    void add_impulse(unsigned int condition, unsigned int component, const double *position,
-                     double impulse);
+    /** Of one of them. */
+    struct Account
+    {
+      bool is_kept; ///< the others are of the other kind
+      ImpulseAccount impulses;
+      double work = 0;
+    };
+    Account &operator[](const unsigned int condition)
+    {
+      return accounts[condition];
+    }
+
     /** Adds the impulses of loads over @p interval, in the step at hand. */
     void add_loads(const std::vector<LoadSum> &loads, double interval);
-    /** Adds a moment of impulses in the step at hand. */
-    void add_moment(unsigned int condition, const std::array<double, 3> &moment);
-    void add_work(unsigned int condition, double work);
-    /** Adds what counts at once. */
-    void add_now(unsigned int condition, const ConstraintReaction &reaction);
 
     /** In the order of the conditions. Collective. */
     std::vector<ConditionBalance> balances() const;
@@ -45,13 +48,6 @@ namespace tombolo
     void list(Records &records);
 
   private:
-    struct Account
-    {
-      bool is_kept; ///< the others are of the other kind
-      ImpulseAccount impulses;
-      double work = 0;
-    };
-
     /** Sums of x - X over the nodes that each condition prescribes, and their number. */
     std::vector<std::array<double, 4>> displacements() const;
 

@@ -48,7 +48,7 @@ namespace tombolo
     /** The balance at t_n, before the motion. An error of at most @p unresolved [M L^2/T^2] is
      * none: works are not known better. Collective. */
     template <int dim>
-    EnergyBalance balance(Model<dim> &model, const Clock &clock, double unresolved = 0.);
+    EnergyBalance balance(const Model<dim> &model, const Clock &clock, double unresolved = 0.);
 
     /** Lists what is kept between the steps, with the relative numbers of the @p last balance,
      * which the summary of a run has that ends before the next. */

@@ -12,10 +12,8 @@ namespace tombolo
   class FragmentContact : public Process<dim>
   {
   public:
-    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     double stable_fraction(double stable_step) const override;
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
 
     explicit FragmentContact(const Model<dim> &model);
 

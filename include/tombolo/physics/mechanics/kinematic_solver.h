@@ -34,20 +34,21 @@ namespace tombolo
   {
   public:
     /** The contacts and the bridge of @p model must outlive this. */
-    KinematicSolver(std::vector<KinematicContact<dim> *> contacts, Model<dim> &model);
+    KinematicSolver(std::vector<KinematicContact<dim> *> contacts, const Model<dim> &model);
 
-    /** The forces at t_n, once the acceleration by all others is complete at owned nodes, and the
+    /** The forces at t_n, once the acceleration by all others is complete, with its ghosts, and the
      * size of the coming step known. Adds them to @p loads at positions, and their nodes to @p
      * loaded_nodes. Collective. */
-    void solve(Model<dim> &model, const Clock &clock, const NodalHeat &nodal_heat,
+    void solve(const Model<dim> &model, const Clock &clock, const NodalHeat &nodal_heat,
                NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
 
   private:
     /** Whether a node can come behind a surface in the step, judged without B a. Collective. */
     bool may_touch(const Model<dim> &model, const Clock &clock);
     /** Begins the step of all contacts. Returns the deepest penetration. Collective. */
-    double find_constraints(Model<dim> &model, const Clock &clock, const NodalHeat &nodal_heat);
-    void sweep(Model<dim> &model, const Clock &clock, double tolerance);
+    double find_constraints(const Model<dim> &model, const Clock &clock,
+                            const NodalHeat &nodal_heat);
+    void sweep(const Model<dim> &model, const Clock &clock, double tolerance);
 
     std::vector<KinematicContact<dim> *> contacts;
     PositionResponse position_response;

@@ -20,14 +20,11 @@ namespace tombolo
   class Loads : public Process<dim>
   {
   public:
-    explicit Loads(const Model<dim> &model);
+    explicit Loads(Model<dim> &model);
 
-    void prepare_change(Model<dim> &model) override;
-    void model_changed(Model<dim> &model) override;
-    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    std::string failure() const override;
-    void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    void show(OutputView<dim> &view) const override;
+    void model_changed(const Model<dim> &model) override;
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
+    void after_acceleration(const Model<dim> &model, const Clock &clock) override;
 
     /** The forces of all loads. */
     const Action &action() const
@@ -43,6 +40,9 @@ namespace tombolo
       NodalForces at_positions; ///< at t_n
       StepWork work;
     };
+
+    /** Collective. */
+    std::vector<ConditionBalance> balances() const;
 
     /** Adds what @p add(load, velocity where it acts, work) finds to the work of each load among
      * several. Collective. */

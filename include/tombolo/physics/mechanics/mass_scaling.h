@@ -25,13 +25,19 @@ namespace tombolo
     explicit ScalingSettings(const Entries &e);
 
     /** Of the density of all materials. */
-    double inertia_factor() const;
+    double inertia_factor() const
+    {
+      return mass_factor * process_time_factor * process_time_factor;
+    }
 
     /** Whether anything is scaled. */
     bool is_active() const;
 
     /** Whether the mass of single cells and particles is. */
-    bool is_selective() const;
+    bool is_selective() const
+    {
+      return target_time_step > 0.;
+    }
 
     double mass_factor = 1.;
     double process_time_factor = 1.;
@@ -58,10 +64,6 @@ namespace tombolo
     MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
-    void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    void describe(const Model<dim> &model, std::ostream &text) const override;
 
     /** Adds mass to cells and particles whose step has fallen below the target. Returns whether
      * there are any, on any rank. Collective. */
@@ -85,6 +87,9 @@ namespace tombolo
 
   private:
     void start(Model<dim> &model);
+    void describe(const Model<dim> &model, std::ostream &text) const;
+    void report(const Model<dim> &model, TimeTable &table) const;
+    Json results(const Model<dim> &model, const TimeTable &table) const;
     /** Finds the factors for the present positions; whether any has risen. Collective. */
     bool raise_factors(Model<dim> &model) const;
     /** Energy and momentum of mass that was added to nodes in motion, whose velocity stays. */

@@ -64,7 +64,10 @@ namespace tombolo
     void check_now();
 
     /** Wall time of the phases of all steps on this rank. */
-    const Stopwatch &times() const;
+    const Stopwatch &times() const
+    {
+      return stopwatch;
+    }
 
   private:
     void add_internal_force(const Clock &clock);

@@ -22,18 +22,11 @@ namespace tombolo
     /** Throws InputError. Collective. */
     MortarContacts(const std::vector<Section> &sections, Model<dim> &model);
 
-    void model_changed(Model<dim> &model) override;
-    void nodes_were_placed(Model<dim> &model, const Clock &clock,
-                           const NodalVector &before) override;
-    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    void model_changed(const Model<dim> &model) override;
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
+    void after_acceleration(const Model<dim> &model, const Clock &clock) override;
     double stable_fraction(double stable_step) const override;
-    void account(EnergyAccounts &accounts) const override;
-    void describe(const Model<dim> &model, std::ostream &text) const override;
-    void show(OutputView<dim> &view) const override;
-
-    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
-    void begin_trials(Model<dim> &model, const Clock &clock, double touch_distance) override;
+    void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
     const std::vector<std::unique_ptr<MortarContact<dim>>> &contacts() const
     {
@@ -41,6 +34,10 @@ namespace tombolo
     }
 
   private:
+    /** Connects to signals of the model, and shows what there is. */
+    void observe(Model<dim> &model);
+    /** For nodes that were @p before where no motion has led them from. Collective. */
+    void place_nodes(const NodalVector &before, Model<dim> &model);
     void renew_faces(const Model<dim> &model);
 
     MPI_Comm communicator;

@@ -31,19 +31,25 @@ namespace tombolo
     RigidBodies(const Parameters &parameters, Model<dim> &model);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
-    void model_changed(Model<dim> &model) override;
-    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
-    void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    void after_motion(Model<dim> &model, const Clock &clock) override;
-    void account(EnergyAccounts &accounts) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    void describe(const Model<dim> &model, std::ostream &text) const override;
-    void show(OutputView<dim> &view) const override;
+    void model_changed(const Model<dim> &) override
+    {
+      masses_can_be_old = true;
+    }
+    void constrain_acceleration(const Model<dim> &model, const Clock &clock,
+                                NodalState &state) override;
+    void after_acceleration(const Model<dim> &model, const Clock &clock) override;
+    void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override;
 
-    const std::vector<RigidBody<dim>> &all() const;
+    const std::vector<RigidBody<dim>> &all() const
+    {
+      return bodies;
+    }
 
   private:
     void list(Model<dim> &model);
+    void observe();
+    void summarize(Json &summary) const;
+    void describe(std::ostream &text) const;
 
     /** Σ m v of the nodes of a body, and Σ r × m v about its centre of mass. Collective. */
     Wrench momentum_of_nodes(std::size_t index, const Model<dim> &model) const;
@@ -70,6 +76,7 @@ namespace tombolo
     double lost = 0; ///< kinetic energy; the same on all ranks
     // On the first rank.
     std::array<double, 3> lost_momentum{}, lost_angular_momentum{};
+    ImpulseAccount &impulses;  ///< of the model
     double start_interval = 0; ///< short beside the first step [T]
     bool is_first_rank;
   };

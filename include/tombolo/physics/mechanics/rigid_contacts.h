@@ -27,29 +27,14 @@ namespace tombolo
     /** Throws InputError. Collective. */
     RigidContacts(const std::vector<Section> &sections, Model<dim> &model);
 
-    void model_changed(Model<dim> &model) override;
-    void nodes_were_placed(Model<dim> &model, const Clock &clock,
-                           const NodalVector &before) override;
-    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
-                      NodalVector &position, NodalVector &is_bound) const override;
-    bool find_gaps(const std::string &surface, double reach, const NodalVector &position,
-                   const std::vector<unsigned int> &nodes, double time,
-                   std::vector<double> &gaps) const override;
-    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
-    void after_acceleration(Model<dim> &model, const Clock &clock) override;
-    void after_motion(Model<dim> &model, const Clock &clock) override;
+    void model_changed(const Model<dim> &model) override;
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
+    void constrain_acceleration(const Model<dim> &model, const Clock &clock,
+                                NodalState &state) override;
+    void after_acceleration(const Model<dim> &model, const Clock &clock) override;
+    void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override;
     double stable_fraction(double stable_step) const override;
-    void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    void describe(const Model<dim> &model, std::ostream &text) const override;
-    std::vector<std::string> warnings(const Model<dim> &model, const Clock &clock,
-                                      typename Process<dim>::Occasion occasion) override;
-    void show(OutputView<dim> &view) const override;
-
-    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
-    void begin_trials(Model<dim> &model, const Clock &clock, double touch_distance) override;
+    void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
     /** On an owned node [M L/T^2]. */
     dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
@@ -57,17 +42,23 @@ namespace tombolo
     /** The sum of all contacts over all ranks; the largest penetration. Collective. */
     ContactBalance balance() const;
 
-    const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts() const;
+    const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts() const
+    {
+      return members;
+    }
 
   private:
     void create_contact(const Section &section, Model<dim> &model,
                         const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
                         std::vector<KinematicContact<dim> *> &kinematic);
     void create_heat(bool has_heat);
+    /** Connects to signals of the model, and shows what there is. */
+    void observe(Model<dim> &model);
+    bool has_tool_mass() const;
     /** What contacts see of the heat, and where they put theirs. */
-    NodalHeat present_heat(Model<dim> &model);
+    NodalHeat present_heat(const Model<dim> &model);
     /** Exchanges heat after the forces of all contacts. Collective. */
-    void exchange_heat(Model<dim> &model);
+    void exchange_heat(const Model<dim> &model);
 
     MPI_Comm communicator;
     std::vector<std::unique_ptr<SurfaceContact<dim>>> members;

@@ -26,25 +26,30 @@ namespace tombolo
     explicit SpectralEstimator(const Entries &e);
     /** The largest stable step at the present configuration, before any safety factor, the same on
      * all ranks, with the entity that limits it. Keeps information for later calls. Collective. */
-    StepLimit estimate(Model<dim> &model);
+    StepLimit estimate(const Model<dim> &model);
 
     /** Lists what is kept of earlier calls. */
     void list(Records &records, const Model<dim> &model);
 
     /** Applications of the operator in the last call. */
-    unsigned int n_applications() const;
+    unsigned int n_applications() const
+    {
+      return count;
+    }
 
   private:
     /** Sets prescribed components of @p vector to zero, which leaves the motion that is free. */
     void remove_constrained(const Model<dim> &model, NodalVector &vector) const;
     /** @p result = A @p v_hat, which has current ghosts. */
-    void apply(Model<dim> &model, const NodalVector &v_hat, double time_step, NodalVector &result);
+    void apply(const Model<dim> &model, const NodalVector &v_hat, double time_step,
+               NodalVector &result);
     /** Largest eigenvalue of A; the eigenvector goes into mode. */
-    double largest_eigenvalue(Model<dim> &model, double time_step, unsigned int min_iterations);
+    double largest_eigenvalue(const Model<dim> &model, double time_step,
+                              unsigned int min_iterations);
     /** mode·C mode of the normalized mode, by two applications. */
-    double viscous_part(Model<dim> &model, double time_step);
+    double viscous_part(const Model<dim> &model, double time_step);
     /** Names the node that moves most in the mode; the same on any number of ranks. */
-    void find_entity(Model<dim> &model, StepLimit &limit) const;
+    void find_entity(const Model<dim> &model, StepLimit &limit) const;
 
     Lobpcg solver;
     unsigned int count = 0;

@@ -47,7 +47,8 @@ namespace tombolo
 
     /** The step from the clock's time towards @p target, not beyond it. Estimates the limit again
      * where the configuration has changed by more than the threshold. Collective. */
-    double next(Model<dim> &model, const Clock &clock, double target, bool has_new_neighbours);
+    double next(const Model<dim> &model, const Clock &clock, double target,
+                bool has_new_neighbours);
 
     /** Lists what is kept from step to step. */
     void list(Records &records, const Model<dim> &model);
@@ -56,11 +57,17 @@ namespace tombolo
     void mesh_has_changed(const Parameters &parameters);
 
     /** The limit found last, before the safety factor, and what limits it. */
-    const StepLimit &limit() const;
+    const StepLimit &limit() const
+    {
+      return present;
+    }
 
     /** The next step is taken from a new estimate: cells have been removed, and what is left alone
      * of a body can move faster than the whole. */
-    void forget_limit();
+    void forget_limit()
+    {
+      has_limit = false;
+    }
 
     /** The step that the limit, the springs of contacts and the maximum allow, without regard to a
      * target. */
@@ -70,11 +77,23 @@ namespace tombolo
     double stable() const;
 
     /** Whether the user gives the step, which no limit changes then. */
-    bool is_given() const;
+    bool is_given() const
+    {
+      return fixed > 0.;
+    }
 
-    double smallest() const;
-    double largest() const;
-    unsigned int n_estimates() const;
+    double smallest() const
+    {
+      return smallest_step;
+    }
+    double largest() const
+    {
+      return largest_step;
+    }
+    unsigned int n_estimates() const
+    {
+      return count;
+    }
 
   private:
     std::unique_ptr<SpectralEstimator<dim>> estimator;

@@ -34,11 +34,14 @@ namespace tombolo
     SurfaceDamping(double coefficient, const Model<dim> &model);
 
     /** Whether this rank has some. */
-    bool has_fibres() const;
+    bool has_fibres() const
+    {
+      return !fibres.empty();
+    }
 
-    void model_changed(Model<dim> &model) override;
-    void add_forces(Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    void linearize(Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
+    void model_changed(const Model<dim> &model) override;
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
+    void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
   private:
     struct Fibre

@@ -39,18 +39,14 @@ namespace tombolo
      * the present mesh stays. Where cells become smaller than all that there are, one step that
      * suits them is taken before: a long one would excite what only the new mesh can hold. Throws
      * InputError where the mesh does not fit into memory. Collective. */
-    std::optional<CellDivisions> next_divisions(Model<dim> &model, unsigned long step);
+    std::optional<CellDivisions> next_divisions(const Model<dim> &model, unsigned long step);
 
     double stable_fraction(double stable_step) const override;
 
     /** Books that a new mesh has @p after of what the one before had. */
     void book(const ModelContent &before, const ModelContent &after, Model<dim> &model);
 
-    void model_changed(Model<dim> &model) override;
-    void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, TimeTable &table) const override;
-    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
-    void describe(const Model<dim> &model, std::ostream &out) const override;
+    void model_changed(const Model<dim> &model) override;
 
   private:
     /** What the criterion wants. */
@@ -59,11 +55,11 @@ namespace tombolo
       CellDivisions divisions;
       bool has_smaller_cells = false;
     };
-    std::optional<Wanted> find_wanted(Model<dim> &model) const;
+    std::optional<Wanted> find_wanted(const Model<dim> &model) const;
     /** Whether each owned cell of each part is so near to one that the criterion wants fine that it
      * is to be fine, too. Collective. */
     std::vector<std::vector<bool>>
-    cells_to_be_fine(Model<dim> &model, const std::vector<std::vector<double>> &values) const;
+    cells_to_be_fine(const Model<dim> &model, const std::vector<std::vector<double>> &values) const;
     /** The coarsest and the finest level of the mesh of the file. Collective. */
     std::pair<int, int> levels_of_file(const Model<dim> &model) const;
     void count_cells(const Model<dim> &model);

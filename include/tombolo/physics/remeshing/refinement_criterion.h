@@ -29,7 +29,7 @@ namespace tombolo
     }
 
     /** The value in each owned cell of each part, in the order of cells_of_part(). Collective. */
-    virtual std::vector<std::vector<double>> values(Model<dim> &model) const = 0;
+    virtual std::vector<std::vector<double>> values(const Model<dim> &model) const = 0;
 
   private:
     /** What a part lacks whose cells have no other values than zero, as a clause of a scene that

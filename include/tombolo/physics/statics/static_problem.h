@@ -35,7 +35,7 @@ namespace tombolo
    * nodes that nothing prescribes, where u is the displacement of the step, and u itself at the
    * others: the force evaluation of explicit steps with the velocity u/Δt from the material points
    * as they were at the start (Trial), so that it can be asked at any u, any number of times; and
-   * so can processes (Process::begin_trials()). Springs of contacts are those of explicit steps at
+   * so can processes (ModelSignals::trials). Springs of contacts are those of explicit steps at
    * the step of eq. (41), α m c²/h² at a node, which no longer depends on any time, times a factor.
    *
    * Vectors have the partition of the model, without images; ghosts of u must be current.
@@ -65,7 +65,10 @@ namespace tombolo
     void restart_points();
 
     /** R of owned nodes, zero at prescribed components [M L/T^2]. */
-    const NodalVector &residual() const;
+    const NodalVector &residual() const
+    {
+      return free_force;
+    }
 
     /** |R| over all ranks; the same bits on all. Collective. */
     double residual_norm() const;
@@ -74,13 +77,22 @@ namespace tombolo
     std::string largest_residual() const;
 
     /** The prescribed displacements of the step, zero elsewhere; ghosts current. */
-    const NodalVector &prescribed() const;
+    const NodalVector &prescribed() const
+    {
+      return prescribed_displacement;
+    }
 
     /** Whether any of them is not zero. */
-    bool is_driven() const;
+    bool is_driven() const
+    {
+      return has_driven_nodes;
+    }
 
     /** One at prescribed components of nodes, zero at the others; ghosts current. */
-    const NodalVector &constrained() const;
+    const NodalVector &constrained() const
+    {
+      return mask;
+    }
 
     /** Sets the prescribed components of owned nodes to zero. */
     void remove_constrained(NodalVector &vector) const;
@@ -115,7 +127,10 @@ namespace tombolo
     std::function<bool()> must_stop;
 
     Model<dim> &model;
-    const StaticInterval &interval() const;
+    const StaticInterval &interval() const
+    {
+      return present;
+    }
 
     /** How the forces of processes in the last evaluation change with positions: @p springs, and
      * in @p bound a diagonal matrix at owned nodes. Collective. */
@@ -124,8 +139,14 @@ namespace tombolo
     /** The springs of processes in the present state, at the start of the run. Collective. */
     std::vector<ContactStiffness<dim>> springs_at_start();
 
-    const std::string &failure() const;
-    std::uint64_t n_evaluations() const;
+    const std::string &failure() const
+    {
+      return failure_text;
+    }
+    std::uint64_t n_evaluations() const
+    {
+      return count;
+    }
 
     MechanicalInput input() const;
 

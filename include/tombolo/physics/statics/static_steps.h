@@ -58,7 +58,10 @@ namespace tombolo
 
     /** The temperatures of the material points are those of a state of before: nothing is to be set
      * at the start. */
-    void continue_from_state();
+    void continue_from_state()
+    {
+      is_continued = true;
+    }
 
     /** What residuals within the tolerance, or round-off, can have done so far: the energy balance
      * of a body that is hardly strained holds to this [M L^2/T^2]. */

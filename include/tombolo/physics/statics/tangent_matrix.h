@@ -77,9 +77,15 @@ namespace tombolo
               NodalVector &change);
 
     /** Σ_j |K_ij| with a bound of that of springs, by component of owned nodes. */
-    const NodalVector &row_sums() const;
+    const NodalVector &row_sums() const
+    {
+      return absolute_row_sums;
+    }
 
-    std::uint64_t n_assemblies() const;
+    std::uint64_t n_assemblies() const
+    {
+      return count;
+    }
 
   private:
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
