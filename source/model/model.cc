@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model.h>
 
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/mesh/partition_weights.h>
 #include <tombolo/model/hanging_nodes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/model/persistent_cell_ids.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -407,11 +407,13 @@ namespace tombolo
   template <int dim>
   std::vector<std::uint64_t> Model<dim>::persistent_ids_of_points(const unsigned int part) const
   {
-    if (parts[part].particles == nullptr)
-      return persistent_ids_of_cells(*nodes, *part_cells, part);
     std::vector<std::uint64_t> ids;
-    for (const unsigned int node : parts[part].formulation->particle_nodes())
-      ids.push_back(nodes->persistent_ids()[node]);
+    if (parts[part].particles == nullptr)
+      for (const auto &cell : cells_of_part(*nodes, *part_cells, part))
+        ids.push_back(persistent_id(cell->id(), dim));
+    else
+      for (const unsigned int node : parts[part].formulation->particle_nodes())
+        ids.push_back(nodes->persistent_ids()[node]);
     return ids;
   }
 

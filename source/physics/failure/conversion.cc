@@ -6,8 +6,8 @@
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/model/shown_by_processes.h>
+#include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <set>
 #include <string>
 
 namespace tombolo
@@ -73,38 +72,42 @@ namespace tombolo
                            part.particles->stencils().mass[i];
     }
 
-    /** Adds layers of cells around @p cells. Collective. */
+    using LocalNodes = std::vector<std::vector<unsigned int>>;
+
+    /** The nodes of all cells of a part, none of those that were removed. */
     template <int dim>
-    void add_layers(const ConvertingCells<dim> &part, const unsigned int n_cells,
+    LocalNodes nodes_of_cells(const ConvertingCells<dim> &part, const Model<dim> &model,
+                              const unsigned int number)
+    {
+      LocalNodes result(model.parts[number].formulation->n_cells());
+      for (unsigned int cell = 0; cell < result.size(); ++cell)
+        if (!part.is_removed(cell))
+          for (const types::global_dof_index node : part.nodes_of_cell(cell))
+            result[cell].push_back(model.state.partition()->local_index(node));
+      return result;
+    }
+
+    std::vector<unsigned int> chosen_cells(const std::vector<bool> &is_chosen)
+    {
+      std::vector<unsigned int> result;
+      for (unsigned int cell = 0; cell < is_chosen.size(); ++cell)
+        if (is_chosen[cell])
+          result.push_back(cell);
+      return result;
+    }
+
+    /** Adds layers of cells around @p cells. Collective. */
+    void add_layers(const LocalNodes &nodes, const unsigned int n_layers,
                     const std::shared_ptr<const NodePartition> &partition,
                     std::vector<unsigned int> &cells)
     {
-      std::vector<bool> is_chosen(n_cells, false);
+      std::vector<bool> is_chosen(nodes.size(), false);
       for (const unsigned int cell : cells)
         is_chosen[cell] = true;
-      NodalVector marks;
-      for (unsigned int layer = 0; layer < part.conversion().n_layers(); ++layer)
-      {
-        marks.reinit(partition, Quantity::scalar);
-        for (unsigned int cell = 0; cell < n_cells; ++cell)
-          if (is_chosen[cell])
-            for (const types::global_dof_index node : part.nodes_of_cell(cell))
-              *marks.node(partition->local_index(node)) = 1.;
-        marks.sum_over_ranks();
-        for (unsigned int cell = 0; cell < n_cells; ++cell)
-        {
-          const auto nodes = part.nodes_of_cell(cell);
-          if (!part.is_removed(cell) &&
-              std::any_of(nodes.begin(), nodes.end(),
-                          [&](const types::global_dof_index node)
-                          { return *marks.node(partition->local_index(node)) > 0.; }))
-            is_chosen[cell] = true;
-        }
-      }
-      cells.clear();
-      for (unsigned int cell = 0; cell < n_cells; ++cell)
-        if (is_chosen[cell])
-          cells.push_back(cell);
+      for (unsigned int layer = 0; layer < n_layers; ++layer)
+        is_chosen =
+            CellMarks::cells_marked(nodes, CellMarks::nodes_of(partition, nodes, is_chosen));
+      cells = chosen_cells(is_chosen);
     }
   } // namespace
 
@@ -149,13 +152,10 @@ namespace tombolo
                                        std::vector<unsigned int> &cells) const
   {
     const ConversionCriterion &criterion = pair.cells->conversion();
-    const NodePartition &partition = *model.state.partition();
-    const unsigned int n_cells = model.parts[pair.source].formulation->n_cells();
+    const LocalNodes of_cells = nodes_of_cells(*pair.cells, model, pair.source);
     std::vector<unsigned int> nodes;
-    for (unsigned int cell = 0; cell < n_cells; ++cell)
-      if (!pair.cells->is_removed(cell))
-        for (const types::global_dof_index node : pair.cells->nodes_of_cell(cell))
-          nodes.push_back(partition.local_index(node));
+    for (const auto &of_cell : of_cells)
+      nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     const auto contacts = shown_by_processes(model).contacts;
@@ -167,22 +167,16 @@ namespace tombolo
     (*contact)->require_gaps(*criterion.gap());
     std::vector<double> gaps(nodes.size(), std::numeric_limits<double>::max());
     (*contact)->contact_surface().evaluate_gaps(model.state.position, nodes, time, gaps);
-    std::set<unsigned int> near;
+    std::vector<bool> is_near(model.state.partition()->n_local(), false);
     for (std::size_t k = 0; k < nodes.size(); ++k)
-      if (gaps[k] < *criterion.gap())
-        near.insert(nodes[k]);
-    for (unsigned int cell = 0; cell < n_cells; ++cell)
-    {
-      if (pair.cells->is_removed(cell))
-        continue;
-      const auto of_cell = pair.cells->nodes_of_cell(cell);
-      if (std::any_of(of_cell.begin(), of_cell.end(),
-                      [&](const types::global_dof_index node)
-                      { return near.count(partition.local_index(node)) > 0; }))
-        cells.push_back(cell);
-    }
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+      is_near[nodes[k]] = gaps[k] < *criterion.gap();
+    std::vector<bool> is_chosen(of_cells.size(), false);
+    for (const unsigned int cell : cells)
+      is_chosen[cell] = true;
+    for (std::size_t cell = 0; cell < of_cells.size(); ++cell)
+      for (const unsigned int node : of_cells[cell])
+        is_chosen[cell] = is_chosen[cell] || is_near[node];
+    cells = chosen_cells(is_chosen);
   }
 
   template <int dim>
@@ -200,7 +194,7 @@ namespace tombolo
         add_near_cells(model, pairs[k], clock.time, converting_cells[k]);
       if (!is_on_any_rank(converting_cells[k], communicator))
         continue;
-      add_layers(source, model.parts[pairs[k].source].formulation->n_cells(),
+      add_layers(nodes_of_cells(source, model, pairs[k].source), source.conversion().n_layers(),
                  model.state.partition(), converting_cells[k]);
       are_found = true;
     }
@@ -296,7 +290,7 @@ namespace tombolo
     {
       const auto group = archive.group("cells from " + model.parts[pair.source].name);
       const auto of_part = cells_of_part(*model.nodes, *model.part_cells, pair.source);
-      archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, pair.source));
+      archive.set_rows(model.persistent_ids_of_points(pair.source));
       std::vector<double> flags;
       for (const auto &cell : of_part)
         flags.push_back(!is_converted.empty() && is_converted[cell->active_cell_index()] ? 1. : 0.);

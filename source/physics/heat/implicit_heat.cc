@@ -21,6 +21,17 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    using Vector = LinearAlgebra::distributed::Vector<double>;
+
+    void to_nodes(const Vector &source, NodalVector &target)
+    {
+      target.fill([&](const unsigned int i, double *const value)
+                  { *value = source.local_element(i); });
+    }
+  } // namespace
+
   /**
    * Implicit steps of the heat equation, H(θ̂) - H_n = Δt [w r(θ̂) + (1 - w) r_n] with the heat rate
    * r = ThermalModel::heat_rate(): w = 1 is backward Euler, w = ½ Crank-Nicolson. Newton's method;
@@ -42,25 +53,88 @@ namespace tombolo
   {
   public:
     /** @p weight is w. */
-    ImplicitHeat(const Entries &e, double weight);
-    ~ImplicitHeat() override;
+    ImplicitHeat(const Entries &e, const double weight) : weight(weight)
+    {
+      time_step =
+          e.number("Step", mandatory, positive(), "T",
+                   "The time step; steps are equal and at most so long that outputs are met.");
+      tolerance =
+          e.number("Tolerance", "1e-8", between(1e-15, 1e-2), "",
+                   "The residual of a step over that of its beginning. The heat balance does "
+                   "not depend on it: what enters is what the enthalpy gains, to round-off.");
+      max_newton_iterations = e.integer("Max Newton iterations", "30", between(1, 10000),
+                                        "A step that needs more stops the run.");
+    }
 
     double allowed_step(const Model<dim> &, const double) override
     {
       return time_step;
     }
-    void advance(const Model<dim> &model, double time, double time_step,
-                 std::vector<double> &of_condition) override;
+
+    void advance(const Model<dim> &model, const double time, const double step,
+                 std::vector<double> &of_condition) override
+    {
+      ThermalState &state = model.heat->state;
+      set_partition(state.enthalpy.partition());
+      StepEquation equation(*this, model, time, step, of_condition.size());
+      const double first_norm = equation.find_residual();
+      double norm = first_norm;
+      if (last_step > 0.)
+      {
+        // As it changed in the last step it will change in this one, or else not at all.
+        norm = equation.extrapolate(step / last_step);
+        if (!(norm < first_norm))
+          norm = equation.extrapolate(0.);
+      }
+      last_temperature.copy_from(state.unsmoothed_temperature);
+      last_step = step;
+
+      solve_by_newton(equation, first_norm, norm);
+      equation.add_heats(of_condition);
+      model.heat->find_temperature(equation.end, state.next_enthalpy, equation.theta, of_condition);
+    }
+
     const StepLimit &limit() const override
     {
       return no_limit;
     }
-    void list(Records &records, const Model<dim> &model) override;
-    void mesh_has_changed() override;
-    void add_to_summary(Summary &summary) const override;
+
+    void list(Records &records, const Model<dim> &model) override
+    {
+      Records &all = records.group("implicit heat");
+      all.list(
+          [this, &model](Records &now)
+          {
+            // What is made anew at the same step gives the same bits only if the run that writes
+            // does so too.
+            preconditioner.reset();
+            // Which may have changed since the last thermal step.
+            set_partition(model.state.partition());
+            now.value("linear iterations", linear_iterations);
+            now.value("Newton iterations", newton_iterations);
+            now.value("last step", last_step);
+          });
+      all.list(
+          [this](Records &now)
+          {
+            if (last_step > 0.)
+              now.nodal("last temperature", 1, last_temperature);
+          });
+    }
+
+    void mesh_has_changed() override
+    {
+      preconditioner.reset();
+      last_step = 0.;
+    }
+
+    void add_to_summary(Summary &summary) const override
+    {
+      summary["heat_linear_iterations"] = linear_iterations;
+      summary["heat_newton_iterations"] = newton_iterations;
+    }
 
   private:
-    using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
     class Operator;
     class Preconditioner;
     class StepEquation;
@@ -70,8 +144,38 @@ namespace tombolo
 
     /** Solves for the Newton step until the residual is at most @p target. Returns the number of
      * iterations. */
-    unsigned int solve(const Model<dim> &model, double time, double factor, double target,
-                       const Vector &right_hand_side, Vector &solution);
+    unsigned int solve(const Model<dim> &model, const double time, const double factor,
+                       const double target, const Vector &right_hand_side, Vector &solution)
+    {
+      if (preconditioner == nullptr || std::abs(preconditioner->factor / factor - 1.) > 0.1)
+      {
+        preconditioner = std::make_unique<Preconditioner>(*this, model, time, factor);
+        iterations_when_built = 0;
+      }
+      const Operator matrix(*this, model, time, factor);
+      SolverControl control(2000, target);
+      SolverCG<Vector> solver(control);
+      solution = 0.;
+      try
+      {
+        solver.solve(matrix, solution, right_hand_side, *preconditioner);
+      }
+      catch (const SolverControl::NoConvergence &)
+      {
+        std::ostringstream message;
+        message << "The implicit heat step at time " << time << " did not converge within "
+                << control.last_step()
+                << " iterations of conjugate gradients. A smaller step, or a "
+                << "larger `Tolerance`, may help.";
+        throw RunError(message.str());
+      }
+      // Temperatures or places have changed so much that a new one pays.
+      if (iterations_when_built == 0)
+        iterations_when_built = control.last_step() + 1;
+      else if (control.last_step() > 2 * iterations_when_built + 10)
+        preconditioner.reset();
+      return control.last_step();
+    }
 
     /** Solves the equation of a step, whose residual has the norm @p norm, until this is at most
      * the tolerance times @p first_norm. */
@@ -107,17 +211,6 @@ namespace tombolo
   public:
     explicit CrankNicolsonHeat(const Entries &e) : ImplicitHeat<dim>(e, 0.5) {}
   };
-
-  namespace
-  {
-    using Vector = LinearAlgebra::distributed::Vector<double>;
-
-    void to_nodes(const Vector &source, NodalVector &target)
-    {
-      target.fill([&](const unsigned int i, double *const value)
-                  { *value = source.local_element(i); });
-    }
-  } // namespace
 
   /** dH/dθ + w Δt Sᵀ K S. */
   template <int dim>
@@ -316,56 +409,6 @@ namespace tombolo
   };
 
   template <int dim>
-  ImplicitHeat<dim>::ImplicitHeat(const Entries &e, const double weight) : weight(weight)
-  {
-    time_step =
-        e.number("Step", mandatory, positive(), "T",
-                 "The time step; steps are equal and at most so long that outputs are met.");
-    tolerance = e.number("Tolerance", "1e-8", between(1e-15, 1e-2), "",
-                         "The residual of a step over that of its beginning. The heat balance does "
-                         "not depend on it: what enters is what the enthalpy gains, to round-off.");
-    max_newton_iterations = e.integer("Max Newton iterations", "30", between(1, 10000),
-                                      "A step that needs more stops the run.");
-  }
-
-  template <int dim>
-  ImplicitHeat<dim>::~ImplicitHeat() = default;
-
-  template <int dim>
-  unsigned int ImplicitHeat<dim>::solve(const Model<dim> &model, const double time,
-                                        const double factor, const double target,
-                                        const Vector &right_hand_side, Vector &solution)
-  {
-    if (preconditioner == nullptr || std::abs(preconditioner->factor / factor - 1.) > 0.1)
-    {
-      preconditioner = std::make_unique<Preconditioner>(*this, model, time, factor);
-      iterations_when_built = 0;
-    }
-    const Operator matrix(*this, model, time, factor);
-    SolverControl control(2000, target);
-    SolverCG<Vector> solver(control);
-    solution = 0.;
-    try
-    {
-      solver.solve(matrix, solution, right_hand_side, *preconditioner);
-    }
-    catch (const SolverControl::NoConvergence &)
-    {
-      std::ostringstream message;
-      message << "The implicit heat step at time " << time << " did not converge within "
-              << control.last_step() << " iterations of conjugate gradients. A smaller step, or a "
-              << "larger `Tolerance`, may help.";
-      throw RunError(message.str());
-    }
-    // Temperatures or places have changed so much that a new one pays.
-    if (iterations_when_built == 0)
-      iterations_when_built = control.last_step() + 1;
-    else if (control.last_step() > 2 * iterations_when_built + 10)
-      preconditioner.reset();
-    return control.last_step();
-  }
-
-  template <int dim>
   void ImplicitHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
     if (field.partition() == partition)
@@ -421,68 +464,6 @@ namespace tombolo
       last_norm = norm;
       norm = equation.find_residual();
     }
-  }
-
-  template <int dim>
-  void ImplicitHeat<dim>::advance(const Model<dim> &model, const double time, const double step,
-                                  std::vector<double> &of_condition)
-  {
-    ThermalState &state = model.heat->state;
-    set_partition(state.enthalpy.partition());
-    StepEquation equation(*this, model, time, step, of_condition.size());
-    const double first_norm = equation.find_residual();
-    double norm = first_norm;
-    if (last_step > 0.)
-    {
-      // As it changed in the last step it will change in this one, or else not at all.
-      norm = equation.extrapolate(step / last_step);
-      if (!(norm < first_norm))
-        norm = equation.extrapolate(0.);
-    }
-    last_temperature.copy_from(state.unsmoothed_temperature);
-    last_step = step;
-
-    solve_by_newton(equation, first_norm, norm);
-    equation.add_heats(of_condition);
-    model.heat->find_temperature(equation.end, state.next_enthalpy, equation.theta, of_condition);
-  }
-
-  template <int dim>
-  void ImplicitHeat<dim>::mesh_has_changed()
-  {
-    preconditioner.reset();
-    last_step = 0.;
-  }
-
-  template <int dim>
-  void ImplicitHeat<dim>::list(Records &records, const Model<dim> &model)
-  {
-    Records &all = records.group("implicit heat");
-    all.list(
-        [this, &model](Records &now)
-        {
-          // What is made anew at the same step gives the same bits only if the run that writes
-          // does so too.
-          preconditioner.reset();
-          // Which may have changed since the last thermal step.
-          set_partition(model.state.partition());
-          now.value("linear iterations", linear_iterations);
-          now.value("Newton iterations", newton_iterations);
-          now.value("last step", last_step);
-        });
-    all.list(
-        [this](Records &now)
-        {
-          if (last_step > 0.)
-            now.nodal("last temperature", 1, last_temperature);
-        });
-  }
-
-  template <int dim>
-  void ImplicitHeat<dim>::add_to_summary(Summary &summary) const
-  {
-    summary["heat_linear_iterations"] = linear_iterations;
-    summary["heat_newton_iterations"] = newton_iterations;
   }
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, BackwardEulerHeat, "backward Euler",

@@ -5,7 +5,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
 

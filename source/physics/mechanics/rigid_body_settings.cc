@@ -43,6 +43,17 @@ namespace tombolo
       return function;
     }
 
+    /** Zero where there is no function; a single component is that along z. */
+    template <int dim>
+    Tensor<1, 3> vector_at(const std::optional<Expression<dim>> &function, const double time,
+                           const unsigned int n_components)
+    {
+      Tensor<1, 3> result;
+      for (unsigned int d = 0; d < n_components && function; ++d)
+        result[n_components == 1 ? 2 : d] = function->value(Point<dim>(), time, d);
+      return result;
+    }
+
     constexpr const char *zero_at_start =
         "allowed is a function that is zero at t = 0, since the mesh shows the body as it is then.";
   } // namespace
@@ -165,10 +176,7 @@ namespace tombolo
   typename RigidBodySettings<dim>::Vector
   RigidBodySettings<dim>::displacement_at(const double time) const
   {
-    Vector result;
-    for (unsigned int d = 0; d < dim && displacement; ++d)
-      result[d] = displacement->value(Point<dim>(), time, d);
-    return result;
+    return vector_at(displacement, time, dim);
   }
 
   template <int dim>
@@ -180,19 +188,13 @@ namespace tombolo
   template <int dim>
   typename RigidBodySettings<dim>::Vector RigidBodySettings<dim>::force_at(const double time) const
   {
-    Vector result;
-    for (unsigned int d = 0; d < dim && force; ++d)
-      result[d] = force->value(Point<dim>(), time, d);
-    return result;
+    return vector_at(force, time, dim);
   }
 
   template <int dim>
   typename RigidBodySettings<dim>::Vector RigidBodySettings<dim>::moment_at(const double time) const
   {
-    Vector result;
-    for (unsigned int c = 0; c < n_rotations<dim> && moment; ++c)
-      result[dim == 3 ? c : 2] = moment->value(Point<dim>(), time, c);
-    return result;
+    return vector_at(moment, time, n_rotations<dim>);
   }
 
   template struct RigidBodySettings<2>;

@@ -3,7 +3,7 @@
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
-#include <tombolo/physics/failure/bond_failure_process.h>
+#include <tombolo/physics/failure/bond_counts.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -118,7 +118,7 @@ namespace tombolo
     /** Over all ranks; zero where none can break. Collective. */
     double n_broken_bonds(const Model<dim> &model) const
     {
-      return breaks ? BondFailureProcess<dim>::bond_counts(model).n_broken : 0.;
+      return breaks ? bond_counts(model).n_broken : 0.;
     }
 
     bool breaks, renews;

@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/mesh/bodies.h>
-#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/state/state_archive.h>
@@ -14,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 namespace tombolo
 {
@@ -37,7 +37,147 @@ namespace tombolo
         volume *= mass / total;
       return result;
     }
+
+    /** Of the points of a cell whose nodes are where @p place_of says, by their local numbers. */
+    template <int dim, typename PlaceOf>
+    std::vector<double> volumes_of_cell(const SmoothedIntegrationRule rule,
+                                        const SmoothedCell<dim> &of_lattice,
+                                        const RemapCell<dim> &cell, const NodePartition &partition,
+                                        const PlaceOf &place_of)
+    {
+      typename SubCells<dim>::Corners corners;
+      for (unsigned int k = 0; k < corners.size(); ++k)
+        corners[k] = place_of(cell.nodes[k]);
+      if (rule != SmoothedIntegrationRule::smoothed)
+        return {determinant(PointOfCell<dim>(corners).jacobian)};
+      const auto volumes = !of_lattice.has_further_nodes()
+                               ? CellSimplices<dim>::volumes(corners)
+                               : volumes_within<dim>(present_facets<dim>(
+                                     of_lattice, [&](const types::global_dof_index node)
+                                     { return place_of(partition.local_index(node)); }));
+      return {volumes.begin(), volumes.end()};
+    }
   } // namespace
+
+  /** What the nodes of a part have at a refill, by its mass alone. */
+  template <int dim>
+  class NodalContent
+  {
+  public:
+    /** @p mass: that of the part before the refill, owned. */
+    NodalContent(const Model<dim> &model, const unsigned int part, NodalVector of_part)
+        : mass(std::move(of_part)), part(part)
+    {
+      if (!model.heat)
+        return;
+      enthalpy = enthalpies(model, temperatures(model));
+      initial = enthalpy.copy();
+    }
+
+    NodalVector mass;     ///< before, scalar, owned
+    NodalVector enthalpy; ///< per mass, at the three times of ThermalState; those of after
+    NodalVector initial;  ///< those of before, with ghosts
+
+    /** The three temperatures of ThermalState at the nodes of the part. */
+    NodalVector temperatures(const Model<dim> &model) const
+    {
+      const ThermalState &thermal = model.heat->state;
+      return nodal_field(model.state.partition(), Quantity::scalars,
+                         [&](const unsigned int i, double *const values)
+                         {
+                           if (!(*mass.node(i) > 0.))
+                             return;
+                           values[0] = *thermal.unsmoothed_temperature.node(i);
+                           values[1] = *thermal.next_unsmoothed_temperature.node(i);
+                           values[2] = *thermal.present_temperature.node(i);
+                         });
+    }
+
+    /** The enthalpies of these, with ghosts. */
+    NodalVector enthalpies(const Model<dim> &model, const NodalVector &temperatures) const
+    {
+      const ThermalProperties &properties = *model.parts[part].heat;
+      return nodal_field(model.state.partition(), Quantity::scalars,
+                         [&](const unsigned int i, double *const values)
+                         {
+                           for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
+                             values[slot] = properties.enthalpy(temperatures.node(i)[slot]);
+                         });
+    }
+
+    /** Gives nodes the enthalpies of after, where they have the mass @p after of the part (owned).
+     */
+    void give_heat(Model<dim> &model, const NodalVector &after) const
+    {
+      ThermalState &thermal = model.heat->state;
+      const ThermalProperties &properties = *model.parts[part].heat;
+      const auto change = [&](const unsigned int i, const unsigned int slot, double &of_node,
+                              double &unsmoothed, double &field)
+      {
+        of_node += *after.node(i) * enthalpy.node(i)[slot] - *mass.node(i) * initial.node(i)[slot];
+        if (*after.node(i) == 0.)
+          return;
+        field -= unsmoothed;
+        unsmoothed = model.heat->nodal_enthalpy.temperature(i, of_node);
+        field += unsmoothed;
+      };
+      change_owned(
+          {&thermal.unsmoothed_temperature, &thermal.temperature,
+           &thermal.next_unsmoothed_temperature, &thermal.next_temperature,
+           &thermal.present_temperature},
+          [&]
+          {
+            for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+            {
+              if (!(*after.node(i) > 0. || *mass.node(i) > 0.))
+                continue;
+              change(i, 0, *thermal.enthalpy.node(i), *thermal.unsmoothed_temperature.node(i),
+                     *thermal.temperature.node(i));
+              change(i, 1, *thermal.next_enthalpy.node(i),
+                     *thermal.next_unsmoothed_temperature.node(i),
+                     *thermal.next_temperature.node(i));
+              if (*after.node(i) > 0.)
+                *thermal.present_temperature.node(i) = properties.temperature(enthalpy.node(i)[2]);
+            }
+          });
+      model.heat->limit_is_outdated = true;
+    }
+
+    /** The volumes of all points at t_{n-1}, by cell and point; zero of void cells. @p lattice: the
+     * cells initially; @p after: the places of their nodes at t_n, with ghosts as @p velocity. */
+    static std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
+                                              const std::vector<SmoothedCell<dim>> &lattice,
+                                              const SmoothedIntegrationRule rule,
+                                              const NodalVector &after, const NodalVector &velocity,
+                                              const double step)
+    {
+      std::vector<double> result;
+      for (std::size_t c = 0; c < cells.size(); ++c)
+      {
+        // The state is that of t_{n-1}, and the step to t_n is still to come.
+        const auto volumes_since = [&](const double since)
+        {
+          const auto place_of = [&](const unsigned int node)
+          {
+            Point<dim> result;
+            for (unsigned int d = 0; d < dim; ++d)
+              result[d] = after.node(node)[d] - since * velocity.node(node)[d];
+            return result;
+          };
+          return volumes_of_cell<dim>(rule, lattice[c], cells[c], *after.partition(), place_of);
+        };
+        const std::vector<double> volumes = volumes_since(0.), former = volumes_since(step);
+        const double now = std::accumulate(volumes.begin(), volumes.end(), 0.);
+        const double before = std::accumulate(former.begin(), former.end(), 0.);
+        for (const double volume : volumes)
+          result.push_back(cells[c].is_void_after ? 0. : volume * before / now);
+      }
+      return result;
+    }
+
+  private:
+    unsigned int part;
+  };
 
   template <int dim>
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
@@ -406,7 +546,7 @@ namespace tombolo
       reference.reinit(model.state.partition(), model.state.position.quantity());
     archive("time of the last", places.motion.time_of_last);
     archive.nodal("reference position", dim, reference);
-    archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
+    archive.set_rows(model.persistent_ids_of_points(part));
     archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
     if (settings.fills_cells())
     {

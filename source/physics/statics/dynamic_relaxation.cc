@@ -55,7 +55,6 @@ namespace tombolo
         matrix = std::make_unique<TangentMatrix<dim>>(problem, TangentMatrix<dim>::Solver::direct);
         displacement.reinit(partition);
         velocity.reinit(partition);
-        cells_per_matrix = dim * std::pow(problem.model.degree + 1., dim) + 1.;
       }
       displacement.set_zero();
       velocity.set_zero();
@@ -115,7 +114,7 @@ namespace tombolo
 
     double further_evaluations() const override
     {
-      return matrix == nullptr ? 0. : cells_per_matrix * double(matrix->n_assemblies());
+      return matrix == nullptr ? 0. : matrix->evaluations();
     }
 
     void add_to_summary(Json &summary) const override
@@ -178,7 +177,6 @@ namespace tombolo
     std::unique_ptr<TangentMatrix<dim>> matrix; ///< for the masses
     NodalVector displacement, velocity;
     unsigned long iterations = 0, n_restarts = 0;
-    double cells_per_matrix = 0;
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(StaticSolver, DynamicRelaxation, "dynamic relaxation",

@@ -67,7 +67,6 @@ namespace tombolo
         matrix = std::make_unique<TangentMatrix<dim>>(problem, solver);
         for (NodalVector *const vector : {&displacement, &change, &trial, &next})
           vector->reinit(partition);
-        cells_per_matrix = dim * std::pow(problem.model.degree + 1., dim) + 1.;
       }
       // A step that is resumed begins as one that goes on.
       matrix->use(solver);
@@ -132,7 +131,7 @@ namespace tombolo
 
     double further_evaluations() const override
     {
-      return matrix == nullptr ? 0. : cells_per_matrix * double(matrix->n_assemblies());
+      return matrix == nullptr ? 0. : matrix->evaluations();
     }
 
     void add_to_summary(Json &summary) const override
@@ -231,7 +230,6 @@ namespace tombolo
     std::unique_ptr<TangentMatrix<dim>> matrix; ///< with the first step
     NodalVector displacement, change, trial, next;
     unsigned long linear_iterations = 0, newton_iterations = 0;
-    double cells_per_matrix = 0; ///< evaluations of cells that one assembly takes
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(StaticSolver, NewtonKrylov, "quasi-static",

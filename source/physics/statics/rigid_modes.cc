@@ -26,9 +26,6 @@ namespace tombolo
 
   namespace
   {
-    template <int dim>
-    constexpr unsigned int n_rigid_modes = dim == 2 ? 3 : 6;
-
     /** Sums over the nodes of a body: number and places of held components, the largest distance,
      * what rigid motions move them. */
     using BodySums = std::map<types::global_dof_index, std::vector<double>>;
@@ -44,21 +41,6 @@ namespace tombolo
           for (std::size_t i = 0; i < values.size(); ++i)
             sums[i] += values[i];
         }
-      return result;
-    }
-
-    /** By mode: what it moves along component @p d at @p arm from the centre. */
-    template <int dim>
-    std::array<double, 6> motion_along(const unsigned int d, const std::array<double, 3> &arm)
-    {
-      std::array<double, 6> result{};
-      result[d] = 1.;
-      for (unsigned int mode = dim; mode < n_rigid_modes<dim>; ++mode)
-      {
-        const unsigned int c = dim == 2 ? 2 : mode - dim;
-        const unsigned int a = (c + 1) % 3, b = (c + 2) % 3;
-        result[mode] = d == a ? -arm[b] : d == b ? arm[a] : 0.;
-      }
       return result;
     }
 
@@ -89,10 +71,6 @@ namespace tombolo
         result.emplace_back("turn about a point or an axis elsewhere");
       return result;
     }
-  } // namespace
-
-  namespace
-  {
     /** A body is held along a direction at a place. */
     template <int dim>
     struct Hold
@@ -155,7 +133,7 @@ namespace tombolo
         std::array<double, 6> motion{};
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const std::array<double, 6> along = motion_along<dim>(d, arm);
+          const std::array<double, 6> along = rigid_motion_along<dim>(d, arm);
           for (unsigned int a = 0; a < n; ++a)
             motion[a] += hold.direction[d] * along[a];
         }

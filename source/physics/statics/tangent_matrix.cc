@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/statics/far_nodes.h>
+#include <tombolo/physics/statics/rigid_modes.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/solver_gmres.h>
@@ -34,6 +35,32 @@ namespace tombolo
       result.compress();
       return result;
     }
+
+    /** A row of the equations: what belongs to free columns, and to prescribed ones. */
+    struct Row
+    {
+      void add(const types::global_dof_index column, const double entry, const bool is_prescribed)
+      {
+        columns[is_prescribed].push_back(column);
+        entries[is_prescribed].push_back(entry);
+      }
+
+      void move_to(const types::global_dof_index row,
+                   const std::array<TrilinosWrappers::SparseMatrix *, 2> &matrices)
+      {
+        for (const unsigned int k : {0, 1})
+        {
+          if (!columns[k].empty())
+            matrices[k]->add(row, static_cast<unsigned int>(columns[k].size()), columns[k].data(),
+                             entries[k].data());
+          columns[k].clear();
+          entries[k].clear();
+        }
+      }
+
+      std::array<std::vector<types::global_dof_index>, 2> columns;
+      std::array<std::vector<double>, 2> entries;
+    };
   } // namespace
 
   template <int dim>
@@ -114,37 +141,22 @@ namespace tombolo
                                          const std::vector<double> &entries)
   {
     const auto n_rows = static_cast<unsigned int>(nodes.size()) * dim;
-    std::vector<types::global_dof_index> rows(n_rows), free, prescribed;
-    std::vector<double> of_free, of_prescribed;
+    std::vector<types::global_dof_index> rows(n_rows);
     std::vector<bool> is_prescribed(n_rows);
     for (unsigned int k = 0; k < n_rows; ++k)
     {
       rows[k] = nodes[k / dim] * dim + k % dim;
       is_prescribed[k] = is_constrained(nodes[k / dim], k % dim);
     }
-    for (unsigned int row = 0; row < n_rows; ++row)
+    Row row;
+    for (unsigned int a = 0; a < n_rows; ++a)
     {
-      const double *const of_row = entries.data() + std::size_t(row) * n_rows;
-      free.clear();
-      prescribed.clear();
-      of_free.clear();
-      of_prescribed.clear();
-      for (unsigned int column = 0; column < n_rows; ++column)
-        if (is_prescribed[row] ? row == column : !is_prescribed[column])
-        {
-          free.push_back(rows[column]);
-          of_free.push_back(is_prescribed[row] ? std::abs(of_row[column]) : of_row[column]);
-        }
-        else if (!is_prescribed[row])
-        {
-          prescribed.push_back(rows[column]);
-          of_prescribed.push_back(of_row[column]);
-        }
-      if (!free.empty())
-        matrix.add(rows[row], static_cast<unsigned int>(free.size()), free.data(), of_free.data());
-      if (!prescribed.empty())
-        coupling.add(rows[row], static_cast<unsigned int>(prescribed.size()), prescribed.data(),
-                     of_prescribed.data());
+      const double *const of_row = entries.data() + std::size_t(a) * n_rows;
+      if (is_prescribed[a])
+        row.add(rows[a], std::abs(of_row[a]), false);
+      for (unsigned int b = 0; b < n_rows && !is_prescribed[a]; ++b)
+        row.add(rows[b], of_row[b], is_prescribed[b]);
+      row.move_to(rows[a], {{&matrix, &coupling}});
     }
   }
 
@@ -216,8 +228,7 @@ namespace tombolo
   template <int dim>
   void TangentMatrix<dim>::add_spring(const ContactStiffness<dim> &stiffness)
   {
-    std::vector<types::global_dof_index> free, prescribed;
-    std::vector<double> of_free, of_prescribed;
+    Row row;
     typename ContactStiffness<dim>::Entries entries;
     for (const auto &entry : stiffness.entries)
       for (const auto &[node, weight] : dependent.weights(entry.node))
@@ -228,27 +239,15 @@ namespace tombolo
       {
         if (is_constrained(at_row.node, a))
           continue;
-        for (auto *const list : {&free, &prescribed})
-          list->clear();
-        for (auto *const list : {&of_free, &of_prescribed})
-          list->clear();
         for (const auto &at_column : entries)
           for (unsigned int b = 0; b < dim; ++b)
-          {
-            const double value =
-                (stiffness.normal * at_row.normal[a] + at_row.weight * stiffness.slip[a]) *
-                    (at_column.normal[b] + at_column.shift[b]) +
-                at_row.weight * (at_column.weight * stiffness.along[a][b] + at_column.shares[a][b]);
-            const bool is_free = !is_constrained(at_column.node, b);
-            (is_free ? free : prescribed).push_back(at_column.node * dim + b);
-            (is_free ? of_free : of_prescribed).push_back(value);
-          }
-        const types::global_dof_index row = at_row.node * dim + a;
-        if (!free.empty())
-          matrix.add(row, static_cast<unsigned int>(free.size()), free.data(), of_free.data());
-        if (!prescribed.empty())
-          coupling.add(row, static_cast<unsigned int>(prescribed.size()), prescribed.data(),
-                       of_prescribed.data());
+            row.add(at_column.node * dim + b,
+                    (stiffness.normal * at_row.normal[a] + at_row.weight * stiffness.slip[a]) *
+                            (at_column.normal[b] + at_column.shift[b]) +
+                        at_row.weight *
+                            (at_column.weight * stiffness.along[a][b] + at_column.shares[a][b]),
+                    is_constrained(at_column.node, b));
+        row.move_to(at_row.node * dim + a, {{&matrix, &coupling}});
       }
   }
 
@@ -288,9 +287,7 @@ namespace tombolo
     matrix.compress(VectorOperation::add);
     coupling.compress(VectorOperation::add);
     for (NodalVector *const sums : {&cell_forces, &absolute_row_sums, &rounded_forces})
-    {
       sums->collect();
-    }
     find_scales();
   }
 
@@ -326,27 +323,18 @@ namespace tombolo
       sums[3] += 1.;
     }
     sums = ordered_sum(sums, problem.model.communicator);
-    constexpr unsigned int n_modes = dim == 2 ? 3 : 6;
     const std::size_t n_rows = std::size_t(n_nodes) * dim;
-    rigid_modes.assign(n_modes * n_rows, 0.);
+    rigid_modes.assign(n_rigid_modes<dim> * n_rows, 0.);
     for (unsigned int i = 0; i < n_nodes; ++i)
     {
-      double arm[3] = {0, 0, 0};
+      std::array<double, 3> arm{};
+      for (unsigned int d = 0; d < dim; ++d)
+        arm[d] = state.position.node(i)[d] - sums[d] / sums[3];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        arm[d] = state.position.node(i)[d] - sums[d] / sums[3];
-        rigid_modes[d * n_rows + std::size_t(i) * dim + d] = 1.;
-      }
-      // The rotation about axis c: e_c × arm
-      for (unsigned int mode = dim; mode < n_modes; ++mode)
-      {
-        const unsigned int c = dim == 2 ? 2 : mode - dim;
-        const unsigned int a = (c + 1) % 3, b = (c + 2) % 3;
-        double *const values = rigid_modes.data() + mode * n_rows + std::size_t(i) * dim;
-        if (a < dim)
-          values[a] = -arm[b];
-        if (b < dim)
-          values[b] = arm[a];
+        const std::array<double, 6> along = rigid_motion_along<dim>(d, arm);
+        for (unsigned int mode = 0; mode < n_rigid_modes<dim>; ++mode)
+          rigid_modes[mode * n_rows + std::size_t(i) * dim + d] = along[mode];
       }
     }
   }
@@ -374,7 +362,7 @@ namespace tombolo
     data.set_parameters(list, modes_of_data, matrix);
     list.set("PDE equations", dim);
     list.set("null space: type", "pre-computed");
-    list.set("null space: dimension", dim == 2 ? 3 : 6);
+    list.set("null space: dimension", int(n_rigid_modes<dim>));
     list.set("null space: vectors", rigid_modes.data());
     list.set("null space: add default vectors", false);
     // Chebyshev smoothers and the damping of the prolongation take an eigenvalue from a random

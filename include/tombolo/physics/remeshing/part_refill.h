@@ -4,7 +4,6 @@
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/remeshing/nodal_content.h>
 #include <tombolo/physics/remeshing/refill_places.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/point_remap.h>
@@ -14,6 +13,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class NodalContent;
+
   /** The refills of one part of smoothed cells. */
   template <int dim>
   class PartRefill

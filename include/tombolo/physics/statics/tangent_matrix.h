@@ -11,6 +11,7 @@
 #include <deal.II/lac/trilinos_solver.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -85,6 +86,12 @@ namespace tombolo
     std::uint64_t n_assemblies() const
     {
       return count;
+    }
+
+    /** Evaluations of the forces of all cells that its assemblies were as long as. */
+    double evaluations() const
+    {
+      return (dim * std::pow(problem.model.degree + 1., dim) + 1.) * double(count);
     }
 
   private:
