@@ -71,20 +71,6 @@ namespace mock
     {
       return positions;
     }
-    const MaterialPoints &points() const override
-    {
-      return material_points;
-    }
-    MaterialPoints &points() override
-    {
-      return material_points;
-    }
-    const Material &material() const override
-    {
-      throw dealii::ExcInternalError();
-    }
-
-    MaterialPoints material_points;
     std::vector<dealii::Point<dim>> positions;
 
     std::vector<double> x_of_points() const
@@ -116,7 +102,7 @@ namespace mock
                 nodes.degree() > 1 ? corner : corner + 0.5 * (cell->center() - corner));
           ++cells;
         }
-      fill(this->material_points, this->x_of_points(), "element variable");
+      fill(this->points(), this->x_of_points(), "element variable");
     }
     unsigned int n_cells() const override
     {
@@ -160,7 +146,7 @@ namespace mock
       }
       shape.row_start.assign(own.size() + 1, 0);
       shape.coefficient_start.assign(own.size(), 0);
-      fill(this->material_points, this->x_of_points(), "particle variable");
+      fill(this->points(), this->x_of_points(), "particle variable");
     }
     unsigned int n_cells() const override
     {

@@ -37,8 +37,8 @@ public:
     rows.mass = this->collect_particles(setup, dilation,
                                         [&setup](const typename Nodes<dim>::Cell &cell)
                                         { return setup.part_cells->part_of(cell) == setup.index; });
-    this->integration.initialize(setup);
-    this->integration.create_points(this->set);
+    this->part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
+    this->create_points();
     neighbours.set_images(setup.nodes->images());
     neighbours.search(this->set.nodes(), this->set.padded_initial_positions(),
                       this->set.initial_supports(), setup.communicator, rows);

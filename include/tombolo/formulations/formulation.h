@@ -6,11 +6,9 @@
 
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/registry.h>
-#include <tombolo/materials/material.h>
-#include <tombolo/materials/thermal_properties.h>
+#include <tombolo/formulations/part_points.h>
 #include <tombolo/mesh/bodies.h>
 #include <tombolo/mesh/nodes.h>
-#include <tombolo/state/material_points.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <functional>
@@ -229,7 +227,10 @@ namespace tombolo
      * "plastic dissipation", "viscous dissipation" (artificial, of hourglass control too),
      * "thermal work" (given to the elastic energy by changes of the temperature; with heat only),
      * and whatever else it stores or dissipates. */
-    virtual EnergyAccounts energies() const = 0;
+    virtual EnergyAccounts energies() const
+    {
+      return part_points.energies();
+    }
 
     /** Adds the heat per unit time that conduction brings to the nodes, -∫ k ∇θ · ∇φ (eqs 29, 35
      * without its source), to slot 0 of @p heat_rate; k is taken at the temperatures @p
@@ -248,9 +249,9 @@ namespace tombolo
     virtual void add_plastic_heat(NodalVector & /*heat*/) {}
 
     /** What add_plastic_heat() would give in all now, over this rank's points [M L^2/T^2]. */
-    virtual double pending_plastic_heat() const
+    double pending_plastic_heat() const
     {
-      return 0.;
+      return part_points.heating().pending(points());
     }
 
     /** Rebuilds neighbourhoods at the present positions where their criterion asks for it. When
@@ -269,9 +270,18 @@ namespace tombolo
     /** Initial positions of the material points, in the order of points(). */
     virtual const std::vector<dealii::Point<dim>> &initial_point_positions() const = 0;
 
-    virtual const MaterialPoints &points() const = 0;
-    virtual MaterialPoints &points() = 0;
-    virtual const Material &material() const = 0;
+    const MaterialPoints &points() const
+    {
+      return part_points.points();
+    }
+    MaterialPoints &points()
+    {
+      return part_points.points();
+    }
+    const Material &material() const
+    {
+      return part_points.material();
+    }
 
     /** For output: number of cells (zero for particles) and material points per cell. Cells of
      * this rank in the order of active cells of the triangulation. */
@@ -318,6 +328,9 @@ namespace tombolo
     /** Computes what follows from what was read. @p buffer is a vector of positions
      * with current ghosts, free to be overwritten. Collective. */
     virtual void complete_reading(NodalVector & /*buffer*/) {}
+
+  protected:
+    PartPoints part_points; ///< initialize() takes the material, and creates the points
   };
 
   template <int dim>

@@ -3,11 +3,10 @@
 
 #include <deal.II/base/aligned_vector.h>
 
-#include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/mean_dilatation.h>
+#include <tombolo/formulations/part_points.h>
 #include <tombolo/materials/logarithmic_strain.h>
 #include <tombolo/materials/material_tangent.h>
-#include <tombolo/materials/strain_measure.h>
-#include <tombolo/state/material_points.h>
 
 #include <algorithm>
 
@@ -16,8 +15,7 @@ namespace tombolo
   /**
    * Points of n_lanes cells whose stress is that of one motion of the step, to first order in the
    * motion: the material is asked once, and answers to changed motions by its tangent. First
-   * begin(), then batch_of() and update() with the motion of the step, then integrate() with
-   * others.
+   * begin(), then update() with the motion of the step, then integrate() with others.
    */
   template <unsigned int n_points>
   class LinearizedPoints
@@ -30,74 +28,81 @@ namespace tombolo
     {
       Lanes strain[n_points][6];
       Lanes stress[n_points][6]; ///< rotated; Kirchhoff's where the strain is logarithmic
-      Lanes volume[n_points];    ///< left to the owner
+      Lanes volume[n_points];
+      Lanes spin[n_points][3];
       Lanes volume_ratio[n_points], work_factor[n_points];
     };
 
-    explicit LinearizedPoints(const StrainMeasure measure)
-        : measure(measure), tangent_values(36 * size)
+    LinearizedPoints(PartPoints &part, const double time_increment)
+        : part(part), tangent_values(36 * size)
     {
       for (unsigned int entry = 0; entry < 36; ++entry)
         tangent[entry] = tangent_values.data() + entry * size;
+      batch.n = size;
+      batch.time_increment = time_increment;
+      batch.measure = part.measure();
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        batch.stress[c] = stress_of_batch[c];
+        batch.strain_increment[c] = strain_of_batch[c];
+      }
+      batch.volume_ratio = factor_of_batch;
+      batch.relative_volume = ratio_of_batch;
     }
 
     bool is_logarithmic() const
     {
-      return measure == StrainMeasure::logarithmic;
+      return part.is_logarithmic();
     }
 
-    /** Takes the state of @p points from @p first on, at the start of the step. */
-    void begin(MaterialPoints &points, std::size_t first, const Material &material,
-               const PlasticHeating &heating);
+    /** Takes the state of the points from @p first_point on, at the start of the step. */
+    void begin(std::size_t first_point);
 
-    /** Sets what the increment of a point makes of it. */
-    void move(unsigned int q, const MotionIncrement<Lanes> &increment, Motion &motion) const;
+    /** Sets what H = Δt ∂v/∂x of each point makes of the points, whose volumes at the end of the
+     * step @p motion has; see PointSweep::move_cells(). */
+    template <typename Share>
+    void move(const Matrix3<Lanes> (&h)[n_points], bool shares_volume, const Share &share,
+              Motion &motion) const;
 
-    /** Stress, strain and volumes of @p motion in arrays of this object; temperature and what the
-     * material remembers are left to the owner. */
-    MaterialBatch batch_of(const Motion &motion, double time_increment);
-
-    /** Asks the material for the stress of such a batch, and its tangent. */
-    void update(const Material &material, MaterialBatch &batch);
+    /** Asks the material for the stress of @p motion, and its tangent. Advances what the material
+     * remembers, and with heat the temperature, from that of the nodes at the points. */
+    void update(const Motion &motion, const double *nodal_temperature);
 
     /** Volume times stress of @p changed: the stress is that of @p motion, which update() has seen,
      * and what the tangent makes of the difference. */
     void integrate(const Motion &motion, const Motion &changed,
                    Lanes (&integrated)[n_points][6]) const;
 
-    // At the start of the step.
-    Lanes old_volume[n_points], old_ratio[n_points];
-    Lanes elastic_strain[n_points][6];
-    alignas(64) double former_volume[size];
-
     Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's or Cauchy's
 
   private:
-    StrainMeasure measure;
-    Lanes old_stress[n_points][6];
+    PartPoints &part;
+    MaterialBatch batch;
+    // Of the points at hand at the start of the step.
+    std::size_t first = 0;
+    alignas(64) double old_volume[size];
+    Lanes old_ratio[n_points], old_stress[n_points][6], elastic_strain[n_points][6];
     Lanes bulk[n_points], shear[n_points]; // at the temperature of the start
     alignas(64) double stress_of_batch[6][size], strain_of_batch[6][size];
-    alignas(64) double factor_of_batch[size], ratio_of_batch[size];
+    alignas(64) double factor_of_batch[size], ratio_of_batch[size], temperature_increment[size];
     dealii::AlignedVector<double> tangent_values;
     MaterialTangent tangent;
   };
 
   template <unsigned int n_points>
-  void LinearizedPoints<n_points>::begin(MaterialPoints &points, const std::size_t first,
-                                         const Material &material, const PlasticHeating &heating)
+  void LinearizedPoints<n_points>::begin(const std::size_t first_point)
   {
+    first = first_point;
+    const MaterialPoints &points = part.points();
     alignas(64) double bulk_at[size], shear_at[size];
-    const double *const temperature = heating.temperature(points);
-    material.elastic_moduli(size, temperature == nullptr ? nullptr : temperature + first, bulk_at,
-                            shear_at);
+    part.material().elastic_moduli(size, part.temperature(first), bulk_at, shear_at);
     const double *const volumes = points.component(MaterialPoints::volume, 0) + first;
-    std::copy_n(volumes, size, former_volume);
+    std::copy_n(volumes, size, old_volume);
     for (unsigned int q = 0; q < n_points; ++q)
     {
       const unsigned int i = q * n_lanes;
       bulk[q] = load_lanes(bulk_at + i);
       shear[q] = load_lanes(shear_at + i);
-      old_volume[q] = load_lanes(volumes + i);
       old_ratio[q] = load_lanes(points.component(MaterialPoints::volume_ratio, 0) + first + i);
       for (unsigned int c = 0; c < 6; ++c)
       {
@@ -110,53 +115,52 @@ namespace tombolo
   }
 
   template <unsigned int n_points>
-  void LinearizedPoints<n_points>::move(const unsigned int q,
-                                        const MotionIncrement<Lanes> &increment,
+  template <typename Share>
+  void LinearizedPoints<n_points>::move(const Matrix3<Lanes> (&h)[n_points],
+                                        const bool shares_volume, const Share &share,
                                         Motion &motion) const
   {
-    for (unsigned int c = 0; c < 6; ++c)
+    const bool grows = shares_volume && is_logarithmic();
+    const Lanes growth =
+        grows ? MeanDilatation::growth_of_cell(old_volume, motion.volume) : Lanes(1.);
+    MotionIncrement<Lanes> increments[n_points];
+    for (unsigned int q = 0; q < n_points; ++q)
+      increments[q] = is_logarithmic() ? logarithmic_increment(h[q], elastic_strain[q])
+                                       : motion_increment(h[q]);
+    share(increments);
+    for (unsigned int q = 0; q < n_points; ++q)
     {
-      motion.strain[q][c] = increment.strain[c];
-      motion.stress[q][c] = old_stress[q][c];
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        motion.strain[q][c] = increments[q].strain[c];
+        motion.stress[q][c] = old_stress[q][c];
+      }
+      std::copy_n(increments[q].spin, 3, motion.spin[q]);
+      rotate(increments[q].spin, motion.stress[q]);
+      motion.volume_ratio[q] = old_ratio[q] * increments[q].volume_factor;
+      motion.work_factor[q] = work_factor(increments[q]);
+      if (grows)
+        motion.volume[q] = load_lanes(old_volume + q * n_lanes) * growth;
     }
-    rotate(increment.spin, motion.stress[q]);
-    motion.volume_ratio[q] = old_ratio[q] * increment.volume_factor;
-    motion.work_factor[q] = work_factor(increment);
   }
 
   template <unsigned int n_points>
-  MaterialBatch LinearizedPoints<n_points>::batch_of(const Motion &motion,
-                                                     const double time_increment)
+  void LinearizedPoints<n_points>::update(const Motion &motion,
+                                          const double *const nodal_temperature)
   {
-    MaterialBatch batch;
-    batch.n = size;
-    batch.time_increment = time_increment;
-    batch.measure = measure;
-    for (unsigned int c = 0; c < 6; ++c)
+    for (unsigned int q = 0; q < n_points; ++q)
     {
-      for (unsigned int q = 0; q < n_points; ++q)
+      for (unsigned int c = 0; c < 6; ++c)
       {
         store_lanes(motion.stress[q][c], stress_of_batch[c] + q * n_lanes);
         store_lanes(motion.strain[q][c], strain_of_batch[c] + q * n_lanes);
       }
-      batch.stress[c] = stress_of_batch[c];
-      batch.strain_increment[c] = strain_of_batch[c];
-    }
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
       store_lanes(motion.volume_ratio[q], ratio_of_batch + q * n_lanes);
       store_lanes(is_logarithmic() ? motion.work_factor[q] : motion.volume_ratio[q],
                   factor_of_batch + q * n_lanes);
     }
-    batch.volume_ratio = factor_of_batch;
-    batch.relative_volume = ratio_of_batch;
-    return batch;
-  }
-
-  template <unsigned int n_points>
-  void LinearizedPoints<n_points>::update(const Material &material, MaterialBatch &batch)
-  {
-    material.update_stress_and_tangent(batch, tangent);
+    part.complete(batch, first, nodal_temperature, temperature_increment);
+    part.material().update_stress_and_tangent(batch, tangent);
     for (unsigned int q = 0; q < n_points; ++q)
       for (unsigned int c = 0; c < 6; ++c)
         stress[q][c] = load_lanes(stress_of_batch[c] + q * n_lanes);

@@ -4,6 +4,9 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/logarithmic_strain.h>
+#include <tombolo/state/material_points.h>
+
+#include <vector>
 
 namespace tombolo
 {
@@ -100,6 +103,17 @@ namespace tombolo
       }
     }
 
+    /** Either of them. */
+    template <int dim, unsigned int n_points>
+    void share(const bool is_logarithmic, const Lanes (&volume)[n_points],
+               MotionIncrement<Lanes> (&motion)[n_points])
+    {
+      if (is_logarithmic)
+        share_logarithmic<dim>(volume, motion);
+      else
+        share_strain<dim>(volume, motion);
+    }
+
     /** p̄ of stresses that come multiplied by the volumes. */
     template <int dim, unsigned int n_points>
     Lanes mean_pressure(const Lanes (&volume)[n_points], const Lanes (&stress)[n_points][6])
@@ -112,6 +126,36 @@ namespace tombolo
           sum += stress[q][i];
       }
       return sum / (dim * total);
+    }
+
+    /** The volume of n_lanes cells, as their points have it now, over that of @p former; one where
+     * there is no cell. */
+    template <unsigned int n_points>
+    Lanes growth_of_cell(const double *former, const Lanes (&present)[n_points])
+    {
+      Lanes before = 0., now = 0., growth = 1.;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        before += load_lanes(former + q * n_lanes);
+        now += present[q];
+      }
+      where(before > 0., growth) = now / before;
+      return growth;
+    }
+
+    /** Gives those points of a batch from @p first on that @p are_new the @p present volumes, or
+     * with @p shares_volume parts of their sum as they have now. */
+    template <unsigned int n_points>
+    void take_volumes(MaterialPoints &points, const std::size_t first,
+                      const Lanes (&present)[n_points], const bool shares_volume,
+                      const std::vector<bool> &are_new)
+    {
+      double *const volumes = points.component(MaterialPoints::volume, 0);
+      const Lanes growth = growth_of_cell(volumes + first, present);
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          if (const std::size_t i = first + q * n_lanes + lane; are_new[i])
+            volumes[i] = shares_volume ? volumes[i] * growth[lane] : present[q][lane];
     }
   } // namespace MeanDilatation
 } // namespace tombolo

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/part_points.h>
 #include <tombolo/materials/kinematics.h>
-#include <tombolo/materials/material.h>
-#include <tombolo/state/material_points.h>
 
 #include <cmath>
 
@@ -15,33 +13,37 @@ namespace tombolo
   class PointStiffness
   {
   public:
-    PointStiffness(const Material &material, const MaterialPoints &points,
-                   const StrainMeasure measure)
-        : shear_modulus(material.shear_modulus()),
-          constant_lambda(material.bulk_modulus() - 2. / 3. * shear_modulus),
-          inverse_modulus(1. / (material.bulk_modulus() + 4. / 3. * shear_modulus)),
-          is_kirchhoff(measure == StrainMeasure::logarithmic),
-          ratio(points.component(MaterialPoints::volume_ratio, 0))
+    /** Artificial viscosity counts for a step of @p time_step. */
+    explicit PointStiffness(const PartPoints &part, const double time_step = 1.)
+        : shear_modulus(part.material().shear_modulus()),
+          constant_lambda(part.material().bulk_modulus() - 2. / 3. * shear_modulus),
+          inverse_modulus(1. / (part.material().bulk_modulus() + 4. / 3. * shear_modulus)),
+          is_kirchhoff(part.is_logarithmic()), rate_factor(2. / time_step),
+          ratio(part.points().component(MaterialPoints::volume_ratio, 0))
     {
-      if (const unsigned int field = points.find_field("bulk modulus");
-          field < points.fields().size())
-        bulk = points.component(field, 0);
+      if (const unsigned int field = part.points().find_field("bulk modulus");
+          field < part.points().fields().size())
+        bulk = part.points().component(field, 0);
+      if (part.viscosity().is_on())
+        viscosity = part.viscosity().tangent(part.points());
     }
 
-    /** λ of n_lanes points from @p i on: of Cauchy's stress, or with the logarithmic measure of
-     * Kirchhoff's. */
-    Lanes lambda(const std::size_t i) const
+    /** The stress that a velocity gradient causes per unit time, Kirchhoff's with the logarithmic
+     * measure, times @p volume, of n_lanes points from @p i on: (C + 2/Δt of viscosity) : L. */
+    TOMBOLO_ALWAYS_INLINE void find_stress(const std::size_t i, const Matrix3<Lanes> &l,
+                                           const Lanes &present_volume, Lanes (&stress)[6]) const
     {
-      if (bulk == nullptr)
-        return constant_lambda;
-      const Lanes modulus = load_lanes(bulk + i);
-      return (is_kirchhoff ? modulus * load_lanes(ratio + i) : modulus) - 2. / 3. * shear_modulus;
-    }
-
-    /** @p volume times the stress that a velocity gradient causes per unit time, with this λ. */
-    void find_stress(const Matrix3<Lanes> &l, const Lanes &volume, const Lanes &lambda,
-                     Lanes (&stress)[6]) const
-    {
+      Lanes volume = present_volume, lambda = constant_lambda;
+      if (is_kirchhoff)
+        volume /= load_lanes(ratio + i);
+      if (bulk != nullptr)
+      {
+        const Lanes modulus = load_lanes(bulk + i);
+        lambda =
+            (is_kirchhoff ? modulus * load_lanes(ratio + i) : modulus) - 2. / 3. * shear_modulus;
+      }
+      if (viscosity != nullptr)
+        lambda += rate_factor * load_lanes(viscosity + i);
       const Lanes pressure = lambda * volume * (l(0, 0) + l(1, 1) + l(2, 2));
       const Lanes twice = 2. * shear_modulus * volume;
       const Lanes once = shear_modulus * volume;
@@ -53,14 +55,8 @@ namespace tombolo
       stress[5] = once * (l(0, 1) + l(1, 0));
     }
 
-    /** Whether all points have the moduli of the material. */
-    bool is_constant() const
-    {
-      return bulk == nullptr;
-    }
-
     /** The speed of longitudinal waves at point @p i over that of the material in the initial
-     * state; one if is_constant(). */
+     * state; one if all points have the moduli of the material. */
     double relative_speed(const std::size_t i) const
     {
       return bulk == nullptr
@@ -68,20 +64,25 @@ namespace tombolo
                  : std::sqrt(ratio[i] * inverse_modulus * (bulk[i] + 4. / 3. * shear_modulus));
     }
 
-    /** The square of the speed of longitudinal waves of n_lanes points from @p i on, over that of
-     * the material in the initial state. */
-    Lanes squared_speed(const std::size_t i) const
+    /** The square of the speed of longitudinal waves, over that of the material in the initial
+     * state, of n_lanes cells: the largest of their @p n_points points, which begin with @p first.
+     * Where the moduli are constant the density is not: c grows with √J. */
+    Lanes squared_speed(const std::size_t first, const unsigned int n_points) const
     {
-      const Lanes volume_ratio = load_lanes(ratio + i);
-      return bulk == nullptr ? volume_ratio
-                             : volume_ratio * inverse_modulus *
-                                   (load_lanes(bulk + i) + 4. / 3. * shear_modulus);
+      Lanes largest = 0.;
+      for (std::size_t i = first; i < first + n_points * n_lanes; i += n_lanes)
+        largest =
+            max(largest, bulk == nullptr ? load_lanes(ratio + i)
+                                         : load_lanes(ratio + i) * inverse_modulus *
+                                               (load_lanes(bulk + i) + 4. / 3. * shear_modulus));
+      return largest;
     }
 
   private:
     double shear_modulus, constant_lambda, inverse_modulus;
     bool is_kirchhoff;
+    double rate_factor;
     const double *ratio;
-    const double *bulk = nullptr;
+    const double *bulk = nullptr, *viscosity = nullptr;
   };
 } // namespace tombolo

@@ -7,10 +7,8 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/linearized_points.h>
-#include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/mean_dilatation.h>
 #include <tombolo/formulations/row_block.h>
-#include <tombolo/formulations/row_material.h>
 
 #include <algorithm>
 #include <array>
@@ -40,8 +38,10 @@ namespace tombolo
       Lanes is_deformed = 1.;
     };
 
-    RowStiffness(const RowMaterial &of_part, const double time_increment)
-        : part(of_part), time_increment(time_increment), linearized(of_part.measure),
+    /** @p shares_volume: points of a cell share their dilatation and volumes follow from their
+     * places; else the volume of a point is that of the reference times its volume ratio. */
+    RowStiffness(PartPoints &part, const bool shares_volume, const double time_increment)
+        : shares_volume(shares_volume), linearized(part, time_increment),
           derivative(n_entries * n_entries)
     {}
 
@@ -50,10 +50,9 @@ namespace tombolo
     void find(const std::size_t first_point, const Gradients &gradients,
               const double *nodal_temperature)
     {
-      first = first_point;
-      linearized.begin(*part.points, first, *part.material, *part.plastic_heating);
+      linearized.begin(first_point);
       find_motion(gradients, motion);
-      update_stress(nodal_temperature);
+      linearized.update(motion, nodal_temperature);
       find_derivative(gradients);
     }
 
@@ -71,16 +70,13 @@ namespace tombolo
     };
 
     void find_motion(const Gradients &gradients, Motion &motion) const;
-    void update_stress(const double *nodal_temperature);
     /** P of @p changed, whose stress follows by the tangent, by point and entry. */
     void find_force(const Motion &changed, Lanes (&force)[n_entries]) const;
     void find_derivative(const Gradients &gradients);
 
-    RowMaterial part;
-    double time_increment;
+    const bool shares_volume;
 
     // Of the points at hand.
-    std::size_t first = 0;
     LinearizedPoints<n_points> linearized;
     Motion motion;
     Lanes base_force[n_entries];
@@ -93,52 +89,25 @@ namespace tombolo
   template <int dim, unsigned int n_points>
   void RowStiffness<dim, n_points>::find_motion(const Gradients &gradients, Motion &result) const
   {
-    const bool is_logarithmic = linearized.is_logarithmic();
-    MotionIncrement<Lanes> increments[n_points];
+    Matrix3<Lanes> h[n_points];
     for (unsigned int q = 0; q < n_points; ++q)
     {
       Lanes det;
       const Matrix3<Lanes> inverse_deformation = inverse(gradients.deformation[q], det);
       result.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
       result.volume[q] = det * gradients.volume[q];
-      const Matrix3<Lanes> h = multiply(gradients.displacement[q], inverse_deformation);
-      increments[q] = is_logarithmic ? logarithmic_increment(h, linearized.elastic_strain[q])
-                                     : motion_increment(h);
+      h[q] = multiply(gradients.displacement[q], inverse_deformation);
     }
-    Lanes growth = 1.;
-    if (part.shares_volume && is_logarithmic)
-    {
-      growth = LogarithmicPoints::growth_of_cell(linearized.former_volume, result.volume);
-      MeanDilatation::share_logarithmic<dim>(result.volume, increments);
-    }
-    else if (part.shares_volume)
-      MeanDilatation::share_strain<dim>(result.volume, increments);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      linearized.move(q, increments[q], result);
-      if (!part.shares_volume)
-        result.volume[q] = gradients.volume[q] * result.volume_ratio[q];
-      else if (is_logarithmic)
-        result.volume[q] = linearized.old_volume[q] * growth;
-    }
-  }
-
-  template <int dim, unsigned int n_points>
-  void RowStiffness<dim, n_points>::update_stress(const double *const nodal_temperature)
-  {
-    constexpr unsigned int size = LinearizedPoints<n_points>::size;
-    alignas(64) double temperature_increment[size];
-    MaterialBatch batch = linearized.batch_of(motion, time_increment);
-    for (double *const variable : part.variables)
-      batch.internal_variables.push_back(variable + first);
-    if (part.plastic_heating->is_on())
-    {
-      part.plastic_heating->advance(*part.points, first, size, nodal_temperature,
-                                    time_increment == 0., temperature_increment);
-      batch.temperature = part.plastic_heating->temperature(*part.points) + first;
-      batch.temperature_increment = temperature_increment;
-    }
-    linearized.update(*part.material, batch);
+    linearized.move(
+        h, shares_volume,
+        [&](MotionIncrement<Lanes>(&increments)[n_points])
+        {
+          if (shares_volume)
+            MeanDilatation::share<dim>(linearized.is_logarithmic(), result.volume, increments);
+        },
+        result);
+    for (unsigned int q = 0; q < n_points && !shares_volume; ++q)
+      result.volume[q] = gradients.volume[q] * result.volume_ratio[q];
   }
 
   template <int dim, unsigned int n_points>
@@ -148,12 +117,11 @@ namespace tombolo
     constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
     Lanes integrated[n_points][6];
     linearized.integrate(motion, changed, integrated);
-    const Lanes mean = part.shares_volume
-                           ? MeanDilatation::mean_pressure<dim>(changed.volume, integrated)
-                           : Lanes(0.);
+    const Lanes mean =
+        shares_volume ? MeanDilatation::mean_pressure<dim>(changed.volume, integrated) : Lanes(0.);
     for (unsigned int q = 0; q < n_points; ++q)
     {
-      if (part.shares_volume)
+      if (shares_volume)
       {
         const Lanes difference = changed.volume[q] * mean -
                                  (1. / dim) * MeanDilatation::trace_in_plane<dim>(integrated[q]);

@@ -30,6 +30,14 @@ namespace tombolo
     return result;
   }
 
+  /** Of the components xx, yy, zz, yz, xz, xy. */
+  template <typename Number>
+  TOMBOLO_ALWAYS_INLINE Matrix3<Number> symmetric_matrix(const Number (&tensor)[6])
+  {
+    return {{tensor[0], tensor[5], tensor[4], tensor[5], tensor[1], tensor[3], tensor[4], tensor[3],
+             tensor[2]}};
+  }
+
   template <typename Number>
   TOMBOLO_ALWAYS_INLINE Matrix3<Number> multiply(const Matrix3<Number> &a, const Matrix3<Number> &b)
   {

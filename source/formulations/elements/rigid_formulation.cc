@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/formulations/elements/cell_conduction.h>
-#include <tombolo/formulations/elements/cell_points.h>
+#include <tombolo/formulations/elements/cell_part.h>
 #include <tombolo/formulations/elements/rigid_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/step_cost.h>
@@ -40,7 +39,8 @@ namespace tombolo
    * the degree.
    */
   template <int dim, unsigned int p>
-  class RigidFormulation : public Formulation<dim>, public RigidCells<dim>
+  class RigidFormulation : public CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>,
+                           public RigidCells<dim>
   {
   public:
     unsigned int degree() const override
@@ -62,19 +62,6 @@ namespace tombolo
       return moments;
     }
 
-    dealii::IndexSet required_nodes() const override
-    {
-      return cell_points.cells().required_nodes();
-    }
-    void set_partition(const NodePartition &partition) override
-    {
-      cell_points.set_partition(partition);
-    }
-    void add_mass(NodalVector &mass) const override
-    {
-      cell_points.cells().add_mass(mass);
-    }
-
     void add_internal_force(const MechanicalInput & /*input*/, NodalVector & /*force*/) override {}
     void apply_elastic_stiffness(const NodalVector & /*position*/, const NodalVector & /*velocity*/,
                                  const double /*time_step*/, NodalVector & /*force*/) const override
@@ -93,49 +80,14 @@ namespace tombolo
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
-      add_conduction_of_cells(cell_points, *heat, position, of_conductivity, temperature,
-                              heat_rate);
-    }
-    StepLimit diffusion_limit(const NodalVector &position) const override
-    {
-      return diffusion_limit_of_cells(
-          cell_points.cells(), heat->largest_diffusivity() / part_material->density(), position);
-    }
-
-    void point_positions(const NodalVector & /*position*/,
-                         std::vector<dealii::Point<dim>> &points) const override
-    {
-      points.clear();
-    }
-    const std::vector<dealii::Point<dim>> &initial_point_positions() const override
-    {
-      return cell_points.initial_positions();
-    }
-    const MaterialPoints &points() const override
-    {
-      return cell_points.material_points();
-    }
-    MaterialPoints &points() override
-    {
-      return cell_points.material_points();
-    }
-    const Material &material() const override
-    {
-      return *part_material;
-    }
-    unsigned int n_cells() const override
-    {
-      return cell_points.cells().n_cells();
-    }
-    unsigned int n_points_per_cell() const override
-    {
-      return 0;
+      add_conduction_of_cells(cell_points, *part_points.heat(), position, of_conductivity,
+                              temperature, heat_rate);
     }
 
   private:
-    CellPoints<dim, RigidCell<dim, p>> cell_points;
-    std::shared_ptr<const Material> part_material;
-    std::shared_ptr<const ThermalProperties> heat;
+    using Base = CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>;
+    using Base::cell_points, Base::part_points;
+
     MassMoments moments;
   };
 
@@ -234,10 +186,9 @@ namespace tombolo
   template <int dim, unsigned int p>
   void RigidFormulation<dim, p>::initialize(const PartSetup<dim> &setup)
   {
-    part_material = setup.material;
-    heat = setup.heat;
-    cell_points.take_cells(setup, false);
-    moments = moments_of(cell_points.cells(), p, part_material->density(), setup.communicator);
+    part_points.initialize(setup.material, setup.heat, false);
+    cell_points.take_cells(setup, p, RigidCell<dim, p>::lumping, false);
+    moments = moments_of(cell_points.cells(), p, setup.material->density(), setup.communicator);
     cell_points.release_initial_node_positions();
     if (!(moments.smallest_jacobian > 0.))
       throw InputError("The part \"" + setup.name +
@@ -248,7 +199,7 @@ namespace tombolo
   void RigidFormulation<dim, p>::courant_limits(const NodalVector & /*position*/,
                                                 std::vector<double> &time_steps) const
   {
-    time_steps.assign(n_cells(), StepLimit().time_step);
+    time_steps.assign(this->n_cells(), StepLimit().time_step);
   }
 
   namespace

@@ -43,7 +43,8 @@ namespace tombolo
   std::vector<FieldDescription> Bonds<dim>::variables() const
   {
     return {{fraction_name, "1", FieldLocation::material_point, 1, true},
-            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true}};
+            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
+             OnDivision::held}};
   }
 
   template <int dim>

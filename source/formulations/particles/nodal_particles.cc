@@ -1,79 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/nodal_particles.h>
 
-#include <tombolo/approximation/stencils.h>
-#include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/row_material.h>
-#include <tombolo/formulations/row_stiffness.h>
+#include <tombolo/formulations/particles/particle_force.h>
+#include <tombolo/formulations/point_stiffness.h>
 
 #include <algorithm>
-#include <functional>
-#include <memory>
-#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  /** Formulation::find_cell_equations() of particles that are integrated at their nodes: a particle
-   * and its row stand for a cell. */
-  template <int dim>
-  void find_particle_equations(const Stencils &shape, const std::vector<double> &initial_volume,
-                               const RowMaterial &material, const MechanicalInput &input,
-                               const std::function<void(const CellEquations &)> &take);
-
-  template <int dim>
-  void find_particle_equations(const Stencils &shape, const std::vector<double> &initial_volume,
-                               const RowMaterial &material, const MechanicalInput &input,
-                               const std::function<void(const CellEquations &)> &take)
-  {
-    using Stiffness = RowStiffness<dim, 1>;
-    const auto stiffness = std::make_unique<Stiffness>(material, input.time_increment);
-    alignas(64) double temperature[n_lanes];
-    typename Stiffness::Gradients gradients;
-    for (unsigned int first = 0; first < shape.n_particles(); first += n_lanes)
-    {
-      const unsigned int n = std::min<unsigned int>(n_lanes, shape.n_particles() - first);
-      Matrix3<Lanes> &deformation = gradients.deformation[0];
-      RowBlock::gather_gradients<dim>(shape, first, n, input.position->data(),
-                                      input.velocity->data(), deformation,
-                                      gradients.displacement[0]);
-      for (Lanes &entry : gradients.displacement[0].entry)
-        entry *= input.time_increment;
-      gradients.volume[0] = 0.;
-      gradients.is_deformed = 0.;
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-      {
-        temperature[lane] = 0.;
-        if (lane >= n)
-          continue;
-        gradients.volume[0][lane] = initial_volume[first + lane];
-        if (material.plastic_heating->is_on())
-          temperature[lane] = *input.temperature->node(shape.particle_node[first + lane]);
-        if (shape.is_undeformed(first + lane))
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = 0; j < 3; ++j)
-              deformation(i, j)[lane] = i == j ? 1. : 0.;
-        else
-          gradients.is_deformed[lane] = 1.;
-      }
-      stiffness->find(first, gradients, temperature);
-      for (unsigned int lane = 0; lane < n; ++lane)
-        stiffness->hand_over(lane, {{shape.row(first + lane)}}, take);
-    }
-  }
-
-  template void find_particle_equations<2>(const Stencils &, const std::vector<double> &,
-                                           const RowMaterial &, const MechanicalInput &,
-                                           const std::function<void(const CellEquations &)> &);
-  template void find_particle_equations<3>(const Stencils &, const std::vector<double> &,
-                                           const RowMaterial &, const MechanicalInput &,
-                                           const std::function<void(const CellEquations &)> &);
-
-  template <int dim>
-  NodalParticles<dim>::NodalParticles(const BulkViscosity &viscosity, const StrainMeasure measure)
-      : integration(viscosity, measure)
-  {}
 
   template <int dim>
   std::vector<double> NodalParticles<dim>::collect_particles(const PartSetup<dim> &setup,
@@ -98,9 +33,14 @@ namespace tombolo
   }
 
   template <int dim>
-  const ParticleSet<dim> &NodalParticles<dim>::particle_set() const
+  void NodalParticles<dim>::create_points(const std::vector<FieldDescription> &further)
   {
-    return set;
+    if (!part_points.has_mechanics())
+      return;
+    part_points.create(set.size(), {}, further);
+    std::copy(set.initial_volumes().begin(), set.initial_volumes().end(),
+              this->points().component(MaterialPoints::volume, 0));
+    part_points.begin_with_volumes(dim);
   }
 
   template <int dim>
@@ -122,8 +62,8 @@ namespace tombolo
   template <int dim>
   void NodalParticles<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
   {
-    integration.add_internal_force(set, this->stencils(), input, kernel.deformation_of_motion(),
-                                   force);
+    ParticleForce::add_internal_force(part_points, this->stencils(), set.initial_volumes(), input,
+                                      kernel.deformation_of_motion(), force);
   }
 
   template <int dim>
@@ -132,20 +72,8 @@ namespace tombolo
                                                     const double time_step,
                                                     NodalVector &force) const
   {
-    integration.apply_elastic_stiffness(this->stencils(), position, velocity, time_step, force);
-  }
-
-  template <int dim>
-  void NodalParticles<dim>::courant_limits(const NodalVector &position,
-                                           std::vector<double> &time_steps) const
-  {
-    time_steps = integration.courant_limits(set, kernel, this->stencils(), position);
-  }
-
-  template <int dim>
-  EnergyAccounts NodalParticles<dim>::energies() const
-  {
-    return integration.energies();
+    ParticleForce::apply_elastic_stiffness<dim>(part_points, this->stencils(), position, velocity,
+                                                time_step, force);
   }
 
   template <int dim>
@@ -154,26 +82,59 @@ namespace tombolo
                                            const NodalVector &temperature,
                                            NodalVector &heat_rate) const
   {
-    integration.add_conduction(set, this->stencils(), position, of_conductivity, temperature,
-                               heat_rate);
-  }
-
-  template <int dim>
-  StepLimit NodalParticles<dim>::diffusion_limit(const NodalVector &position) const
-  {
-    return integration.diffusion_limit(set, kernel, this->stencils(), position);
+    ParticleForce::add_conduction<dim>(part_points, this->stencils(), set.initial_volumes(),
+                                       position, of_conductivity, temperature, heat_rate);
   }
 
   template <int dim>
   void NodalParticles<dim>::add_plastic_heat(NodalVector &heat)
   {
-    integration.add_plastic_heat(this->stencils(), heat);
+    if (!part_points.heating().has_plastic_heat())
+      return;
+    const std::vector<unsigned int> &nodes = this->particle_nodes();
+    for (unsigned int i = 0; i < nodes.size(); ++i)
+      *heat.node(nodes[i]) += part_points.heating().give(this->points(), i);
   }
 
   template <int dim>
-  double NodalParticles<dim>::pending_plastic_heat() const
+  void NodalParticles<dim>::courant_limits(const NodalVector &position,
+                                           std::vector<double> &time_steps) const
   {
-    return integration.pending_plastic_heat();
+    time_steps.clear();
+    const PointStiffness stiffness(part_points);
+    const double speed = this->material().longitudinal_wave_speed();
+    kernel.for_present_supports(set, this->stencils(), position,
+                                [&](const unsigned int i, const double *half_width)
+                                {
+                                  time_steps.push_back(
+                                      *std::min_element(half_width, half_width + dim) /
+                                      (speed * stiffness.relative_speed(i)));
+                                });
+  }
+
+  template <int dim>
+  StepLimit NodalParticles<dim>::diffusion_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "particle";
+    const double diffusivity =
+        part_points.heat()->largest_diffusivity() / this->material().density();
+    if (diffusivity == 0.)
+      return limit;
+    kernel.for_present_supports(
+        set, this->stencils(), position,
+        [&](const unsigned int i, const double *half_width)
+        {
+          const double *const place = position.node(this->particle_nodes()[i]);
+          for (unsigned int d = 0; d < dim; ++d)
+            if (const double step = half_width[d] * half_width[d] / (2. * diffusivity);
+                step < limit.time_step)
+            {
+              limit.time_step = step;
+              std::copy_n(place, dim, &limit.place[0]);
+            }
+        });
+    return limit;
   }
 
   template <int dim>
@@ -181,8 +142,8 @@ namespace tombolo
   NodalParticles<dim>::find_cell_equations(const MechanicalInput &input,
                                            const std::function<void(const CellEquations &)> &take)
   {
-    find_particle_equations<dim>(this->stencils(), set.initial_volumes(),
-                                 integration.row_material(), input, take);
+    ParticleForce::find_cell_equations<dim>(part_points, this->stencils(), set.initial_volumes(),
+                                            input, take);
   }
 
   template <int dim>
@@ -201,25 +162,7 @@ namespace tombolo
     if (kernel.follows_motion())
       return "supports that stay as they are and kernels in the current configuration, whose "
              "deformation has no state to go back to";
-    return integration.unfit_to_linearize();
-  }
-
-  template <int dim>
-  const MaterialPoints &NodalParticles<dim>::points() const
-  {
-    return integration.points();
-  }
-
-  template <int dim>
-  MaterialPoints &NodalParticles<dim>::points()
-  {
-    return integration.points();
-  }
-
-  template <int dim>
-  const Material &NodalParticles<dim>::material() const
-  {
-    return integration.material();
+    return part_points.unfit_to_linearize();
   }
 
   template class NodalParticles<2>;

@@ -5,16 +5,14 @@
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/point_stiffness.h>
-#include <tombolo/formulations/row_block.h>
+#include <tombolo/formulations/point_sweep.h>
+#include <tombolo/formulations/row_stiffness.h>
 
 #include <deal.II/base/tensor.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
+#include <memory>
 #include <sstream>
 
 namespace tombolo
@@ -187,8 +185,6 @@ namespace tombolo
         return is_current && n == padded_to_lanes(n) ? current : deformation.columns[0][0];
       }
 
-      using BlockStrains = std::array<std::array<double, block_size>, 6>;
-
       /** H, the increment of the displacement differentiated at the end of the step. */
       TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> increment_at(const BlockMatrices &velocity_gradient,
                                                         const double *inverse_f,
@@ -238,244 +234,146 @@ namespace tombolo
           }
         }
       }
-
-      /** Strain increments of n_lanes particles at @p p of a block, and what their stress and
-       * volume ratio (from @p first on) get from the motion alone: the rotation (eq. 19) and the
-       * change of volume. */
-      TOMBOLO_ALWAYS_INLINE void apply_motion(const MotionIncrement<Lanes> &motion,
-                                              const unsigned int first, const unsigned int p,
-                                              double *const (&stress)[6],
-                                              double *const volume_ratio, BlockStrains &strain)
-      {
-        Lanes rotated[6];
-        for (unsigned int c = 0; c < 6; ++c)
-          rotated[c] = load_lanes(stress[c] + first + p);
-        rotate(motion.spin, rotated);
-        for (unsigned int c = 0; c < 6; ++c)
-        {
-          store_lanes(rotated[c], stress[c] + first + p);
-          store_lanes(motion.strain[c], strain[c].data() + p);
-        }
-        store_lanes(load_lanes(volume_ratio + first + p) * motion.volume_factor,
-                    volume_ratio + first + p);
-      }
-
-      TOMBOLO_ALWAYS_INLINE void
-      advance_kinematics(const BlockMatrices &velocity_gradient, const double *inverse_f,
-                         const unsigned int n_padded_points, const double time_increment,
-                         const unsigned int first, double *const (&stress)[6],
-                         double *const volume_ratio, BlockStrains &strain)
-      {
-        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
-          apply_motion(
-              motion_increment(increment_at(velocity_gradient, inverse_f, p, time_increment)),
-              first, p, stress, volume_ratio, strain);
-      }
-
-      /** The same for the logarithmic measure, whose stress is Kirchhoff's until the material has
-       * advanced it; @p work_factors go to the material. */
-      void advance_logarithmic(const BlockMatrices &velocity_gradient, const double *inverse_f,
-                               const unsigned int n_padded_points, const double time_increment,
-                               const unsigned int first, const Material &material,
-                               const double *temperature, MaterialPoints &points,
-                               double *const (&stress)[6], double *const volume_ratio,
-                               BlockStrains &strain, double *work_factors)
-      {
-        alignas(64) double bulk[block_size], shear[block_size];
-        material.elastic_moduli(
-            n_padded_points, temperature == nullptr ? nullptr : temperature + first, bulk, shear);
-        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
-        {
-          const MotionIncrement<Lanes> motion = LogarithmicPoints::begin(
-              points, first + p, increment_at(velocity_gradient, inverse_f, p, time_increment),
-              load_lanes(bulk + p), load_lanes(shear + p));
-          apply_motion(motion, first, p, stress, volume_ratio, strain);
-          store_lanes(work_factor(motion), work_factors + p);
-        }
-      }
-
-      /** K = V σ F⁻ᵀ of a block, which turns gradients of the reference into forces; @p pressure is
-       * artificial, or null. */
-      TOMBOLO_ALWAYS_INLINE void
-      find_force_matrices(const double *inverse_f, const unsigned int n_padded_points,
-                          const unsigned int first, double *const (&stress)[6],
-                          const double *volume, const double *pressure, BlockMatrices &matrices)
-      {
-        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
-        {
-          const Matrix3<Lanes> inverse_transpose = load_columns(inverse_f + 3 * node_stride * p);
-          const Lanes v = load_lanes(volume + first + p);
-          Lanes s[6];
-          for (unsigned int c = 0; c < 6; ++c)
-            s[c] = v * load_lanes(stress[c] + first + p);
-          if (pressure != nullptr)
-            for (unsigned int c = 0; c < 3; ++c)
-              s[c] -= v * load_lanes(pressure + first + p);
-          const unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-          Matrix3<Lanes> k;
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = 0; j < 3; ++j)
-              k(i, j) = s[place[i][0]] * inverse_transpose(0, j) +
-                        s[place[i][1]] * inverse_transpose(1, j) +
-                        s[place[i][2]] * inverse_transpose(2, j);
-          store_columns(k, matrices.columns[p][0]);
-        }
-      }
     } // namespace
 
     template <int dim>
-    void add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
-                            const Material &material, const StrainMeasure measure,
-                            const double *position, const double *velocity,
-                            const double *temperature, const double time_increment,
-                            const BulkViscosity &bulk_viscosity,
-                            const PlasticHeating &plastic_heating, MaterialPoints &points,
-                            std::vector<dealii::Tensor<2, dim>> *const deformation, double *force)
+    void add_internal_force(PartPoints &part, const Stencils &shape,
+                            const std::vector<double> &initial_volume, const MechanicalInput &input,
+                            std::vector<dealii::Tensor<2, dim>> *const deformation,
+                            NodalVector &force)
     {
       const unsigned int n_particles = shape.n_particles();
-      const bool is_logarithmic = measure == StrainMeasure::logarithmic;
       BlockMatrices h, f;
-      alignas(64) BlockStrains strain;
-      alignas(64) double work_factors[block_size];
-      alignas(64) std::array<double, block_size> nodal_temperature{}, temperature_increment;
-
-      MaterialBatch batch;
-      batch.time_increment = time_increment;
-      batch.measure = measure;
-      for (unsigned int c = 0; c < 6; ++c)
-        batch.strain_increment[c] = strain[c].data();
-      std::vector<double *> internal_variables;
-      const std::size_t n_material_fields =
-          MaterialPoints::n_standard_fields + material.internal_variables().size();
-      for (unsigned int field = MaterialPoints::n_standard_fields; field < n_material_fields;
-           ++field)
-        for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
-          internal_variables.push_back(points.component(field, c));
-      batch.internal_variables = internal_variables;
-
-      double *stress[6];
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[c] = points.component(MaterialPoints::stress, c);
-      double *const volume = points.component(MaterialPoints::volume, 0);
-      double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0);
-
+      PointSweep<block_size> sweep(part, input.time_increment);
+      double *const volume = part.points().component(MaterialPoints::volume, 0);
+      const double *const ratio = part.points().component(MaterialPoints::volume_ratio, 0);
       for (unsigned int first = 0; first < n_particles; first += block_size)
       {
         const unsigned int last = std::min(first + block_size, n_particles);
-        const unsigned int n_padded_points = padded_to_lanes(last - first);
-        const double *const inverse_f =
-            find_motion<dim>(shape, first, last, position, velocity, h, f);
-        follow_motion(h, inverse_f, first, last, time_increment, deformation);
-        if (is_logarithmic)
-          advance_logarithmic(h, inverse_f, n_padded_points, time_increment, first, material,
-                              plastic_heating.temperature(points), points, stress, volume_ratio,
-                              strain, work_factors);
-        else
-          advance_kinematics(h, inverse_f, n_padded_points, time_increment, first, stress,
-                             volume_ratio, strain);
-
-        batch.n = n_padded_points;
-        for (unsigned int c = 0; c < 6; ++c)
-          batch.stress[c] = stress[c] + first;
-        batch.relative_volume = volume_ratio + first;
-        batch.volume_ratio = is_logarithmic ? work_factors : batch.relative_volume;
-        for (std::size_t k = 0; k < internal_variables.size(); ++k)
-          batch.internal_variables[k] = internal_variables[k] + first;
-        if (plastic_heating.is_on())
-        {
+        const unsigned int n = padded_to_lanes(last - first);
+        const double *const inverse_f = find_motion<dim>(shape, first, last, input.position->data(),
+                                                         input.velocity->data(), h, f);
+        follow_motion(h, inverse_f, first, last, input.time_increment, deformation);
+        sweep.begin(first, n);
+        for (unsigned int p = 0; p < n; p += n_lanes)
+          sweep.move(p, sweep.motion(p, increment_at(h, inverse_f, p, input.time_increment)));
+        if (part.heating().is_on())
           for (unsigned int row = first; row < last; ++row)
-            nodal_temperature[row - first] = *node(temperature, shape.particle_node[row]);
-          plastic_heating.advance(points, first, batch.n, nodal_temperature.data(),
-                                  time_increment == 0., temperature_increment.data());
-          batch.temperature = plastic_heating.temperature(points) + first;
-          batch.temperature_increment = temperature_increment.data();
-        }
-        material.update_stress(batch);
-        if (is_logarithmic)
-          LogarithmicPoints::complete(points, first, n_padded_points);
-
+            sweep.nodal_temperature[row - first] =
+                *input.temperature->node(shape.particle_node[row]);
+        sweep.update_stress();
         for (unsigned int p = first; p < last; ++p)
-          volume[p] = initial_volume[p] * volume_ratio[p];
-        if (bulk_viscosity.is_on())
-          bulk_viscosity.advance(points, first, batch.n, batch.strain_increment, time_increment);
-        find_force_matrices(inverse_f, n_padded_points, first, stress, volume,
-                            bulk_viscosity.is_on() ? bulk_viscosity.pressure(points) : nullptr, h);
-        scatter_force(shape, first, last, h, force);
+          volume[p] = initial_volume[p] * ratio[p];
+        sweep.update_viscosity();
+        // K = V σ F⁻ᵀ turns gradients of the reference into forces.
+        for (unsigned int p = 0; p < n; p += n_lanes)
+        {
+          Lanes stress[6];
+          part.integrate_stress(first + p, stress);
+          store_columns(
+              multiply(symmetric_matrix(stress), load_columns(inverse_f + 3 * node_stride * p)),
+              h.columns[p][0]);
+        }
+        scatter_force(shape, first, last, h, force.data());
       }
     }
 
     template <int dim>
-    void apply_elastic_stiffness(const Stencils &shape, const Material &material,
-                                 const StrainMeasure measure, const MaterialPoints &points,
-                                 const double *position, const double *velocity,
-                                 const double time_step, const BulkViscosity &bulk_viscosity,
-                                 double *force)
+    void apply_elastic_stiffness(const PartPoints &part, const Stencils &shape,
+                                 const NodalVector &position, const NodalVector &velocity,
+                                 const double time_step, NodalVector &force)
     {
       const unsigned int n_particles = shape.n_particles();
-      const PointStiffness stiffness(material, points, measure);
-      const double twice_shear = 2. * material.shear_modulus();
-      const double lambda = material.bulk_modulus() - twice_shear / 3.;
-      const double *const volume = points.component(MaterialPoints::volume, 0);
-      const double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0);
+      const PointStiffness stiffness(part, time_step);
+      const double *const volume = part.points().component(MaterialPoints::volume, 0);
       BlockMatrices h, f;
       for (unsigned int first = 0; first < n_particles; first += block_size)
       {
         const unsigned int last = std::min(first + block_size, n_particles);
         const double *const inverse_f =
-            find_motion<dim>(shape, first, last, position, velocity, h, f);
+            find_motion<dim>(shape, first, last, position.data(), velocity.data(), h, f);
         for (unsigned int p = 0; p < last - first; p += n_lanes)
         {
-          const Matrix3<Lanes> inverse_gradient =
-              transposed(load_columns(inverse_f + 3 * node_stride * p));
-          const Matrix3<Lanes> gradient = multiply(load_columns(h.columns[p][0]), inverse_gradient);
-          const Lanes trace = gradient(0, 0) + gradient(1, 1) + gradient(2, 2);
-          Lanes v = -load_lanes(volume + first + p); // scatter_force subtracts
-          if (measure == StrainMeasure::logarithmic)
-            v /= load_lanes(volume_ratio + first + p); // of the Kirchhoff stress
-          Lanes modulus = stiffness.is_constant() ? Lanes(lambda) : stiffness.lambda(first + p);
-          if (bulk_viscosity.is_on())
-            modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(points) + first + p);
-          Matrix3<Lanes> rate;
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = 0; j < 3; ++j)
-              rate(i, j) = v * (0.5 * twice_shear * (gradient(i, j) + gradient(j, i)) +
-                                (i == j ? modulus * trace : Lanes(0.)));
-          Matrix3<Lanes> k;
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = 0; j < 3; ++j)
-              k(i, j) = rate(i, 0) * inverse_gradient(j, 0) + rate(i, 1) * inverse_gradient(j, 1) +
-                        rate(i, 2) * inverse_gradient(j, 2);
-          store_columns(k, h.columns[p][0]);
+          const Matrix3<Lanes> inverse_transpose = load_columns(inverse_f + 3 * node_stride * p);
+          Lanes stress[6];
+          stiffness.find_stress(
+              first + p, multiply(load_columns(h.columns[p][0]), transposed(inverse_transpose)),
+              -load_lanes(volume + first + p), stress); // scatter_force() subtracts
+          store_columns(multiply(symmetric_matrix(stress), inverse_transpose), h.columns[p][0]);
         }
-        scatter_force(shape, first, last, h, force);
+        scatter_force(shape, first, last, h, force.data());
       }
     }
 
     template <int dim>
-    void add_conduction(const Stencils &shape, const std::vector<double> &initial_volume,
-                        const TemperatureTable &conductivity, const MaterialPoints *points,
-                        const double *position, const double *of_conductivity,
-                        const double *temperature, double *heat_rate)
+    void find_cell_equations(PartPoints &part, const Stencils &shape,
+                             const std::vector<double> &initial_volume,
+                             const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take)
     {
+      using Stiffness = RowStiffness<dim, 1>;
+      const auto stiffness = std::make_unique<Stiffness>(part, false, input.time_increment);
+      alignas(64) double temperature[n_lanes];
+      typename Stiffness::Gradients gradients;
+      for (unsigned int first = 0; first < shape.n_particles(); first += n_lanes)
+      {
+        const unsigned int n = std::min<unsigned int>(n_lanes, shape.n_particles() - first);
+        Matrix3<Lanes> &deformation = gradients.deformation[0];
+        RowBlock::gather_gradients<dim>(shape, first, n, input.position->data(),
+                                        input.velocity->data(), deformation,
+                                        gradients.displacement[0]);
+        for (Lanes &entry : gradients.displacement[0].entry)
+          entry *= input.time_increment;
+        gradients.volume[0] = 0.;
+        gradients.is_deformed = 0.;
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        {
+          temperature[lane] = 0.;
+          if (lane >= n)
+            continue;
+          gradients.volume[0][lane] = initial_volume[first + lane];
+          if (part.heating().is_on())
+            temperature[lane] = *input.temperature->node(shape.particle_node[first + lane]);
+          if (shape.is_undeformed(first + lane))
+            for (unsigned int i = 0; i < 3; ++i)
+              for (unsigned int j = 0; j < 3; ++j)
+                deformation(i, j)[lane] = i == j ? 1. : 0.;
+          else
+            gradients.is_deformed[lane] = 1.;
+        }
+        stiffness->find(first, gradients, temperature);
+        for (unsigned int lane = 0; lane < n; ++lane)
+          stiffness->hand_over(lane, {{shape.row(first + lane)}}, take);
+      }
+    }
+
+    template <int dim>
+    void add_conduction(const PartPoints &part, const Stencils &shape,
+                        const std::vector<double> &initial_volume, const NodalVector &position,
+                        const NodalVector &of_conductivity, const NodalVector &temperature,
+                        NodalVector &heat_rate)
+    {
+      const TemperatureTable &conductivity = part.heat()->conductivity();
       if (conductivity.largest() == 0.)
         return;
-      const double *const volume =
-          points == nullptr ? initial_volume.data() : points->component(MaterialPoints::volume, 0);
+      const double *const volume = part.has_mechanics()
+                                       ? part.points().component(MaterialPoints::volume, 0)
+                                       : initial_volume.data();
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         if (shape.is_rigid(row))
           continue; // without ∇φ it conducts nothing
         const Stencils::Row of_row = shape.row(row);
-        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
-        const double own_temperature = *node(temperature, shape.particle_node[row]);
+        const NodeLanes centre = load_node(position.node(shape.particle_node[row]));
+        const double own_temperature = *temperature.node(shape.particle_node[row]);
         NodeLanes gradient = 0.;
         NodeLanes columns[3] = {0., 0., 0.};
         for (unsigned int k = 0; k < of_row.size; ++k)
         {
           const unsigned int neighbour = of_row.neighbour[k];
           const double *const of_entry = of_row.gradient + k * Stencils::n_gradient;
-          gradient += load_node(of_entry) * (*node(temperature, neighbour) - own_temperature);
-          const NodeLanes offset = load_node(node(position, neighbour)) - centre;
+          gradient += load_node(of_entry) * (*temperature.node(neighbour) - own_temperature);
+          const NodeLanes offset = load_node(position.node(neighbour)) - centre;
           for (unsigned int d = 0; d < 3; ++d)
             columns[d] += offset * of_entry[d];
         }
@@ -493,7 +391,7 @@ namespace tombolo
         const double of_row_conductivity =
             conductivity.is_constant()
                 ? conductivity.largest()
-                : conductivity.value(*node(of_conductivity, shape.particle_node[row]));
+                : conductivity.value(*of_conductivity.node(shape.particle_node[row]));
         const dealii::Tensor<1, dim> flux =
             volume[row] * of_row_conductivity *
             (inverse_deformation * (transpose(inverse_deformation) * of_reference));
@@ -503,32 +401,34 @@ namespace tombolo
         for (unsigned int k = 0; k < of_row.size; ++k)
         {
           const NodeLanes product = padded * load_node(of_row.gradient + k * Stencils::n_gradient);
-          *node(heat_rate, of_row.neighbour[k]) -= product[0] + product[1] + product[2];
+          *heat_rate.node(of_row.neighbour[k]) -= product[0] + product[1] + product[2];
         }
       }
     }
 
-    template void add_conduction<2>(const Stencils &, const std::vector<double> &,
-                                    const TemperatureTable &, const MaterialPoints *,
-                                    const double *, const double *, const double *, double *);
-    template void add_conduction<3>(const Stencils &, const std::vector<double> &,
-                                    const TemperatureTable &, const MaterialPoints *,
-                                    const double *, const double *, const double *, double *);
-    template void add_internal_force<2>(Stencils &, const std::vector<double> &, const Material &,
-                                        StrainMeasure, const double *, const double *,
-                                        const double *, double, const BulkViscosity &,
-                                        const PlasticHeating &, MaterialPoints &,
-                                        std::vector<dealii::Tensor<2, 2>> *, double *);
-    template void add_internal_force<3>(Stencils &, const std::vector<double> &, const Material &,
-                                        StrainMeasure, const double *, const double *,
-                                        const double *, double, const BulkViscosity &,
-                                        const PlasticHeating &, MaterialPoints &,
-                                        std::vector<dealii::Tensor<2, 3>> *, double *);
-    template void apply_elastic_stiffness<2>(const Stencils &, const Material &, StrainMeasure,
-                                             const MaterialPoints &, const double *, const double *,
-                                             double, const BulkViscosity &, double *);
-    template void apply_elastic_stiffness<3>(const Stencils &, const Material &, StrainMeasure,
-                                             const MaterialPoints &, const double *, const double *,
-                                             double, const BulkViscosity &, double *);
+    template void add_internal_force(PartPoints &, const Stencils &, const std::vector<double> &,
+                                     const MechanicalInput &, std::vector<dealii::Tensor<2, 2>> *,
+                                     NodalVector &);
+    template void add_internal_force(PartPoints &, const Stencils &, const std::vector<double> &,
+                                     const MechanicalInput &, std::vector<dealii::Tensor<2, 3>> *,
+                                     NodalVector &);
+    template void apply_elastic_stiffness<2>(const PartPoints &, const Stencils &,
+                                             const NodalVector &, const NodalVector &, double,
+                                             NodalVector &);
+    template void apply_elastic_stiffness<3>(const PartPoints &, const Stencils &,
+                                             const NodalVector &, const NodalVector &, double,
+                                             NodalVector &);
+    template void find_cell_equations<2>(PartPoints &, const Stencils &,
+                                         const std::vector<double> &, const MechanicalInput &,
+                                         const std::function<void(const CellEquations &)> &);
+    template void find_cell_equations<3>(PartPoints &, const Stencils &,
+                                         const std::vector<double> &, const MechanicalInput &,
+                                         const std::function<void(const CellEquations &)> &);
+    template void add_conduction<2>(const PartPoints &, const Stencils &,
+                                    const std::vector<double> &, const NodalVector &,
+                                    const NodalVector &, const NodalVector &, NodalVector &);
+    template void add_conduction<3>(const PartPoints &, const Stencils &,
+                                    const std::vector<double> &, const NodalVector &,
+                                    const NodalVector &, const NodalVector &, NodalVector &);
   } // namespace ParticleForce
 } // namespace tombolo

@@ -12,9 +12,8 @@ namespace tombolo
   template <int dim>
   ParticleFracture<dim>::ParticleFracture(const ParticleSet<dim> &particles,
                                           const KernelConfiguration<dim> &kernel,
-                                          ParticleRows<dim> &rows,
-                                          NodalIntegration<dim> &integration)
-      : particles(particles), kernel(kernel), rows(rows), integration(integration)
+                                          ParticleRows<dim> &rows, PartPoints &points)
+      : particles(particles), kernel(kernel), rows(rows), points(points)
   {}
 
   template <int dim>
@@ -45,7 +44,7 @@ namespace tombolo
   void ParticleFracture<dim>::initialize()
   {
     if (bonds)
-      bonds->initialize(particles.persistent_ids(), rows.stencils(), integration.points(),
+      bonds->initialize(particles.persistent_ids(), rows.stencils(), points.points(),
                         particles.communicator());
   }
 
@@ -106,7 +105,7 @@ namespace tombolo
         deformation.push_back(full);
       }
     if (!bonds->break_bonds(position, particles.nodes(), particles.initial_positions(), deformation,
-                            rows.neighbourhoods(), shape, integration.points()))
+                            rows.neighbourhoods(), shape, points.points()))
       return false;
     renew_broken_rows(position.partition());
     return true;
@@ -120,7 +119,7 @@ namespace tombolo
     // What one loses, others lose too; each time there is one particle less that can.
     bool has_changed = false;
     while (bonds->isolate_distorted(position, particles.nodes(), rows.neighbourhoods(),
-                                    rows.stencils(), integration.points()))
+                                    rows.stencils(), points.points()))
     {
       renew_broken_rows(position.partition());
       has_changed = true;
@@ -158,8 +157,8 @@ namespace tombolo
   void ParticleFracture<dim>::release_debris()
   {
     if (bonds && !bonds->debris(rows.stencils()).empty())
-      bonds->release_debris(rows.stencils(), integration.elastic_energies(),
-                            particles.initial_volumes(), integration.points());
+      bonds->release_debris(rows.stencils(), points.elastic_energies(), particles.initial_volumes(),
+                            points.points());
   }
 
   template <int dim>
@@ -206,8 +205,7 @@ namespace tombolo
   template <int dim>
   double ParticleFracture<dim>::dissipated_energy() const
   {
-    return bonds ? integral_over_initial_volume(integration.points(), Bonds<dim>::dissipation_name)
-                 : 0.;
+    return bonds ? integral_over_initial_volume(points.points(), Bonds<dim>::dissipation_name) : 0.;
   }
 
   template <int dim>

@@ -29,9 +29,9 @@ namespace tombolo
   ParticleMethod<dim>::ParticleMethod(const Section &of_part,
                                       std::unique_ptr<ParticleRows<dim>> of_method,
                                       const StrainMeasure measure)
-      : NodalParticles<dim>(BulkViscosity(of_part), measure), section(of_part),
-        rows(std::move(of_method)), fracture(set, kernel, *rows, integration)
+      : section(of_part), rows(std::move(of_method)), fracture(set, kernel, *rows, part_points)
   {
+    part_points = PartPoints(BulkViscosity(of_part), measure);
     smoothing_settings.is_active = false;
     fracture.choose(section);
     self_contact = SelfContact<dim>::create(section);
@@ -57,7 +57,7 @@ namespace tombolo
     if (self_contact)
       for (const FieldDescription &field : self_contact->variables())
         further.push_back(field);
-    integration.create_points(set, further);
+    NodalParticles<dim>::create_points(further);
   }
 
   template <int dim>
@@ -93,7 +93,7 @@ namespace tombolo
       kernel.reset(set);
     }
     check_setup();
-    integration.initialize(setup);
+    part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
     rows->set_images(setup.nodes->images());
     rows->set_bodies(*setup.bodies);
     if (setup.source)
@@ -119,7 +119,7 @@ namespace tombolo
   {
     if (!self_contact)
       return 0;
-    const Material &material = integration.material();
+    const Material &material = this->material();
     std::vector<double> inertia;
     for (const double mass : rows->stencils().mass)
       inertia.push_back(mass * material.relative_inertia());
@@ -218,8 +218,13 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::tell_volumes()
   {
-    if (rows->depend_on_volumes())
-      rows->set_present_volumes(integration.present_volumes(set));
+    if (!rows->depend_on_volumes())
+      return;
+    std::vector<double> volumes = set.initial_volumes();
+    if (this->points().size() > 0)
+      std::copy_n(this->points().component(MaterialPoints::volume, 0), volumes.size(),
+                  volumes.begin());
+    rows->set_present_volumes(volumes);
   }
 
   template <int dim>
@@ -235,10 +240,10 @@ namespace tombolo
       kernel.renew(position, set, rows->stencils());
     const ParticleSet<dim> old_set = set;
     const std::vector<Tensor<2, dim>> old_deformation = kernel.deformation();
-    const MaterialPoints old_points = integration.points();
+    const MaterialPoints old_points = this->points();
 
     collect(is_taken, volumes);
-    std::vector<unsigned int> old_index;
+    std::vector<unsigned int> old_index, own_nodes;
     std::vector<bool> gains;
     for (const types::global_dof_index node : set.nodes())
     {
@@ -246,13 +251,15 @@ namespace tombolo
       const bool is_old = found != old_set.nodes().end() && *found == node;
       old_index.push_back(is_old ? static_cast<unsigned int>(found - old_set.nodes().begin())
                                  : numbers::invalid_unsigned_int);
-      gains.push_back(state != nullptr && *state->volume.node(static_cast<unsigned int>(
-                                              set.owned_nodes().index_within_set(node))) > 0.);
+      // Local numbers of owned nodes are their indices among them.
+      own_nodes.push_back(static_cast<unsigned int>(set.owned_nodes().index_within_set(node)));
+      gains.push_back(state != nullptr && *state->volume.node(own_nodes.back()) > 0.);
     }
     kernel.keep_deformation(old_deformation, old_index);
     create_points();
     if (state != nullptr)
-      integration.merge_points(set, old_points, old_set.initial_volumes(), old_index, *state);
+      state->merge(part_points, own_nodes, set.initial_volumes(), old_points,
+                   old_set.initial_volumes(), old_index);
     fracture.add_particles(old_index, gains);
     if (renews)
       renew_reference(position, old_index);
@@ -347,7 +354,7 @@ namespace tombolo
   template <int dim>
   EnergyAccounts ParticleMethod<dim>::energies() const
   {
-    EnergyAccounts result = integration.energies();
+    EnergyAccounts result = part_points.energies();
     if (fracture.is_on())
       result.add("failure dissipation", EnergyKind::dissipated, fracture.dissipated_energy());
     if (self_contact)
@@ -411,7 +418,7 @@ namespace tombolo
                                              const FragmentHeat &heat)
   {
     if (self_contact)
-      self_contact->add_forces(input, element_mass, rows->stencils(), integration.points(), loads,
+      self_contact->add_forces(input, element_mass, rows->stencils(), this->points(), loads,
                                loaded_nodes, heat);
   }
 

@@ -129,20 +129,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedGradients<dim>::interpolate(const unsigned int *const nodes,
-                                           const NodalVector &vector, double *const at_points) const
-  {
-    for (std::size_t q = 0; q < shares_of_points.size(); ++q)
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-      {
-        double sum = 0;
-        for (unsigned int k = 0; k < SubCells<dim>::n_corners; ++k)
-          sum += shares_of_points[q][k] * *vector.node(nodes[k * n_lanes + lane]);
-        at_points[q * n_lanes + lane] = sum;
-      }
-  }
-
-  template <int dim>
   void SmoothedGradients<dim>::add_conduction(const CellBatches<dim> &cells,
                                               const TemperatureTable &conductivity,
                                               const NodalVector &position,
@@ -156,7 +142,8 @@ namespace tombolo
     std::vector<double> at_points(std::size_t(n_points) * n_lanes);
     for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
     {
-      interpolate(cells.nodes(batch), of_conductivity, at_points.data());
+      interpolate_at_points(cells.nodes(batch), shares_of_points, of_conductivity,
+                            at_points.data());
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
         {

@@ -7,11 +7,10 @@
 namespace tombolo
 {
   template <int dim>
-  SmoothedPointState<dim>::SmoothedPointState(MaterialPoints &points, const double density,
-                                              const PlasticHeating &heating,
-                                              const SmoothedGradients<dim> &rows,
-                                              const CellBatches<dim> &cells)
-      : points(points), density(density), heating(heating), rows(rows), cells(cells)
+  SmoothedPointState<dim>::SmoothedPointState(PartPoints &part, const SmoothedGradients<dim> &rows,
+                                              const PointsInCells<dim> &cell_points)
+      : points(part.points()), density(part.material().density()), heating(part.heating()),
+        rows(rows), cell_points(cell_points)
   {
     for (unsigned int f = 0; f < points.fields().size(); ++f)
     {
@@ -64,6 +63,7 @@ namespace tombolo
   template <int dim>
   void SmoothedPointState<dim>::fill_unused_lanes()
   {
+    const CellBatches<dim> &cells = cell_points.cells();
     if (cells.n_batches() == 0)
       return;
     const unsigned int n_points = rows.n_points_per_cell();
@@ -84,10 +84,11 @@ namespace tombolo
     if (!heating.is_on())
       return;
     const unsigned int n_points = rows.n_points_per_cell();
+    const CellBatches<dim> &cells = cell_points.cells();
     std::vector<double> of_nodes(n_points * n_lanes);
     for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
     {
-      rows.interpolate(cells.nodes(batch), temperature, of_nodes.data());
+      cell_points.interpolate(batch, temperature, of_nodes.data());
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
         {

@@ -1,28 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/bulk_viscosity.h>
-#include <tombolo/formulations/elements/cell_plastic_heat.h>
 #include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/unusable_cell.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/logarithmic_points.h>
+#include <tombolo/formulations/part_points.h>
 #include <tombolo/formulations/plastic_flow.h>
-#include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/formulations/point_stiffness.h>
+#include <tombolo/formulations/point_sweep.h>
+
+#include <deal.II/base/aligned_vector.h>
 
 #include <algorithm>
-#include <memory>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
   /**
-   * The integration of stresses over the cells of one part, for one element type: the element, the
-   * material and the artificial viscosity, what the stresses of CellPoints do at the nodes.
+   * The integration of stresses over the cells of one part, for one element type: what the stresses
+   * of PartPoints do at the nodes.
    *
    * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
    * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by
@@ -37,37 +36,30 @@ namespace tombolo
     static constexpr unsigned int n_nodes = Points::n_nodes;
     static constexpr unsigned int n_points = Points::n_points;
 
-    static void declare_parameters(dealii::ParameterHandler &handler)
-    {
-      Element::declare_parameters(handler);
-      declare_strain_measure(handler, Element::measure);
-      declare<BulkViscosity>(handler);
-    }
-
-    explicit CellIntegration(const Section &section)
-        : element(section), bulk_viscosity(section), measure(read_strain_measure(section))
+    /** The arguments must outlive this object. */
+    CellIntegration(const Section &section, PartPoints &part, const Points &points)
+        : element(section), part(part), points(points)
     {}
 
-    /** Without artificial viscosity. */
-    explicit CellIntegration(const Element &element) : element(element) {}
-
-    /** Takes material and heat of the part and makes the points, with the fields of material,
-     * element, viscosity and heat; no points in a scene of heat alone. */
-    void create_points(const PartSetup<dim> &setup, Points &points);
+    /** Makes the points of the cells of @p part, with the variables of the element. */
+    void create_points();
 
     /** Sets volumes and variables of the points as they are at the start. Only with points, and
      * before the initial positions of nodes are released. */
-    void set_initial_state(Points &points);
+    void set_initial_state();
 
     /** @name As in Formulation */
     ///@{
-    void add_internal_force(const MechanicalInput &input, Points &points, NodalVector &force);
-    void apply_elastic_stiffness(const Points &points, const NodalVector &position,
-                                 const NodalVector &velocity, double time_step,
-                                 NodalVector &force) const;
-    /** Of stress, hourglass control and artificial viscosity. */
-    EnergyAccounts energies(const Points &points) const;
-    void add_plastic_heat(Points &points, NodalVector &heat) const;
+    void add_internal_force(const MechanicalInput &input, NodalVector &force);
+    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
+                                 double time_step, NodalVector &force) const;
+    /** Of hourglass control. */
+    void add_energies(EnergyAccounts &energies) const;
+    std::string unfit_to_linearize() const
+    {
+      const std::string of_points = part.unfit_to_linearize();
+      return of_points.empty() && element.is_viscous() ? "forces that resist rates" : of_points;
+    }
 
     /** Of the last add_internal_force() or set_initial_state(). */
     const std::string &failure() const
@@ -78,122 +70,106 @@ namespace tombolo
 
     /** The power of the internal forces of t_{n-1} on @p velocity, that of a cell which has moved
      * with it to @p position. */
-    double internal_power(const Points &points, unsigned int place, const NodalVector &position,
+    double internal_power(unsigned int place, const NodalVector &position,
                           const NodalVector &velocity, double time_increment) const;
 
     /** The positions of the nodes of a batch, and the volumes of its points there. */
-    void find_volumes(const Points &points, unsigned int batch, const NodalVector &position,
-                      NodeValues &x, Lanes (&volume)[n_points]) const;
+    void find_volumes(unsigned int batch, const NodalVector &position, NodeValues &x,
+                      Lanes (&volume)[n_points]) const;
 
     /** Whether all points of the cell at a place have a positive volume at these positions. */
-    bool is_volume_positive(const Points &points, unsigned int place,
-                            const NodalVector &position) const;
+    bool is_volume_positive(unsigned int place, const NodalVector &position) const;
 
     /** Whether points of a cell keep their parts of its volume. */
     bool shares_volume() const
     {
-      return measure == StrainMeasure::logarithmic && Element::shares_volume;
-    }
-
-    const Material &material() const
-    {
-      return *part_material;
-    }
-    const PlasticHeating &heating() const
-    {
-      return plastic_heating;
+      return part.is_logarithmic() && Element::shares_volume;
     }
 
   private:
     template <int, typename>
     friend class CellStiffness;
     static constexpr unsigned int points_per_batch = Points::points_per_batch;
-    // One virtual call of the material serves a block, whose data stay in the caches.
     static constexpr unsigned int batches_per_block = std::max(1u, 64u / points_per_batch);
     static constexpr unsigned int points_per_block = batches_per_block * points_per_batch;
+    using Sweep = PointSweep<points_per_block>;
 
-    /** One component of each field of the element or of the material, at one place. */
-    using Pointers = std::vector<double *>;
-
-    /** Addresses of the element's own variables in a batch. */
-    void find_variables(const unsigned int batch, Pointers &variables)
+    /** Addresses of the components of the element's own variables. */
+    const std::vector<double *> &variables() const
     {
-      for (std::size_t c = 0; c < variables.size(); ++c)
-        variables[c] = element_variables[c] + Points::first_point(batch);
+      return part.formulation_variables();
+    }
+    /** The same at the points from @p first on, in @p of_batch. */
+    double *const *variables_at(const std::size_t first, std::vector<double *> &of_batch) const
+    {
+      of_batch = variables();
+      for (double *&variable : of_batch)
+        variable += first;
+      return of_batch.data();
+    }
+    /** Addresses of copies for the points of a batch, in @p memory. */
+    std::vector<double *> copy_variables(const std::size_t first,
+                                         dealii::AlignedVector<double> &memory) const
+    {
+      memory.resize(variables().size() * points_per_batch);
+      std::vector<double *> result;
+      for (const double *const variable : variables())
+      {
+        result.push_back(memory.data() + result.size() * points_per_batch);
+        std::copy_n(variable + first, points_per_batch, result.back());
+      }
+      return result;
+    }
+    /** Shares the motion among the points of cells. */
+    void share(const typename Element::Work &work,
+               MotionIncrement<Lanes> (&motions)[n_points]) const
+    {
+      if (part.is_logarithmic())
+        element.share_logarithmic(work, motions);
+      else
+        element.share(work, motions);
     }
 
-    void advance_motion(unsigned int batch, const MechanicalInput &input, Points &points,
-                        typename Element::Work &work, double (*strain)[points_per_block],
-                        double *work_factor, unsigned int offset);
-    /** Strains of the logarithmic measure at the points of a batch from the gradients of the step,
-     * and the Kirchhoff stress in the place of Cauchy's. */
-    void find_logarithmic_motions(unsigned int batch, MaterialPoints &material_points,
-                                  const Matrix3<Lanes> (&gradient)[n_points],
-                                  MotionIncrement<Lanes> (&motions)[n_points]) const;
+    void advance_motion(unsigned int batch, const MechanicalInput &input,
+                        typename Element::Work &work, Sweep &sweep, unsigned int offset);
     /** Element::limit() of a batch, with the plastic strain @p before the step. */
-    void limit_forces(const MaterialPoints &material_points, unsigned int batch,
-                      const double *before, typename Element::Work &work);
+    void limit_forces(unsigned int batch, const double *before, typename Element::Work &work);
     /** Volume times stress, and what acts beside it, at the points of a batch. */
-    void integrate_stress(const MaterialPoints &material_points, unsigned int batch,
-                          Lanes (&stress)[n_points][6]) const;
-    void scatter_force(const Points &points, unsigned int batch, const typename Element::Work &work,
+    void integrate_stress(const unsigned int batch, Lanes (&stress)[n_points][6]) const
+    {
+      for (unsigned int q = 0; q < n_points; ++q)
+        part.integrate_stress(Points::first_point(batch) + q * n_lanes, stress[q]);
+    }
+    void scatter_force(unsigned int batch, const typename Element::Work &work,
                        NodalVector &force) const;
-    void note_failure(const Points &points, unsigned int batch, const NodeValues &x,
-                      const Lanes (&volume)[n_points]);
+    void note_failure(unsigned int batch, const NodeValues &x, const Lanes (&volume)[n_points]);
 
     Element element;
-    BulkViscosity bulk_viscosity;
-    StrainMeasure measure = StrainMeasure::rate;
-    PlasticHeating plastic_heating;
+    PartPoints &part;
+    const Points &points;
     PlasticFlow plastic_flow;
-    std::shared_ptr<const Material> part_material;
-    Pointers material_variables; // first address of each component
-    Pointers element_variables;  // first address of each component
-    Pointers batch_variables;    // those of the batch at hand
+    std::vector<double *> batch_variables; // those of the batch at hand
     std::string failure_message;
   };
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::create_points(const PartSetup<dim> &setup, Points &points)
+  void CellIntegration<dim, Element>::create_points()
   {
-    part_material = setup.material;
-    if (!setup.has_mechanics)
+    if (!part.has_mechanics())
       return;
-    element.set_material(*part_material);
-    plastic_heating.set(setup.heat, *part_material);
-
-    std::vector<FieldDescription> variables = part_material->internal_variables();
-    const std::size_t n_material_fields = MaterialPoints::n_standard_fields + variables.size();
-    for (const FieldDescription &field : element.variables())
-      variables.push_back(field);
-    const std::size_t n_element_fields = MaterialPoints::n_standard_fields + variables.size();
-    for (const FieldDescription &field : bulk_viscosity.variables())
-      variables.push_back(field);
-    for (const FieldDescription &field : plastic_heating.variables())
-      variables.push_back(field);
-    points.create_points(variables);
-
-    MaterialPoints &material_points = points.material_points();
-    plastic_heating.initialize(material_points);
-    plastic_flow.set(material_points);
-    material_variables.clear();
-    element_variables.clear();
-    for (unsigned int f = MaterialPoints::n_standard_fields; f < n_element_fields; ++f)
-      for (unsigned int c = 0; c < material_points.fields()[f].n_components; ++c)
-        (f < n_material_fields ? material_variables : element_variables)
-            .push_back(material_points.component(f, c));
-    batch_variables.resize(element_variables.size());
+    element.set_material(part.material());
+    part.create(points.n_points_of_places(), element.variables());
+    plastic_flow.set(part.points());
   }
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::set_initial_state(Points &points)
+  void CellIntegration<dim, Element>::set_initial_state()
   {
     failure_message.clear();
-    MaterialPoints &material_points = points.material_points();
+    double *const volumes = part.points().component(MaterialPoints::volume, 0);
     NodeValues x, v;
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        v[k][d] = 0.;
+    for (auto &of_node : v)
+      std::fill_n(of_node, dim, Lanes(0.));
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
       points.gather_initial_positions(batch, x);
@@ -201,90 +177,51 @@ namespace tombolo
       Lanes volume[n_points];
       Matrix3<Lanes> gradient[n_points];
       element.evaluate(x, v, work, volume, gradient);
-      note_failure(points, batch, x, volume);
+      note_failure(batch, x, volume);
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-          material_points.component(MaterialPoints::volume,
-                                    0)[(batch * n_points + q) * n_lanes + lane] = volume[q][lane];
-      find_variables(batch, batch_variables);
-      element.initialize_variables(work, batch_variables.data());
+          volumes[(batch * n_points + q) * n_lanes + lane] = volume[q][lane];
+      element.initialize_variables(work, variables_at(Points::first_point(batch), batch_variables));
     }
-    bulk_viscosity.initialize(*part_material, dim, material_points);
+    part.begin_with_volumes(dim);
   }
 
   template <int dim, typename Element>
   void CellIntegration<dim, Element>::add_internal_force(const MechanicalInput &input,
-                                                         Points &points, NodalVector &force)
+                                                         NodalVector &force)
   {
     failure_message.clear();
-    MaterialPoints &material_points = points.material_points();
     typename Element::Work work[batches_per_block];
-    const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-    alignas(64) double strain[6][points_per_block];
-    alignas(64) double factor[points_per_block];
+    Sweep sweep(part, input.time_increment);
     alignas(64) double plastic_strain[points_per_block];
-    alignas(64) double nodal_temperature[points_per_block];
-    alignas(64) double temperature_increment[points_per_block];
-    MaterialBatch material_batch;
-    material_batch.time_increment = input.time_increment;
-    material_batch.measure = measure;
-    material_batch.internal_variables.resize(material_variables.size());
-    for (unsigned int c = 0; c < 6; ++c)
-      material_batch.strain_increment[c] = strain[c];
-
+    const bool limits = Element::limits_forces && plastic_flow.is_possible();
     const unsigned int n_batches = points.cells().n_batches();
     for (unsigned int begin = 0; begin < n_batches; begin += batches_per_block)
     {
       const unsigned int end = std::min(begin + batches_per_block, n_batches);
+      const unsigned int n = (end - begin) * points_per_batch;
+      sweep.begin(Points::first_point(begin), n);
       for (unsigned int batch = begin; batch < end; ++batch)
-        advance_motion(batch, input, points, work[batch - begin], strain, factor,
+        advance_motion(batch, input, work[batch - begin], sweep,
                        (batch - begin) * points_per_batch);
-
-      const std::size_t first = Points::first_point(begin);
-      material_batch.n = (end - begin) * points_per_batch;
-      for (unsigned int c = 0; c < 6; ++c)
-        material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      material_batch.relative_volume =
-          material_points.component(MaterialPoints::volume_ratio, 0) + first;
-      material_batch.volume_ratio = is_logarithmic ? factor : material_batch.relative_volume;
-      for (std::size_t c = 0; c < material_variables.size(); ++c)
-        material_batch.internal_variables[c] = material_variables[c] + first;
-      if (plastic_heating.is_on())
-      {
-        for (unsigned int batch = begin; batch < end; ++batch)
-          points.interpolate(batch, *input.temperature,
-                             nodal_temperature + (batch - begin) * points_per_batch);
-        plastic_heating.advance(material_points, first, material_batch.n, nodal_temperature,
-                                input.time_increment == 0., temperature_increment);
-        material_batch.temperature = plastic_heating.temperature(material_points) + first;
-        material_batch.temperature_increment = temperature_increment;
-      }
-      const bool limits_forces = Element::limits_forces && plastic_flow.is_possible();
-      if (limits_forces)
-        plastic_flow.keep(material_points, first, material_batch.n, plastic_strain);
-      part_material->update_stress(material_batch);
-      if (is_logarithmic)
-        LogarithmicPoints::complete(material_points, first, material_batch.n);
-      if (bulk_viscosity.is_on())
-        bulk_viscosity.advance(material_points, first, material_batch.n,
-                               material_batch.strain_increment, input.time_increment);
-
+      if (limits)
+        plastic_flow.keep(part.points(), Points::first_point(begin), n, plastic_strain);
+      sweep.update_stress();
+      sweep.update_viscosity();
       for (unsigned int batch = begin; batch < end; ++batch)
       {
-        if (limits_forces)
-          limit_forces(material_points, batch, plastic_strain + (batch - begin) * points_per_batch,
+        if (limits)
+          limit_forces(batch, plastic_strain + (batch - begin) * points_per_batch,
                        work[batch - begin]);
-        scatter_force(points, batch, work[batch - begin], force);
+        scatter_force(batch, work[batch - begin], force);
       }
     }
   }
 
   template <int dim, typename Element>
   void CellIntegration<dim, Element>::advance_motion(const unsigned int batch,
-                                                     const MechanicalInput &input, Points &points,
-                                                     typename Element::Work &work,
-                                                     double (*strain)[points_per_block],
-                                                     double *const factor,
+                                                     const MechanicalInput &input,
+                                                     typename Element::Work &work, Sweep &sweep,
                                                      const unsigned int offset)
   {
     NodeValues x, v;
@@ -293,117 +230,40 @@ namespace tombolo
     Lanes volume[n_points];
     Matrix3<Lanes> gradient[n_points];
     element.evaluate(x, v, work, volume, gradient);
-    note_failure(points, batch, x, volume);
-
-    MaterialPoints &material_points = points.material_points();
-    const std::size_t first = Points::first_point(batch);
-    double *const volume_ratio = material_points.component(MaterialPoints::volume_ratio, 0) + first;
-    double *const volumes = material_points.component(MaterialPoints::volume, 0) + first;
-    const unsigned int n_valid = points.cells().n_valid(batch);
-    const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
-    const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-    const Lanes growth =
-        shares_volume() ? LogarithmicPoints::growth_of_cell(volumes, volume) : Lanes(1.);
-    Lanes spin[n_points][3];
+    note_failure(batch, x, volume);
     element.separate(work, gradient);
     MotionIncrement<Lanes> motions[n_points];
+    sweep.move_cells(offset, points.cells().n_valid(batch), gradient, volume, shares_volume(),
+                     motions,
+                     [&](MotionIncrement<Lanes>(&of_points)[n_points]) { share(work, of_points); });
+    if (part.heating().is_on())
+      points.interpolate(batch, *input.temperature, sweep.nodal_temperature + offset);
+    Lanes spin[n_points][3];
     for (unsigned int q = 0; q < n_points; ++q)
-    {
-      for (Lanes &entry : gradient[q].entry)
-        entry *= input.time_increment;
-      if (!is_logarithmic)
-        motions[q] = motion_increment(gradient[q]);
-    }
-    if (is_logarithmic)
-    {
-      find_logarithmic_motions(batch, material_points, gradient, motions);
-      element.share_logarithmic(work, motions);
-    }
-    else
-      element.share(work, motions);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      const MotionIncrement<Lanes> &motion = motions[q];
-      const unsigned int i = q * n_lanes;
-      for (unsigned int d = 0; d < 3; ++d)
-        spin[q][d] = motion.spin[d];
-      store_lanes(load_lanes(volume_ratio + i) * motion.volume_factor, volume_ratio + i);
-      // The energy of a point is weighed by its initial volume, and so is its Kirchhoff stress: of
-      // points that share the growth of the cell each keeps its part of the volume.
-      store_lanes(shares_volume() ? load_lanes(volumes + i) * growth : is_cell * volume[q],
-                  volumes + i);
-      if (is_logarithmic)
-        store_lanes(work_factor(motion), factor + offset + i);
-      Lanes stress[6];
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        store_lanes(motion.strain[c], strain[c] + offset + i);
-        stress[c] = load_lanes(material_points.component(MaterialPoints::stress, c) + first + i);
-      }
-      rotate(motion.spin, stress);
-      for (unsigned int c = 0; c < 6; ++c)
-        store_lanes(stress[c], material_points.component(MaterialPoints::stress, c) + first + i);
-    }
-    find_variables(batch, batch_variables);
-    element.advance(work, spin, input.time_increment, batch_variables.data());
+      std::copy_n(motions[q].spin, 3, spin[q]);
+    element.advance(work, spin, input.time_increment,
+                    variables_at(Points::first_point(batch), batch_variables));
   }
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::find_logarithmic_motions(
-      const unsigned int batch, MaterialPoints &material_points,
-      const Matrix3<Lanes> (&gradient)[n_points], MotionIncrement<Lanes> (&motions)[n_points]) const
-  {
-    const std::size_t first = Points::first_point(batch);
-    alignas(64) double bulk[points_per_batch], shear[points_per_batch];
-    const double *const temperature = plastic_heating.temperature(material_points);
-    part_material->elastic_moduli(
-        points_per_batch, temperature == nullptr ? nullptr : temperature + first, bulk, shear);
-    for (unsigned int q = 0; q < n_points; ++q)
-      motions[q] =
-          LogarithmicPoints::begin(material_points, first + q * n_lanes, gradient[q],
-                                   load_lanes(bulk + q * n_lanes), load_lanes(shear + q * n_lanes));
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::limit_forces(const MaterialPoints &material_points,
-                                                   const unsigned int batch, const double *before,
+  void CellIntegration<dim, Element>::limit_forces(const unsigned int batch, const double *before,
                                                    typename Element::Work &work)
   {
+    const std::size_t first = Points::first_point(batch);
     Lanes flow_stress[n_points];
     for (unsigned int q = 0; q < n_points; ++q)
-      flow_stress[q] = plastic_flow.stress(
-          material_points, Points::first_point(batch) + q * n_lanes, before + q * n_lanes);
-    find_variables(batch, batch_variables);
-    element.limit(work, flow_stress, batch_variables.data());
+      flow_stress[q] =
+          plastic_flow.stress(part.points(), first + q * n_lanes, before + q * n_lanes);
+    element.limit(work, flow_stress, variables_at(first, batch_variables));
   }
 
   template <int dim, typename Element>
-  TOMBOLO_ALWAYS_INLINE void
-  CellIntegration<dim, Element>::integrate_stress(const MaterialPoints &material_points,
-                                                  const unsigned int batch,
-                                                  Lanes (&stress)[n_points][6]) const
-  {
-    const std::size_t first = Points::first_point(batch);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      const std::size_t i = first + q * n_lanes;
-      const Lanes volume = load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[q][c] =
-            volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
-      if (bulk_viscosity.is_on())
-        for (unsigned int c = 0; c < 3; ++c)
-          stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
-    }
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::scatter_force(const Points &points, const unsigned int batch,
+  void CellIntegration<dim, Element>::scatter_force(const unsigned int batch,
                                                     const typename Element::Work &work,
                                                     NodalVector &force) const
   {
     Lanes stress[n_points][6];
-    integrate_stress(points.material_points(), batch, stress);
+    integrate_stress(batch, stress);
     NodeValues internal_force;
     element.integrate(work, stress, internal_force);
     for (unsigned int k = 0; k < n_nodes; ++k)
@@ -413,16 +273,16 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::apply_elastic_stiffness(const Points &points,
-                                                              const NodalVector &position,
+  void CellIntegration<dim, Element>::apply_elastic_stiffness(const NodalVector &position,
                                                               const NodalVector &velocity,
                                                               const double time_step,
                                                               NodalVector &force) const
   {
-    const PointStiffness stiffness(*part_material, points.material_points(), measure);
-    std::vector<const double *> variables(element_variables.size());
+    const PointStiffness stiffness(part, time_step);
+    std::vector<double *> of_batch;
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
+      const std::size_t first = Points::first_point(batch);
       NodeValues x, v;
       points.gather(batch, position, x);
       points.gather(batch, velocity, v);
@@ -432,22 +292,8 @@ namespace tombolo
       element.evaluate(x, v, work, volume, gradient);
       Lanes stress[n_points][6];
       for (unsigned int q = 0; q < n_points; ++q)
-      {
-        const Matrix3<Lanes> &l = gradient[q];
-        if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
-          volume[q] /=
-              load_lanes(points.material_points().component(MaterialPoints::volume_ratio, 0) +
-                         Points::first_point(batch) + q * n_lanes);
-        Lanes modulus = stiffness.lambda(Points::first_point(batch) + q * n_lanes);
-        if (bulk_viscosity.is_on())
-          modulus += 2. / time_step *
-                     load_lanes(bulk_viscosity.tangent(points.material_points()) +
-                                Points::first_point(batch) + q * n_lanes);
-        stiffness.find_stress(l, volume[q], modulus, stress[q]);
-      }
-      for (std::size_t c = 0; c < variables.size(); ++c)
-        variables[c] = element_variables[c] + Points::first_point(batch);
-      element.linearize(work, time_step, variables.data());
+        stiffness.find_stress(first + q * n_lanes, gradient[q], volume[q], stress[q]);
+      element.linearize(work, time_step, variables_at(first, of_batch));
       NodeValues action;
       element.integrate(work, stress, action);
       points.scatter(batch, action, force);
@@ -455,66 +301,31 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  EnergyAccounts CellIntegration<dim, Element>::energies(const Points &points) const
+  void CellIntegration<dim, Element>::add_energies(EnergyAccounts &energies) const
   {
-    EnergyAccounts result;
-    const MaterialPoints &material_points = points.material_points();
-    Lanes elastic = 0., stored = 0., dissipated = 0.;
-    std::vector<const double *> variables(element_variables.size());
-    alignas(64) double density[points_per_batch];
+    Lanes stored = 0., dissipated = 0.;
+    std::vector<double *> of_batch;
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
-      const std::size_t first = Points::first_point(batch);
-      const double *stress[6];
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      const double *const temperature = plastic_heating.temperature(material_points);
-      part_material->elastic_energy_density(points_per_batch, stress,
-                                            temperature == nullptr ? nullptr : temperature + first,
-                                            density);
-      const double *const volume = material_points.component(MaterialPoints::volume, 0) + first;
-      const double *const ratio =
-          material_points.component(MaterialPoints::volume_ratio, 0) + first;
-      const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-      for (unsigned int i = 0; i < points_per_batch; i += n_lanes)
-        elastic += load_lanes(density + i) * load_lanes(volume + i) *
-                   (is_logarithmic ? load_lanes(ratio + i) : Lanes(1.));
-
       Lanes batch_stored = 0., batch_dissipated = 0.;
-      for (std::size_t c = 0; c < variables.size(); ++c)
-        variables[c] = element_variables[c] + first;
-      element.add_energies(variables.data(), batch_stored, batch_dissipated);
+      element.add_energies(variables_at(Points::first_point(batch), of_batch), batch_stored,
+                           batch_dissipated);
       const unsigned int n_valid = points.cells().n_valid(batch);
       const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
       stored += is_cell * batch_stored;
       dissipated += is_cell * batch_dissipated;
     }
-    result.add("elastic energy", EnergyKind::stored,
-               reduce(elastic) + integral_over_initial_volume(material_points, "pressure work"));
-    result.add("plastic dissipation", EnergyKind::dissipated,
-               integral_over_initial_volume(material_points, "plastic work"));
-    result.add("hourglass energy", EnergyKind::stored, reduce(stored));
-    result.add("viscous dissipation", EnergyKind::artificial,
-               reduce(dissipated) +
-                   integral_over_initial_volume(material_points, BulkViscosity::dissipation_name));
-    return result;
+    energies.add("hourglass energy", EnergyKind::stored, reduce(stored));
+    energies.add("viscous dissipation", EnergyKind::artificial, reduce(dissipated));
   }
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::add_plastic_heat(Points &points, NodalVector &heat) const
-  {
-    tombolo::add_plastic_heat(points, plastic_heating, heat);
-  }
-
-  template <int dim, typename Element>
-  double CellIntegration<dim, Element>::internal_power(const Points &points,
-                                                       const unsigned int place,
+  double CellIntegration<dim, Element>::internal_power(const unsigned int place,
                                                        const NodalVector &position,
                                                        const NodalVector &velocity,
                                                        const double time_increment) const
   {
     const unsigned int batch = place / n_lanes, lane = place % n_lanes;
-    const std::size_t first = Points::first_point(batch);
     NodeValues x, v;
     points.gather(batch, position, x);
     points.gather(batch, velocity, v);
@@ -528,21 +339,15 @@ namespace tombolo
 
     // A step of no duration gives the element's own forces; it is made with a copy, since cells of
     // the same batch remain.
-    dealii::AlignedVector<double> copy(element_variables.size() * points_per_batch);
-    Pointers variables;
-    for (std::size_t c = 0; c < element_variables.size(); ++c)
-    {
-      variables.push_back(copy.data() + c * points_per_batch);
-      std::copy_n(element_variables[c] + first, points_per_batch, variables.back());
-    }
+    dealii::AlignedVector<double> copy;
+    const std::vector<double *> of_batch = copy_variables(Points::first_point(batch), copy);
     Lanes spin[n_points][3];
     for (auto &of_point : spin)
-      for (Lanes &component : of_point)
-        component = 0.;
-    element.advance(work, spin, 0., variables.data());
+      std::fill_n(of_point, 3, Lanes(0.));
+    element.advance(work, spin, 0., of_batch.data());
 
     Lanes stress[n_points][6];
-    integrate_stress(points.material_points(), batch, stress);
+    integrate_stress(batch, stress);
     NodeValues force;
     element.integrate(work, stress, force);
     double power = 0;
@@ -553,35 +358,32 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::find_volumes(const Points &points, const unsigned int batch,
+  void CellIntegration<dim, Element>::find_volumes(const unsigned int batch,
                                                    const NodalVector &position, NodeValues &x,
                                                    Lanes (&volume)[n_points]) const
   {
     NodeValues v;
     points.gather(batch, position, x);
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        v[k][d] = 0.;
+    for (auto &of_node : v)
+      std::fill_n(of_node, dim, Lanes(0.));
     typename Element::Work work;
     Matrix3<Lanes> gradient[n_points];
     element.evaluate(x, v, work, volume, gradient);
   }
 
   template <int dim, typename Element>
-  bool CellIntegration<dim, Element>::is_volume_positive(const Points &points,
-                                                         const unsigned int place,
+  bool CellIntegration<dim, Element>::is_volume_positive(const unsigned int place,
                                                          const NodalVector &position) const
   {
     NodeValues x;
     Lanes volume[n_points];
-    find_volumes(points, place / n_lanes, position, x, volume);
+    find_volumes(place / n_lanes, position, x, volume);
     return std::all_of(volume, volume + n_points,
                        [&](const Lanes &of_point) { return of_point[place % n_lanes] > 0.; });
   }
 
   template <int dim, typename Element>
-  void CellIntegration<dim, Element>::note_failure(const Points &points, const unsigned int batch,
-                                                   const NodeValues &x,
+  void CellIntegration<dim, Element>::note_failure(const unsigned int batch, const NodeValues &x,
                                                    const Lanes (&volume)[n_points])
   {
     auto is_sound = volume[0] > 0.;

@@ -3,17 +3,21 @@
 
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/state/material_points.h>
+#include <tombolo/formulations/part_points.h>
 
-#include <algorithm>
 #include <vector>
 
 namespace tombolo
 {
+  /** Slot 0 of a vector at the points of n_lanes cells with these local @p nodes
+   * (CellBatches::nodes()), by the shape functions of node k at point q, [q][k]. */
+  void interpolate_at_points(const unsigned int *nodes,
+                             const std::vector<std::vector<double>> &shape_values,
+                             const NodalVector &vector, double *at_points);
+
   /**
-   * The cells of a part of elements, and the material points in them.
+   * The cells of a part, and where its material points are in them.
    *
    * Points are kept batch by batch, within a batch point by point, within a point cell by cell
    * (point_in_lanes()). Where the last batch is not full, its unused lanes repeat the last cell of
@@ -21,8 +25,97 @@ namespace tombolo
    * The place of a cell is its number, until cells are removed: those that are left close up, and
    * the others keep points of volume zero behind them.
    */
+  template <int dim>
+  class PointsInCells
+  {
+  public:
+    /** Takes the cells of the part, as CellBatches::reinit(), without points. */
+    void take_cells(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
+                    bool can_lose_cells);
+
+    /** Places the points of the cells in @p n_batches, by the shape functions of node k at point q,
+     * [q][k], and the initial positions of the nodes. */
+    void create_points(const std::vector<std::vector<double>> &shape_values,
+                       unsigned int n_batches);
+
+    /** To be called when initial positions of nodes are needed no more. */
+    void release_initial_node_positions()
+    {
+      batches.release_initial_positions();
+    }
+
+    void set_partition(const NodePartition &partition)
+    {
+      batches.set_partition(partition);
+    }
+
+    /** Takes away the cells, by their number, that @p is_removed names. @p points, where they are
+     * made, go with their cells: those of unused lanes repeat the last cell, and these and those of
+     * removed cells have no volume. */
+    void remove(const std::vector<bool> &is_removed, MaterialPoints &points);
+
+    const CellBatches<dim> &cells() const
+    {
+      return batches;
+    }
+    CellBatches<dim> &cells()
+    {
+      return batches;
+    }
+
+    /** Of all places; zero without points. */
+    unsigned int n_points_of_places() const
+    {
+      return static_cast<unsigned int>(initial_points.size());
+    }
+    unsigned int n_points_per_cell() const
+    {
+      return static_cast<unsigned int>(shape_values.size());
+    }
+
+    /** The number of point @p q of the cell at a place. */
+    unsigned int point_of_place(const unsigned int place, const unsigned int q) const
+    {
+      return point_in_lanes(place, n_points_per_cell(), q);
+    }
+
+    const std::vector<dealii::Point<dim>> &initial_positions() const
+    {
+      return initial_points;
+    }
+
+    /** Of node k at point q of a cell, [q][k]. */
+    const std::vector<std::vector<double>> &shape_values_at_points() const
+    {
+      return shape_values;
+    }
+
+    /** Positions of the points for given nodal positions. */
+    void find_positions(const NodalVector &position,
+                        std::vector<dealii::Point<dim>> &positions) const;
+
+    /** Slot 0 of a vector at the points of a batch. */
+    void interpolate(const unsigned int batch, const NodalVector &vector, double *at_points) const
+    {
+      interpolate_at_points(batches.nodes(batch), shape_values, vector, at_points);
+    }
+
+    /** Gives the plastic heat that @p points hold to the nodes, by the shape functions. Unless it
+     * is null, @p of_cells becomes what each cell has given. */
+    void add_plastic_heat(PartPoints &points, NodalVector &heat,
+                          std::vector<double> *of_cells = nullptr) const;
+
+  protected:
+    CellBatches<dim> batches;
+
+  private:
+    std::vector<dealii::Point<dim>> initial_points;
+    std::vector<std::vector<double>> shape_values;
+  };
+
+  /** The same for one element type, with the values at the nodes of a batch. */
   template <int dim, typename Element>
-  class CellPoints
+  class CellPoints : public PointsInCells<dim>
   {
   public:
     static constexpr unsigned int n_nodes = Element::n_nodes;
@@ -44,61 +137,6 @@ namespace tombolo
     {
       return std::size_t(batch) * points_per_batch;
     }
-
-    /** Takes the cells of the part, without points. */
-    void take_cells(const PartSetup<dim> &setup, bool can_lose_cells);
-
-    /** Makes the points where they are at the start, with @p variables behind the standard fields;
-     * their volumes are zero. */
-    void create_points(const std::vector<FieldDescription> &variables);
-
-    /** To be called when initial positions are needed no more. */
-    void release_initial_node_positions()
-    {
-      batches.release_initial_positions();
-    }
-
-    void set_partition(const NodePartition &partition)
-    {
-      batches.set_partition(partition);
-    }
-
-    /** Takes away the cells, by their number, that @p is_removed names, and brings the points of
-     * all cells to their places. */
-    void remove(const std::vector<bool> &is_removed);
-
-    const CellBatches<dim> &cells() const
-    {
-      return batches;
-    }
-    const MaterialPoints &material_points() const
-    {
-      return state;
-    }
-    MaterialPoints &material_points()
-    {
-      return state;
-    }
-    const std::vector<dealii::Point<dim>> &initial_positions() const
-    {
-      return initial_points;
-    }
-
-    /** Of node k at point q of a cell, [q][k]. */
-    const std::vector<std::vector<double>> &shape_values_at_points() const
-    {
-      return shape_values;
-    }
-
-    /** The shape function of node @p k at point @p q. */
-    double shape_value(const unsigned int q, const unsigned int k) const
-    {
-      return shape_values[q][k];
-    }
-
-    /** Positions of the points for given nodal positions. */
-    void find_positions(const NodalVector &position,
-                        std::vector<dealii::Point<dim>> &positions) const;
 
     /** The values of a vector at the nodes of a batch. */
     void gather(const unsigned int batch, const NodalVector &vector, NodeValues &values) const
@@ -133,100 +171,7 @@ namespace tombolo
         add_to_nodes<dim>(values[k], nodes + k * n_lanes, batches.n_valid(batch), vector.data());
     }
 
-    /** Slot 0 of a vector at the points of a batch. */
-    void interpolate(unsigned int batch, const NodalVector &vector, double *at_points) const;
-
-    /** The mean of the nodes of a cell. */
-    static dealii::Point<3> centre(const NodeValues &x, const unsigned int lane)
-    {
-      dealii::Point<3> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int k = 0; k < n_nodes; ++k)
-          result[d] += x[k][d][lane] / n_nodes;
-      return result;
-    }
-
   private:
-    CellBatches<dim> batches;
-    MaterialPoints state;
-    std::vector<dealii::Point<dim>> initial_points;
-    std::vector<std::vector<double>> shape_values; // of node k at reference point q
+    using PointsInCells<dim>::batches;
   };
-
-  template <int dim, typename Element>
-  void CellPoints<dim, Element>::take_cells(const PartSetup<dim> &setup, const bool can_lose_cells)
-  {
-    batches.reinit(setup, Element::degree, Element::lumping, can_lose_cells);
-    state.reinit(0, {});
-  }
-
-  template <int dim, typename Element>
-  void CellPoints<dim, Element>::create_points(const std::vector<FieldDescription> &variables)
-  {
-    state.reinit(batches.n_batches_of_places() * points_per_batch, variables);
-
-    shape_values.clear();
-    for (const dealii::Point<dim> &point : Element::reference_points())
-      shape_values.push_back(lagrange_values<dim>(Element::degree, point));
-    AssertDimension(shape_values.size(), n_points);
-
-    initial_points.assign(state.size(), dealii::Point<dim>());
-    for (unsigned int batch = 0; batch < batches.n_batches(); ++batch)
-    {
-      const double *const positions = batches.initial_positions(batch);
-      for (unsigned int k = 0; k < n_nodes; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          const double *const values = positions + (k * dim + d) * n_lanes;
-          for (unsigned int q = 0; q < n_points; ++q)
-            for (unsigned int lane = 0; lane < n_lanes; ++lane)
-              initial_points[(batch * n_points + q) * n_lanes + lane][d] +=
-                  shape_values[q][k] * values[lane];
-        }
-    }
-    for (std::size_t i = first_point(batches.n_batches());
-         i < initial_points.size() && batches.n_batches() > 0; ++i)
-      initial_points[i] = initial_points[i - points_per_batch]; // as unused lanes
-  }
-
-  template <int dim, typename Element>
-  void CellPoints<dim, Element>::remove(const std::vector<bool> &is_removed)
-  {
-    const std::vector<unsigned int> from = remove_cells(is_removed, n_points, batches, state);
-    const std::vector<dealii::Point<dim>> old_points = initial_points;
-    for (unsigned int place = 0; place < from.size(); ++place)
-      for (unsigned int q = 0; q < n_points; ++q)
-        initial_points[point_at(place, q)] = old_points[point_at(from[place], q)];
-  }
-
-  template <int dim, typename Element>
-  void CellPoints<dim, Element>::find_positions(const NodalVector &position,
-                                                std::vector<dealii::Point<dim>> &positions) const
-  {
-    positions.assign(state.size(), dealii::Point<dim>());
-    for (unsigned int batch = 0; batch < batches.n_batches(); ++batch)
-      for (unsigned int k = 0; k < n_nodes; ++k)
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        {
-          const double *const node = position.node(batches.nodes(batch)[k * n_lanes + lane]);
-          for (unsigned int q = 0; q < n_points; ++q)
-            for (unsigned int d = 0; d < dim; ++d)
-              positions[(batch * n_points + q) * n_lanes + lane][d] += shape_values[q][k] * node[d];
-        }
-  }
-
-  template <int dim, typename Element>
-  void CellPoints<dim, Element>::interpolate(const unsigned int batch, const NodalVector &vector,
-                                             double *const at_points) const
-  {
-    ScalarValues values;
-    gather(batch, vector, values);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      Lanes sum = shape_values[q][0] * values[0];
-      for (unsigned int k = 1; k < n_nodes; ++k)
-        sum += shape_values[q][k] * values[k];
-      store_lanes(sum, at_points + q * n_lanes);
-    }
-  }
 } // namespace tombolo

@@ -31,9 +31,9 @@ namespace tombolo
     using Points = CellPoints<dim, Element>;
 
     /** Advances the temperature of @p points and whatever the material remembers. */
-    CellStiffness(Integration &integration, Points &points, const MechanicalInput &input)
-        : integration(integration), points(points), input(input), linearized(integration.measure),
-          variables(integration.element_variables.size() * points_per_batch)
+    CellStiffness(Integration &integration, const MechanicalInput &input)
+        : integration(integration), points(integration.points), input(input),
+          linearized(integration.part, input.time_increment)
     {}
 
     void find(const std::function<void(const CellEquations &)> &take)
@@ -47,15 +47,6 @@ namespace tombolo
       }
     }
 
-    static std::string unfit_to_linearize(const Integration &integration)
-    {
-      if (integration.bulk_viscosity.is_on())
-        return "artificial bulk viscosity, which resists rates";
-      if (integration.element.is_viscous())
-        return "forces that resist rates";
-      return "";
-    }
-
   private:
     using NodeValues = typename Points::NodeValues;
     static constexpr unsigned int n_nodes = Points::n_nodes;
@@ -66,7 +57,6 @@ namespace tombolo
     struct Motion : LinearizedPoints<n_points>::Motion
     {
       typename Element::Work work;
-      Lanes spin[n_points][3];
     };
 
     /** Takes the state of a batch at the start of the step, and its motion. */
@@ -79,7 +69,7 @@ namespace tombolo
     void hand_over(unsigned int batch, const std::function<void(const CellEquations &)> &take);
 
     Integration &integration;
-    Points &points;
+    const Points &points;
     const MechanicalInput &input;
 
     // Of the batch at hand.
@@ -99,67 +89,38 @@ namespace tombolo
     first = Points::first_point(batch);
     points.gather(batch, *input.position, x);
     points.gather(batch, *input.velocity, v);
-    linearized.begin(points.material_points(), first, *integration.part_material,
-                     integration.plastic_heating);
+    linearized.begin(first);
     find_motion(motion);
   }
 
   template <int dim, typename Element>
   void CellStiffness<dim, Element>::find_motion(Motion &result) const
   {
-    const bool is_logarithmic = linearized.is_logarithmic();
     Matrix3<Lanes> gradient[n_points];
     integration.element.evaluate(x, v, result.work, result.volume, gradient);
-    const Lanes growth =
-        is_logarithmic && Element::shares_volume
-            ? LogarithmicPoints::growth_of_cell(linearized.former_volume, result.volume)
-            : Lanes(1.);
     integration.element.separate(result.work, gradient);
-    MotionIncrement<Lanes> motions[n_points];
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      for (Lanes &entry : gradient[q].entry)
+    for (Matrix3<Lanes> &of_point : gradient)
+      for (Lanes &entry : of_point.entry)
         entry *= input.time_increment;
-      motions[q] = is_logarithmic ? logarithmic_increment(gradient[q], linearized.elastic_strain[q])
-                                  : motion_increment(gradient[q]);
-    }
-    if (is_logarithmic)
-      integration.element.share_logarithmic(result.work, motions);
-    else
-      integration.element.share(result.work, motions);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      for (unsigned int d = 0; d < 3; ++d)
-        result.spin[q][d] = motions[q].spin[d];
-      linearized.move(q, motions[q], result);
-      if (is_logarithmic && Element::shares_volume)
-        result.volume[q] = linearized.old_volume[q] * growth;
-    }
+    linearized.move(
+        gradient, Element::shares_volume,
+        [&](MotionIncrement<Lanes>(&motions)[n_points])
+        { integration.share(result.work, motions); },
+        result);
   }
 
   template <int dim, typename Element>
   void CellStiffness<dim, Element>::update_stress(const unsigned int batch)
   {
-    MaterialPoints &material_points = points.material_points();
+    MaterialPoints &material_points = integration.part.points();
     alignas(64) double plastic_strain[points_per_batch];
     alignas(64) double nodal_temperature[points_per_batch];
-    alignas(64) double temperature_increment[points_per_batch];
-    MaterialBatch material_batch = linearized.batch_of(motion, input.time_increment);
-    for (double *const variable : integration.material_variables)
-      material_batch.internal_variables.push_back(variable + first);
-    if (integration.plastic_heating.is_on())
-    {
+    if (integration.part.heating().is_on())
       points.interpolate(batch, *input.temperature, nodal_temperature);
-      integration.plastic_heating.advance(material_points, first, points_per_batch,
-                                          nodal_temperature, input.time_increment == 0.,
-                                          temperature_increment);
-      material_batch.temperature = integration.plastic_heating.temperature(material_points) + first;
-      material_batch.temperature_increment = temperature_increment;
-    }
     const bool limits_forces = Element::limits_forces && integration.plastic_flow.is_possible();
     if (limits_forces)
       integration.plastic_flow.keep(material_points, first, points_per_batch, plastic_strain);
-    linearized.update(*integration.part_material, material_batch);
+    linearized.update(motion, nodal_temperature);
 
     for (unsigned int q = 0; q < n_points; ++q)
     {
@@ -181,12 +142,7 @@ namespace tombolo
   {
     Lanes integrated[n_points][6];
     linearized.integrate(motion, changed, integrated);
-    std::vector<double *> own;
-    for (std::size_t c = 0; c < integration.element_variables.size(); ++c)
-    {
-      own.push_back(variables.data() + c * points_per_batch);
-      std::copy_n(integration.element_variables[c] + first, points_per_batch, own.back());
-    }
+    const std::vector<double *> own = integration.copy_variables(first, variables);
     integration.element.advance(changed.work, changed.spin, input.time_increment, own.data());
     if (Element::limits_forces && integration.plastic_flow.is_possible())
       integration.element.limit(changed.work, flow_stress, own.data());

@@ -35,6 +35,15 @@ namespace tombolo
     /** All that cells add to. */
     std::vector<NodalVector *> sums();
 
+    /** Makes the state of the points of particles at these local @p nodes, of which there are more
+     * than before: point i was number old_index[i] of @p old_points, of the initial volume
+     * old_volume[old_index[i]], or is new where that is not below their number; it gains the state
+     * of cells, by volume. */
+    void merge(PartPoints &part, const std::vector<unsigned int> &nodes,
+               const std::vector<double> &initial_volume, const MaterialPoints &old_points,
+               const std::vector<double> &old_volume,
+               const std::vector<unsigned int> &old_index) const;
+
     NodalVector volume;       ///< Σ V_k, scalar [L^3]
     NodalVector pending_heat; ///< of plastic work, that nodes have not got [M L^2/T^2]
     std::vector<Component> components;

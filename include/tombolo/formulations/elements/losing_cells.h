@@ -2,7 +2,8 @@
 #pragma once
 
 #include <tombolo/base/energy_accounts.h>
-#include <tombolo/formulations/elements/converting_cells.h>
+#include <tombolo/formulations/elements/cell_conversion.h>
+#include <tombolo/formulations/elements/cell_part.h>
 
 #include <vector>
 
@@ -61,30 +62,69 @@ namespace tombolo
   };
 
   /** What all parts have whose cells can become particles: when they do, and which are lost. */
-  template <int dim>
-  class LosingCells : public ConvertingCells<dim>
+  template <int dim, typename Points>
+  class LosingCells : public CellPart<dim, Points>, public ConvertingCells<dim>
   {
   public:
-    LosingCells() = default;
-    explicit LosingCells(const Section &section) : criterion(section) {}
+    explicit LosingCells(const Section &section) : criterion(section)
+    {
+      this->part_points = PartPoints(section);
+    }
+
+    /** Those of the points, and what was dissipated in cells that are lost. */
+    EnergyAccounts energies() const override
+    {
+      EnergyAccounts result = this->part_points.energies();
+      result.add(lost_cells.dissipated());
+      return result;
+    }
 
     const ConversionCriterion &conversion() const override
     {
       return criterion;
     }
-
+    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
+    void add_state(const std::vector<unsigned int> &converted, StateTransfer &state) const override
+    {
+      add_state_of_cells(cell_points, this->part_points, converted, state);
+    }
     void keep_dissipated(const EnergyAccounts &lost) override
     {
       lost_cells.keep_dissipated(lost);
     }
-
     unsigned int n_converted_cells() const override
     {
       return lost_cells.n_converted();
     }
+    std::vector<dealii::types::global_dof_index>
+    nodes_of_cell(const unsigned int cell) const override
+    {
+      return cell_points.cells().nodes_of_cell(cell);
+    }
 
   protected:
+    using CellPart<dim, Points>::cell_points;
     ConversionCriterion criterion; ///< of conversion
     LostCells lost_cells;
   };
+
+  template <int dim, typename Points>
+  std::vector<unsigned int>
+  LosingCells<dim, Points>::find_converting_cells(const NodalVector &position) const
+  {
+    const CellBatches<dim> &cells = cell_points.cells();
+    std::vector<bool> converts(cells.n_present_cells(), false);
+    mark_by_points(criterion, this->points(), this->n_points_per_cell(), converts);
+    mark_by_shape(criterion, cells, this->degree(), position, converts);
+    std::vector<double> time_steps;
+    if (criterion.time_step())
+      this->courant_limits(position, time_steps);
+    std::vector<unsigned int> result;
+    for (unsigned int place = 0; place < converts.size(); ++place)
+      if (const unsigned int cell = cells.cell_at(place);
+          converts[place] ||
+          (criterion.time_step() && !(time_steps[cell] >= *criterion.time_step())))
+        result.push_back(cell);
+    return result;
+  }
 } // namespace tombolo

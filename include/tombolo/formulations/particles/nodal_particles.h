@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/formulations/particles/kernel_configuration.h>
-#include <tombolo/formulations/particles/nodal_integration.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/formulations/particles/particle_set.h>
 
@@ -13,9 +12,9 @@
 namespace tombolo
 {
   /**
-   * Particles of one part that are integrated at their nodes, whatever their φ and ∇φ are: a
-   * particle method that derives from this class fills its stencils, names the nodes that they need
-   * and translates their numbers. Everything else follows from the stencils.
+   * Particles of one part that are integrated at their nodes (ParticleForce), whatever their φ and
+   * ∇φ are: a particle method that derives from this class fills its stencils, names the nodes that
+   * they need and translates their numbers. Everything else follows from the stencils.
    */
   template <int dim>
   class NodalParticles : public ParticleFormulation<dim>
@@ -27,7 +26,10 @@ namespace tombolo
     {
       return MiddleNodes::means;
     }
-    const ParticleSet<dim> &particle_set() const override;
+    const ParticleSet<dim> &particle_set() const override
+    {
+      return set;
+    }
     dealii::Point<dim> support(unsigned int i) const override;
     dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const override;
 
@@ -36,25 +38,16 @@ namespace tombolo
                                  double time_step, NodalVector &force) const override;
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
-    EnergyAccounts energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
     StepLimit diffusion_limit(const NodalVector &position) const override;
     void add_plastic_heat(NodalVector &heat) override;
-    double pending_plastic_heat() const override;
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override;
     void find_couplings(const NodeGroupAction &use) const override;
     std::optional<std::string> unfit_to_linearize() const override;
-    const MaterialPoints &points() const override;
-    MaterialPoints &points() override;
-    const Material &material() const override;
 
   protected:
-    NodalParticles() = default;
-    explicit NodalParticles(const BulkViscosity &viscosity,
-                            StrainMeasure measure = StrainMeasure::rate);
-
     /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
      * their masses, for Stencils::mass. @p volumes: their initial ones at owned nodes [L^dim];
      * null: those of the mesh. */
@@ -62,8 +55,12 @@ namespace tombolo
                                           const CellSelection<dim> &is_taken,
                                           const NodalVector *volumes = nullptr);
 
+    /** Makes the points of the particles as they are at the start, with @p further fields behind
+     * those of material, viscosity and heat; none in a scene of heat alone. */
+    void create_points(const std::vector<FieldDescription> &further = {});
+
+    using Formulation<dim>::part_points;
     ParticleSet<dim> set;
     KernelConfiguration<dim> kernel;
-    NodalIntegration<dim> integration;
   };
 } // namespace tombolo

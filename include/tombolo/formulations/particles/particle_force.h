@@ -2,50 +2,49 @@
 #pragma once
 
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/formulations/bulk_viscosity.h>
-#include <tombolo/formulations/plastic_heating.h>
-#include <tombolo/materials/material.h>
-#include <tombolo/materials/strain_measure.h>
-#include <tombolo/state/material_points.h>
+#include <tombolo/formulations/formulation.h>
 
 #include <deal.II/base/tensor.h>
 
+#include <functional>
 #include <vector>
 
 namespace tombolo
 {
-  /** The sweeps of direct nodal integration: stress and force of particles from nodal motion. Nodal
-   * arrays are at the address of local node 0, node_stride doubles a node. */
+  /** The sweeps of direct nodal integration: what the stresses of particles, the points of @p part,
+   * do through the rows of φ and ∇φ in @p shape. @p initial_volume is m̂/ρ₀ of each particle. As in
+   * Formulation. */
   namespace ParticleForce
   {
     /** Advances the stress of every particle by the motion of the last step (eqs 13, 5 and the
      * exact form of 19) and adds -Σ V σ ∇φ (eq. 16) to @p force. Uses the inverse deformation of @p
-     * shape if it is current, and leaves it current. @p initial_volume is m̂/ρ₀ of each particle; @p
-     * temperature is needed where @p plastic_heating is on. @p deformation, F of each particle at
-     * the start of the last step, or null, becomes that at its end. */
+     * shape if it is current. @p deformation, F of each particle at the start of the last step, or
+     * null, becomes that at its end. */
     template <int dim>
-    void add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
-                            const Material &material, StrainMeasure measure, const double *position,
-                            const double *velocity, const double *temperature,
-                            double time_increment, const BulkViscosity &bulk_viscosity,
-                            const PlasticHeating &plastic_heating, MaterialPoints &points,
-                            std::vector<dealii::Tensor<2, dim>> *deformation, double *force);
-
-    /** Adds -Σ V k ∇θ · ∇φ (eqs 29, 35) to slot 0 of @p heat_rate, with the volumes of @p points,
-     * or the initial ones where it is null, and k at the temperature @p of_conductivity of each
-     * particle. */
-    template <int dim>
-    void add_conduction(const Stencils &shape, const std::vector<double> &initial_volume,
-                        const TemperatureTable &conductivity, const MaterialPoints *points,
-                        const double *position, const double *of_conductivity,
-                        const double *temperature, double *heat_rate);
+    void add_internal_force(PartPoints &part, const Stencils &shape,
+                            const std::vector<double> &initial_volume, const MechanicalInput &input,
+                            std::vector<dealii::Tensor<2, dim>> *deformation, NodalVector &force);
 
     /** Adds Σ V (C : sym ∇v) ∇φ, the elastic stiffness at the present configuration and 2/Δt times
      * the bulk viscosity, to @p force. */
     template <int dim>
-    void apply_elastic_stiffness(const Stencils &shape, const Material &material,
-                                 StrainMeasure measure, const MaterialPoints &points,
-                                 const double *position, const double *velocity, double time_step,
-                                 const BulkViscosity &bulk_viscosity, double *force);
+    void apply_elastic_stiffness(const PartPoints &part, const Stencils &shape,
+                                 const NodalVector &position, const NodalVector &velocity,
+                                 double time_step, NodalVector &force);
+
+    /** A particle and its row stand for a cell. */
+    template <int dim>
+    void find_cell_equations(PartPoints &part, const Stencils &shape,
+                             const std::vector<double> &initial_volume,
+                             const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take);
+
+    /** Adds -Σ V k ∇θ · ∇φ (eqs 29, 35) to slot 0 of @p heat_rate, with the initial volumes where
+     * there are no points. */
+    template <int dim>
+    void add_conduction(const PartPoints &part, const Stencils &shape,
+                        const std::vector<double> &initial_volume, const NodalVector &position,
+                        const NodalVector &of_conductivity, const NodalVector &temperature,
+                        NodalVector &heat_rate);
   } // namespace ParticleForce
 } // namespace tombolo

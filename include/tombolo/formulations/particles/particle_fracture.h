@@ -3,8 +3,8 @@
 
 #include <tombolo/approximation/former_rows.h>
 #include <tombolo/formulations/failure/bonds.h>
+#include <tombolo/formulations/part_points.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
-#include <tombolo/formulations/particles/nodal_integration.h>
 #include <tombolo/formulations/particles/particle_rows.h>
 #include <tombolo/formulations/particles/particle_set.h>
 
@@ -26,7 +26,7 @@ namespace tombolo
   public:
     /** The arguments must outlive this object, which changes rows and points. */
     ParticleFracture(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
-                     ParticleRows<dim> &rows, NodalIntegration<dim> &integration);
+                     ParticleRows<dim> &rows, PartPoints &points);
 
     /** Takes the criterion of the section of the formulation, or none. Throws InputError. */
     void choose(const Section &section);
@@ -96,7 +96,7 @@ namespace tombolo
     const ParticleSet<dim> &particles;
     const KernelConfiguration<dim> &kernel;
     ParticleRows<dim> &rows;
-    NodalIntegration<dim> &integration;
+    PartPoints &points;
     std::unique_ptr<Bonds<dim>> bonds; // null: they do not break
     FormerRows former_rows;            // only during an update
     std::function<void()> before_change;

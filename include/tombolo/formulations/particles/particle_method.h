@@ -74,7 +74,7 @@ namespace tombolo
 
     using NodalParticles<dim>::set;
     using NodalParticles<dim>::kernel;
-    using NodalParticles<dim>::integration;
+    using NodalParticles<dim>::part_points;
 
     Section section;
     SmoothingSettings smoothing_settings;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/elements/losing_cells.h>
-#include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
@@ -11,7 +9,6 @@
 #include <tombolo/formulations/smoothed/smoothed_point_state.h>
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,7 +23,7 @@ namespace tombolo
    * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public Formulation<dim>, public LosingCells<dim>
+  class SmoothedCells : public LosingCells<dim, PointsInCells<dim>>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -70,49 +67,13 @@ namespace tombolo
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
     void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override;
-    EnergyAccounts energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
-      rows.add_conduction(cells, heat->conductivity(), position, of_conductivity, temperature,
-                          heat_rate);
+      rows.add_conduction(cell_points.cells(), part_points.heat()->conductivity(), position,
+                          of_conductivity, temperature, heat_rate);
     }
-    StepLimit diffusion_limit(const NodalVector &position) const override;
     void add_plastic_heat(NodalVector &heat) override;
-    double pending_plastic_heat() const override
-    {
-      return integration.pending_plastic_heat();
-    }
-    void point_positions(const NodalVector &position,
-                         std::vector<dealii::Point<dim>> &positions) const override;
-    const std::vector<dealii::Point<dim>> &initial_point_positions() const override
-    {
-      return initial_points;
-    }
-    const MaterialPoints &points() const override
-    {
-      return integration.points();
-    }
-    MaterialPoints &points() override
-    {
-      return integration.points();
-    }
-    const Material &material() const override
-    {
-      return integration.material();
-    }
-    unsigned int n_cells() const override
-    {
-      return cells.n_cells();
-    }
-    unsigned int n_points_per_cell() const override
-    {
-      return has_points ? rows.n_points_per_cell() : 0;
-    }
-    unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
-    {
-      return point_at(cells.place(cell), q);
-    }
     bool is_removed(const unsigned int cell) const override
     {
       return void_cells().is_on() && void_cells().of_cells()[cell];
@@ -130,15 +91,13 @@ namespace tombolo
     }
     void find_couplings(const NodeGroupAction &use) const override
     {
-      rows.find_couplings(n_cells(), use);
+      rows.find_couplings(this->n_cells(), use);
     }
     std::optional<std::string> unfit_to_linearize() const override
     {
-      return integration.unfit_to_linearize();
+      return part_points.unfit_to_linearize();
     }
 
-    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
-    void add_state(const std::vector<unsigned int> &converted, StateTransfer &state) const override;
     void deactivate_cells(const std::vector<unsigned int> &converted) override
     {
       take_converted_cells(converted);
@@ -170,9 +129,6 @@ namespace tombolo
      * where void_cells() are on. Collective. */
     void set_void_cells(const std::vector<bool> &is_void);
 
-    /** The nodes of a cell; only with refills or conversion. */
-    std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const override;
-
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     std::vector<double> masses_of_cells() const;
     /** Adds what hanging nodes have of cells beside them, and corners less (see HangingMasses). */
@@ -189,30 +145,13 @@ namespace tombolo
 
   private:
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
-    using CellNodes = Lanes[n_corners][dim];
-
-    /** Puts void cells behind the others, in all that goes by places. */
-    void take_void_cells();
-    /** The number of point @p q of the cell at a place. */
-    unsigned int point_at(const unsigned int place, const unsigned int q) const
-    {
-      return point_in_lanes(place, n_points_per_cell(), q);
-    }
-
-    /** Calls @p use(batch, positions of the nodes). */
-    void for_batches(const NodalVector &position,
-                     const std::function<void(unsigned int, const CellNodes &)> &use) const;
+    using Base = LosingCells<dim, PointsInCells<dim>>;
+    using Base::cell_points, Base::criterion, Base::lost_cells, Base::part_points;
 
     SmoothedGradients<dim> rows;
     SmoothedIntegration<dim> integration;
-    CellBatches<dim> cells;
     HangingMasses<dim> hanging_masses;
-    std::shared_ptr<const ThermalProperties> heat;
-    bool has_points = true;
-    std::vector<dealii::Point<dim>> initial_points;
     RefilledCells<dim> refilled;
     NodalVector reference; // of the rows; empty: the initial positions, or nothing needs it
-    using LosingCells<dim>::criterion;
-    using LosingCells<dim>::lost_cells;
   };
 } // namespace tombolo

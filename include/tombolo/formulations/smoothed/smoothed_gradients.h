@@ -4,7 +4,7 @@
 #include <tombolo/approximation/convex_approximation.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/sub_cells.h>
 #include <tombolo/materials/temperature_table.h>
@@ -88,10 +88,6 @@ namespace tombolo
     {
       return shares_of_points;
     }
-
-    /** Slot 0 of a vector at the points of a batch of cells with these local @p nodes
-     * (CellBatches::nodes()), by corner_shares(): n_points_per_cell() times n_lanes numbers. */
-    void interpolate(const unsigned int *nodes, const NodalVector &vector, double *at_points) const;
 
     /** Formulation::add_conduction(): -Σ_q V_q k ∇θ · ∇φ with the gradients carried to the present
      * @p position, and k at the mean of the corners of each point. */

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
 namespace tombolo
@@ -17,8 +16,8 @@ namespace tombolo
   class SmoothedPointState
   {
   public:
-    SmoothedPointState(MaterialPoints &points, double density, const PlasticHeating &heating,
-                       const SmoothedGradients<dim> &rows, const CellBatches<dim> &cells);
+    SmoothedPointState(PartPoints &part, const SmoothedGradients<dim> &rows,
+                       const PointsInCells<dim> &cell_points);
 
     unsigned int n_components() const
     {
@@ -78,6 +77,6 @@ namespace tombolo
     double density; // initial [M/L^dim]
     const PlasticHeating &heating;
     const SmoothedGradients<dim> &rows;
-    const CellBatches<dim> &cells;
+    const PointsInCells<dim> &cell_points;
   };
 } // namespace tombolo

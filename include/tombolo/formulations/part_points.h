@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/simd/unroll.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/materials/material.h>
+#include <tombolo/materials/thermal_properties.h>
+#include <tombolo/state/material_points.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The material points of one part and what makes their stress: material, strain measure,
+   * artificial viscosity and heat. PointSweep advances them, PointStiffness has their elastic
+   * stiffness, LinearizedPoints their tangent; where points are and how they move is left to
+   * formulations.
+   */
+  class PartPoints
+  {
+  public:
+    /** Without artificial viscosity. */
+    PartPoints() = default;
+    explicit PartPoints(const BulkViscosity &viscosity,
+                        const StrainMeasure measure = StrainMeasure::rate)
+        : bulk_viscosity(viscosity), strain_measure(measure)
+    {}
+
+    /** Strain measure and viscosity of a section. */
+    explicit PartPoints(const Section &section)
+        : PartPoints(BulkViscosity(section), read_strain_measure(section))
+    {}
+    static void declare_parameters(dealii::ParameterHandler &handler, StrainMeasure by_default);
+
+    /** Takes material and heat of a part, the latter null in scenes without heat. There are no
+     * points yet, and none in a scene of heat alone. */
+    void initialize(const std::shared_ptr<const Material> &material,
+                    const std::shared_ptr<const ThermalProperties> &heat, bool has_mechanics);
+
+    /** Makes @p n points without volume, with the fields of the material, those @p of_formulation,
+     * of viscosity and heat, and @p further ones; none in a scene of heat alone. */
+    void create(unsigned int n, const std::vector<FieldDescription> &of_formulation = {},
+                const std::vector<FieldDescription> &further = {});
+
+    /** Takes the volumes as those of the start, in so many dimensions. */
+    void begin_with_volumes(int dimension)
+    {
+      if (has_points)
+        bulk_viscosity.initialize(*part_material, dimension, material_points);
+    }
+
+    bool has_mechanics() const
+    {
+      return has_points;
+    }
+    const Material &material() const
+    {
+      return *part_material;
+    }
+    /** Null in scenes without heat. */
+    const ThermalProperties *heat() const
+    {
+      return thermal_properties.get();
+    }
+    const MaterialPoints &points() const
+    {
+      return material_points;
+    }
+    MaterialPoints &points()
+    {
+      return material_points;
+    }
+    StrainMeasure measure() const
+    {
+      return strain_measure;
+    }
+    bool is_logarithmic() const
+    {
+      return strain_measure == StrainMeasure::logarithmic;
+    }
+    const BulkViscosity &viscosity() const
+    {
+      return bulk_viscosity;
+    }
+    const PlasticHeating &heating() const
+    {
+      return plastic_heating;
+    }
+    /** The temperature of points from @p first on; null in scenes without heat. */
+    const double *temperature(const std::size_t first = 0) const
+    {
+      const double *const of_all = plastic_heating.temperature(material_points);
+      return of_all == nullptr ? nullptr : of_all + first;
+    }
+
+    /** Addresses of the components that the formulation has at the points, those of point 0. */
+    const std::vector<double *> &formulation_variables() const
+    {
+      return variables_of_formulation;
+    }
+
+    /** Volume times stress, less that of the artificial pressure, of n_lanes points from @p i on.
+     */
+    TOMBOLO_ALWAYS_INLINE void integrate_stress(const std::size_t i, Lanes (&stress)[6]) const
+    {
+      const Lanes volume = load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
+      for (unsigned int c = 0; c < 6; ++c)
+        stress[c] = volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
+      if (bulk_viscosity.is_on())
+        for (unsigned int c = 0; c < 3; ++c)
+          stress[c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
+    }
+
+    /** Sets what the points of @p batch, from @p first on, have beside stress, strain and volumes:
+     * the variables of the material, and with heat their temperature, which it advances from that
+     * of the nodes at the points; its change is kept in @p temperature_increment. */
+    void complete(MaterialBatch &batch, std::size_t first, const double *nodal_temperature,
+                  double *temperature_increment);
+
+    /** What has no stiffness in LinearizedPoints, for a message; empty: nothing. */
+    std::string unfit_to_linearize() const
+    {
+      return bulk_viscosity.is_on() ? "artificial bulk viscosity, which resists rates" : "";
+    }
+
+    /** As Formulation::energies(), without hourglass modes. */
+    EnergyAccounts energies() const;
+
+    /** The elastic energy of each point, padding included [M L^2/T^2]. */
+    std::vector<double> elastic_energies() const;
+
+  private:
+    std::shared_ptr<const Material> part_material;
+    std::shared_ptr<const ThermalProperties> thermal_properties;
+    bool has_points = false;
+    BulkViscosity bulk_viscosity;
+    StrainMeasure strain_measure = StrainMeasure::rate;
+    PlasticHeating plastic_heating;
+    MaterialPoints material_points;
+    std::vector<double *> variables_of_material, variables_of_formulation; // those of point 0
+  };
+} // namespace tombolo
