@@ -7,10 +7,7 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <algorithm>
-#include <cmath>
 #include <string>
-#include <utility>
 
 namespace tombolo
 {
@@ -22,11 +19,6 @@ namespace tombolo
         loads(split, smoothing.is_active && smoothing.affine && quantity == Quantity::vector),
         trace_transfer(split), constrained_particles(split)
   {}
-
-  void Bridge::set_smoothed_parts(const std::vector<bool> &are_smoothed)
-  {
-    split.set_smoothed_parts(are_smoothed);
-  }
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
                       const std::vector<Stencils *> &particle_parts,
@@ -59,12 +51,6 @@ namespace tombolo
           (trace && settings.affine ? "; with elements much heavier than the particles, the bridge "
                                       "`paper` or another smoothing than `affine`."
                                     : "."));
-  }
-
-  void Bridge::collect_element_force(NodalVector &element_force, NodalVector &force)
-  {
-    Assert(trace, ExcInternalError());
-    trace_transfer.add_element_force(element_force, force);
   }
 
   void Bridge::momentum_to_velocity(NodalVector &velocity)
@@ -301,11 +287,6 @@ namespace tombolo
     state.unsmoothed_velocity.distribute();
     momentum_is_current = velocity_is_current = false;
     return work;
-  }
-
-  double Bridge::kinetic_energy(const NodalVector &unsmoothed) const
-  {
-    return MassSplit::kinetic_energy(split.unsmoothed_mass(), unsmoothed);
   }
 
   double Bridge::short_wave_share(const NodalVector &unsmoothed)

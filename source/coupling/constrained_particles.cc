@@ -216,13 +216,6 @@ namespace tombolo
     return work;
   }
 
-  ConstraintReaction ConstrainedParticles::take_reaction()
-  {
-    for (ConstrainedParticle &particle : of_rank)
-      particle.reactions = {};
-    return std::exchange(reaction, {});
-  }
-
   std::vector<ConstrainedParticle> &ConstrainedParticles::particles()
   {
     return of_rank;

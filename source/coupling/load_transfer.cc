@@ -81,19 +81,6 @@ namespace tombolo
     }
   } // namespace
 
-  void LoadTransfer::forget_rows()
-  {
-    position_in_own.clear();
-  }
-
-  void LoadTransfer::places_of_loads(const std::vector<unsigned int> &nodes,
-                                     const NodalVector &position, NodalVector &result)
-  {
-    result.copy_from(position);
-    interpolate_rows(nodes, position, result);
-    result.distribute();
-  }
-
   void LoadTransfer::interpolate(const NodalVector &field, NodalVector &result) const
   {
     split.set_own_fraction(field, result);

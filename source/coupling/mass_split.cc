@@ -21,13 +21,6 @@ namespace tombolo
         is_trace(is_trace), is_of_motion(is_of_motion)
   {}
 
-  void MassSplit::set_smoothed_parts(const std::vector<bool> &are_smoothed)
-  {
-    parts.resize(are_smoothed.size());
-    for (std::size_t p = 0; p < parts.size(); ++p)
-      parts[p].is_smoothed = are_smoothed[p];
-  }
-
   double MassSplit::Masses::of_row(const std::size_t part, const unsigned int row) const
   {
     const double mass = (weights.empty() ? 1. : weights[part]) * particle_parts[part]->mass[row];

@@ -34,12 +34,6 @@ namespace tombolo
     }
   } // namespace
 
-  void NodalForces::clear()
-  {
-    nodes.clear();
-    forces.clear();
-  }
-
   void take_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
                    NodalForces &result)
   {
@@ -123,37 +117,12 @@ namespace tombolo
       : NodalSource(Quantity::vector), name(std::move(name)), place(place)
   {}
 
-  Action &Action::books(const std::string &of_work, const EnergyKind of_kind)
-  {
-    energy = of_work;
-    kind = of_kind;
-    return *this;
-  }
-
-  Action &Action::comes_from_outside()
-  {
-    is_from_outside = true;
-    return *this;
-  }
-
-  Action &Action::follows_acceleration()
-  {
-    is_late = true;
-    return *this;
-  }
-
   Tensor<1, 3> Action::nodal_force(const unsigned int node) const
   {
     const auto place_in_list = std::lower_bound(of_nodes.nodes.begin(), of_nodes.nodes.end(), node);
     return place_in_list != of_nodes.nodes.end() && *place_in_list == node
                ? of_nodes.forces[std::size_t(place_in_list - of_nodes.nodes.begin())]
                : Tensor<1, 3>();
-  }
-
-  void Action::begin()
-  {
-    clear();
-    of_nodes.clear();
   }
 
   void Action::spread(Bridge &bridge, NodalVector &buffer)
@@ -221,39 +190,6 @@ namespace tombolo
     return action;
   }
 
-  HeatAction &Actions::add_heat(const std::string &name, const std::string &account)
-  {
-    HeatAction &heat = heats.emplace_back(name, account);
-    records.group(name).sums("heat", heat.sum_of_heat);
-    return heat;
-  }
-
-  void Actions::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    for_all([&](NodalSource &source) { source.set_partition(partition); });
-  }
-
-  void Actions::begin()
-  {
-    for (Action &action : all)
-      if (!action.is_late)
-        action.begin();
-  }
-
-  void Actions::collect(Bridge &bridge, NodalVector &total)
-  {
-    for (Action &action : all)
-      if (!action.is_late)
-        action.collect(bridge, buffer, total);
-  }
-
-  void Actions::begin_late()
-  {
-    for (Action &action : all)
-      if (action.is_late)
-        action.begin();
-  }
-
   void Actions::collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
                              NodalState &state)
   {
@@ -276,12 +212,6 @@ namespace tombolo
     for (HeatAction &heat : heats)
       if (heat.is_on_rank || !on_rank_only)
         heat.collect(pending);
-  }
-
-  void Actions::begin_change(const NodalVector &velocity)
-  {
-    for (Action &action : all)
-      action.work_of_steps.begin_change(velocity, action.sum_of_work);
   }
 
   void Actions::complete_step(const NodalState &state, const Clock &clock, ImpulseAccount &impulses)

@@ -9,7 +9,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -172,19 +171,6 @@ namespace tombolo
         e.flag("End state", "false",
                "Whether the state at the end of the run is kept in `checkpoint/end.h5`, for runs "
                "that start from it (entry `Initial state`).");
-  }
-
-  bool Checkpoints::is_due(const unsigned long step, const bool is_end) const
-  {
-    return (step_interval > 0 && (is_end || step % step_interval == 0)) ||
-           (is_end && !newest.empty());
-  }
-
-  bool Checkpoints::is_due_by_wall_time() const
-  {
-    return wall_interval > 0 &&
-           std::chrono::duration<double>(std::chrono::steady_clock::now() - last).count() >=
-               wall_interval;
   }
 
   void Checkpoints::write(const OutputDirectory &directory, const unsigned long step,

@@ -13,9 +13,9 @@
 namespace tombolo
 {
   template <int dim>
-  double internal_power(Model<dim> &model, const double step)
+  double internal_power(const Model<dim> &model, const double step)
   {
-    NodalState &state = model.state;
+    const NodalState &state = model.state;
     Trial<dim> trial(model); // undone at its end
     NodalVector force(state.partition());
     bool is_known = true;
@@ -53,6 +53,6 @@ namespace tombolo
     return std::isfinite(dealii::Utilities::MPI::sum(taken, communicator)) ? taken : 0.;
   }
 
-  template double internal_power(Model<2> &, double);
-  template double internal_power(Model<3> &, double);
+  template double internal_power(const Model<2> &, double);
+  template double internal_power(const Model<3> &, double);
 } // namespace tombolo

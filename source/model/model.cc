@@ -207,14 +207,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void Model<dim>::renew_partition()
-  {
-    set_partition();
-    state.move_to(partition);
-    renew_masses();
-  }
-
-  template <int dim>
   void Model<dim>::renew_masses()
   {
     set_element_mass();

@@ -91,7 +91,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void PointTransfer<dim>::write(Model<dim> &model, const unsigned int part, StateArchive &archive)
+  void PointTransfer<dim>::write(const Model<dim> &model, const unsigned int part,
+                                 StateArchive &archive)
   {
     const Formulation<dim> &formulation = *model.parts[part].formulation;
     const unsigned int n_points = model.has_mechanics ? formulation.n_points_per_cell() : 0;
@@ -140,12 +141,6 @@ namespace tombolo
     corner_stress =
         archive.rows(lookup, "stress at corners", 6 * GeometryInfo<dim>::vertices_per_cell);
     find_points(model);
-  }
-
-  template <int dim>
-  std::size_t PointTransfer<dim>::number_of(const std::uint64_t id) const
-  {
-    return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
   }
 
   template <int dim>
@@ -201,7 +196,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PointTransfer<dim>::read(Model<dim> &model, StateArchive &archive) const
+  void PointTransfer<dim>::read(const Model<dim> &model, StateArchive &archive) const
   {
     Formulation<dim> &formulation = *model.parts[part].formulation;
     MaterialPoints &points = formulation.points();
@@ -239,7 +234,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PointTransfer<dim>::settle_volumes(Model<dim> &model) const
+  void PointTransfer<dim>::settle_volumes(const Model<dim> &model) const
   {
     if (n_points == 0)
       return;
@@ -311,7 +306,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PointTransfer<dim>::add_gradient_of_stress(Model<dim> &model) const
+  void PointTransfer<dim>::add_gradient_of_stress(const Model<dim> &model) const
   {
     constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
     Formulation<dim> &formulation = *model.parts[part].formulation;

@@ -15,14 +15,6 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void ThermalModel<dim>::declare_parameters(const Entries &e)
-  {
-    e.number("Absolute zero", "0", any_number(), "",
-             "The absolute zero in the temperature scale of the file: 0 for kelvin, -273.15 for "
-             "degrees Celsius. Needed for radiation.");
-  }
-
-  template <int dim>
   ThermalModel<dim>::ThermalModel(const std::vector<Section> &condition_sections,
                                   const Section &heat_section, const Mesh<dim> &mesh,
                                   const Nodes<dim> &nodes, std::vector<Part<dim>> &parts,
@@ -99,13 +91,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::update_shape_functions()
-  {
-    bridge.update_nodal_mass();
-    field_is_of_state = false;
-  }
-
-  template <int dim>
   void ThermalModel<dim>::set_initial_temperature()
   {
     for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
@@ -130,27 +115,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::find_field_of_state()
-  {
-    if (!field_is_of_state)
-      find_field(state.unsmoothed_temperature, state.temperature);
-    field_is_of_state = true;
-  }
-
-  template <int dim>
   void ThermalModel<dim>::keep_field_of_state()
   {
     // A step that a checkpoint cut in two has found its field before it.
     field_is_of_state = has_field;
-  }
-
-  template <int dim>
-  void ThermalModel<dim>::add_conduction(const NodalVector &position, const NodalVector &field,
-                                         const NodalVector &smoothed, NodalVector &heat_of_nodes)
-  {
-    assembly.assemble(bridge, smoothed, heat_of_nodes,
-                      [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
-                      { part.formulation->add_conduction(position, field, seen, result); });
   }
 
   template <int dim>

@@ -70,11 +70,6 @@ namespace tombolo
     last_agreement = now;
   }
 
-  int Requests::signal() const
-  {
-    return std::max(request - 1, 0);
-  }
-
   int Requests::received_signal() const
   {
     return Utilities::MPI::max(static_cast<int>(noted_signal), communicator);

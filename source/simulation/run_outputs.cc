@@ -68,29 +68,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void RunOutputs<dim>::check(const Clock &clock)
-  {
-    for (const auto &output : outputs)
-      output->check(view_at(clock));
-  }
-
-  template <int dim>
-  void RunOutputs<dim>::start(const Clock &clock, const OutputDirectory &directory,
-                              const UnitLabels &unit_labels)
-  {
-    for (const auto &output : outputs)
-      output->start(view_at(clock), directory, unit_labels);
-  }
-
-  template <int dim>
-  void RunOutputs<dim>::after_step(const Clock &clock, const bool ends_at_rest)
-  {
-    view.ends_at_rest = ends_at_rest;
-    for (const auto &output : outputs)
-      output->after_step(view_at(clock));
-  }
-
-  template <int dim>
   void RunOutputs<dim>::write(const Clock &clock, TimeTable &statistics, Log &log)
   {
     for (const auto &output : outputs)

@@ -54,7 +54,10 @@ namespace tombolo
     /** Says of each particle part that reinit() will be given whether it is smoothed, before the
      * first one. The mass of others is their nodes' own, as that of elements is: S and Φ stay
      * adjoint, and are the identity at nodes of such parts alone. By default all are. */
-    void set_smoothed_parts(const std::vector<bool> &are_smoothed);
+    void set_smoothed_parts(const std::vector<bool> &are_smoothed)
+    {
+      split.set_smoothed_parts(are_smoothed);
+    }
 
     /**
      * Builds the masses. Call it again whenever shape functions, the partition or constrained
@@ -155,7 +158,11 @@ namespace tombolo
     }
 
     /** Adds the forces of elements (ghosts collected here) and of particles to the nodal force. */
-    void collect_element_force(NodalVector &element_force, NodalVector &force);
+    void collect_element_force(NodalVector &element_force, NodalVector &force)
+    {
+      Assert(trace, ExcInternalError());
+      trace_transfer.add_element_force(element_force, force);
+    }
 
     /** The operators, for the step estimator, heat and tests. Arguments must not alias.
      * Results have current ghosts. */
@@ -203,7 +210,11 @@ namespace tombolo
 
     /** Kinetic energy ½ v̂·M̂ v̂ of a nodal field, and the share of it that the paper's S removes: the
      * lattice-mode monitor. Collective. */
-    double kinetic_energy(const NodalVector &unsmoothed) const;
+    double kinetic_energy(const NodalVector &unsmoothed) const
+    {
+      return MassSplit::kinetic_energy(split.unsmoothed_mass(), unsmoothed);
+    }
+
     double short_wave_share(const NodalVector &unsmoothed);
 
   private:

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -99,7 +100,12 @@ namespace tombolo
 
     /** What restore() and remove_from() did since the last call, all particles together; theirs are
      * zero from now on. */
-    ConstraintReaction take_reaction();
+    ConstraintReaction take_reaction()
+    {
+      for (ConstrainedParticle &particle : of_rank)
+        particle.reactions = {};
+      return std::exchange(reaction, {});
+    }
 
     const std::vector<ConstrainedParticle> &particles() const
     {

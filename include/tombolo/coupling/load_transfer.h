@@ -47,7 +47,10 @@ namespace tombolo
     }
 
     /** To be called when the split is another one. */
-    void forget_rows();
+    void forget_rows()
+    {
+      position_in_own.clear();
+    }
 
     /** Adds Φᵀ of the loads at these owned nodes to @p force. Ghosts are not collected. */
     void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
@@ -57,7 +60,12 @@ namespace tombolo
      * current ghosts; @p result becomes the same at other nodes, and has current ghosts.
      * Collective. */
     void places_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &position,
-                         NodalVector &result);
+                         NodalVector &result)
+    {
+      result.copy_from(position);
+      interpolate_rows(nodes, position, result);
+      result.distribute();
+    }
 
     /** The transpose of add_force_of_loads() at all owned nodes: @p result = Φ @p field, with
      * current ghosts. @p field has them. Collective. */

@@ -60,7 +60,12 @@ namespace tombolo
     MassSplit(const SmoothingSettings &smoothing, bool is_trace, bool is_of_motion = true);
 
     /** See Bridge::set_smoothed_parts(). */
-    void set_smoothed_parts(const std::vector<bool> &are_smoothed);
+    void set_smoothed_parts(const std::vector<bool> &are_smoothed)
+    {
+      parts.resize(are_smoothed.size());
+      for (std::size_t p = 0; p < parts.size(); ++p)
+        parts[p].is_smoothed = are_smoothed[p];
+    }
 
     /** Splits @p masses anew; nodal_mass is not found yet. Collective. */
     void reinit(const std::shared_ptr<const NodePartition> &partition, const Masses &masses);

@@ -27,7 +27,11 @@ namespace tombolo
     std::vector<unsigned int> nodes;
     std::vector<dealii::Tensor<1, 3>> forces;
 
-    void clear();
+    void clear()
+    {
+      nodes.clear();
+      forces.clear();
+    }
   };
 
   /** What @p vector has at these owned nodes, ascending, without zeros. */
@@ -78,14 +82,27 @@ namespace tombolo
 
     /** Books the work under the name @p energy: what it has done where the kind is external, and
      * what it has taken otherwise. Without it the process accounts for its energies itself. */
-    Action &books(const std::string &energy, EnergyKind kind);
+    Action &books(const std::string &of_work, const EnergyKind of_kind)
+    {
+      energy = of_work;
+      kind = of_kind;
+      return *this;
+    }
 
     /** Its impulse comes from outside: momentum is not kept without it. */
-    Action &comes_from_outside();
+    Action &comes_from_outside()
+    {
+      is_from_outside = true;
+      return *this;
+    }
 
     /** It is added while accelerations are constrained, where the size of the coming step is
      * known, and accelerates what no condition prescribes. */
-    Action &follows_acceleration();
+    Action &follows_acceleration()
+    {
+      is_late = true;
+      return *this;
+    }
 
     Action &stays_on_rank()
     {
@@ -116,7 +133,12 @@ namespace tombolo
   private:
     friend class Actions;
 
-    void begin();
+    void begin()
+    {
+      clear();
+      of_nodes.clear();
+    }
+
     void collect(Bridge &bridge, NodalVector &buffer, NodalVector &total);
     void spread(Bridge &bridge, NodalVector &buffer);
 
@@ -168,24 +190,48 @@ namespace tombolo
 
     /** Makes a source of heat, which the balance of heat calls @p account: others may have the same
      * one, where the sum counts. */
-    HeatAction &add_heat(const std::string &name, const std::string &account);
+    HeatAction &add_heat(const std::string &name, const std::string &account)
+    {
+      HeatAction &heat = heats.emplace_back(name, account);
+      records.group(name).sums("heat", heat.sum_of_heat);
+      return heat;
+    }
 
     bool has_heat() const
     {
       return !heats.empty();
     }
 
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      for_all([&](NodalSource &source) { source.set_partition(partition); });
+    }
 
     /** Forgets the forces of the step before; then the process gives those of now. */
-    void begin();
+    void begin()
+    {
+      for (Action &action : all)
+        if (!action.is_late)
+          action.begin();
+    }
 
     /** Adds their nodal forces to @p total at owned nodes. */
-    void collect(Bridge &bridge, NodalVector &total);
+    void collect(Bridge &bridge, NodalVector &total)
+    {
+      for (Action &action : all)
+        if (!action.is_late)
+          action.collect(bridge, buffer, total);
+    }
 
     /** The same of actions that follow the acceleration, which they change as well, except for the
      * components that @p constrained has as bits. */
-    void begin_late();
+    void begin_late()
+    {
+      for (Action &action : all)
+        if (action.is_late)
+          action.begin();
+    }
+
     void collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
                       NodalState &state);
 
@@ -193,7 +239,11 @@ namespace tombolo
     void collect_heat(NodalVector &pending, bool on_rank_only = false);
 
     /** Rows, nodes or masses are about to change. */
-    void begin_change(const NodalVector &velocity);
+    void begin_change(const NodalVector &velocity)
+    {
+      for (Action &action : all)
+        action.work_of_steps.begin_change(velocity, action.sum_of_work);
+    }
 
     /** Books the step that ends at t_n. */
     void complete_step(const NodalState &state, const Clock &clock, ImpulseAccount &impulses);

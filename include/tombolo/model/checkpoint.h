@@ -27,10 +27,19 @@ namespace tombolo
 
     /** Whether the number of steps asks for one, or the end of the run where it would have asked or
      * one was written before. The same on all ranks. */
-    bool is_due(unsigned long step, bool is_end) const;
+    bool is_due(const unsigned long step, const bool is_end) const
+    {
+      return (step_interval > 0 && (is_end || step % step_interval == 0)) ||
+             (is_end && !newest.empty());
+    }
 
     /** Whether the time that has passed since the last one asks for one, on this rank's clock. */
-    bool is_due_by_wall_time() const;
+    bool is_due_by_wall_time() const
+    {
+      return wall_interval > 0 &&
+             std::chrono::duration<double>(std::chrono::steady_clock::now() - last).count() >=
+                 wall_interval;
+    }
 
     /** Writes one with what @p serialize puts into it. Throws RunError where it cannot be written
      * or not be read again. Collective. */

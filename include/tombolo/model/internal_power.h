@@ -9,7 +9,7 @@ namespace tombolo
    * rank's share [M L^2/T^3]; @p step is the last one. Not a number on a rank with a particle that
    * is turned inside out. Changes nothing. Collective. */
   template <int dim>
-  double internal_power(Model<dim> &model, double step);
+  double internal_power(const Model<dim> &model, double step);
 
   /** What a change of the model between two steps takes from the energy besides what it changes at
    * once, this rank's share: ½ Δt times internal_power() @p before less that @p after. Forces of

@@ -43,13 +43,13 @@ namespace tombolo
 
     /** Reads the material points of a part. The group of the archive is that of the part.
      * Collective. */
-    void read_points(Model<dim> &model, const unsigned int part, StateArchive &archive) const
+    void read_points(const Model<dim> &model, const unsigned int part, StateArchive &archive) const
     {
       points[part].read(model, archive);
     }
 
     /** See PointTransfer. */
-    void settle_volumes(Model<dim> &model) const
+    void settle_volumes(const Model<dim> &model) const
     {
       for (const PointTransfer<dim> &of_part : points)
         of_part.settle_volumes(model);

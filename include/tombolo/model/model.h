@@ -67,7 +67,12 @@ namespace tombolo
 
     /** For the nodes that parts require now, and all that has them; then renew_masses().
      * Collective. */
-    void renew_partition();
+    void renew_partition()
+    {
+      set_partition();
+      state.move_to(partition);
+      renew_masses();
+    }
 
     /** For the masses that parts have now, and the rows of their particles. Collective. */
     void renew_masses();
@@ -142,7 +147,7 @@ namespace tombolo
     /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
      * the step remembers it until it is estimated anew. */
     bool stencils_change_for_good = false;
-    ModelSignals signals;
+    mutable ModelSignals signals; ///< connecting changes nothing of the model
 
   private:
     void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections,

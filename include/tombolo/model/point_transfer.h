@@ -5,6 +5,7 @@
 #include <tombolo/state/field.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -42,7 +43,7 @@ namespace tombolo
   public:
     /** Writes what the constructor needs; the rows of the archive are the cells of the part.
      * Collective. */
-    static void write(Model<dim> &model, unsigned int part, StateArchive &archive);
+    static void write(const Model<dim> &model, unsigned int part, StateArchive &archive);
 
     /** @p cells are the owned ones of the part, in their order; the group of the archive is that of
      * write(). Collective. */
@@ -50,11 +51,11 @@ namespace tombolo
                   StateArchive &archive);
 
     /** Reads the points. The group of the archive is that of the part. Collective. */
-    void read(Model<dim> &model, StateArchive &archive) const;
+    void read(const Model<dim> &model, StateArchive &archive) const;
 
     /** When positions have been read: gives new points the volumes that they have there, with the
      * integrals of what is held. */
-    void settle_volumes(Model<dim> &model) const;
+    void settle_volumes(const Model<dim> &model) const;
 
   private:
     /** A point of the archive: the number of its cell among those of the archive, and its share in
@@ -76,13 +77,18 @@ namespace tombolo
     };
 
     void find_points(const Model<dim> &model);
-    std::size_t number_of(std::uint64_t id) const;
+
+    std::size_t number_of(const std::uint64_t id) const
+    {
+      return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+    }
+
     /** @p old are the values of the field at all points of the cells of the archive. */
     double value_of_point(unsigned int row, unsigned int q, unsigned int component,
                           const FieldDescription &field, const std::vector<double> &old) const;
     /** Gives points of new cells the gradient that the means of stress at nodes have; the mean of
      * those that are made of one point stays. */
-    void add_gradient_of_stress(Model<dim> &model) const;
+    void add_gradient_of_stress(const Model<dim> &model) const;
 
     unsigned int part;
     unsigned int n_points = 0; ///< of a cell; zero: the part has none

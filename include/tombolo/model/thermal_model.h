@@ -35,7 +35,12 @@ namespace tombolo
   {
   public:
     /** Declares the section "Heat". */
-    static void declare_parameters(const Entries &e);
+    static void declare_parameters(const Entries &e)
+    {
+      e.number("Absolute zero", "0", any_number(), "",
+               "The absolute zero in the temperature scale of the file: 0 for kelvin, -273.15 for "
+               "degrees Celsius. Needed for radiation.");
+    }
 
     /** @p parts and @p initial_position must outlive this. Throws InputError. Collective. */
     ThermalModel(const std::vector<Section> &conditions, const Section &heat, const Mesh<dim> &mesh,
@@ -54,7 +59,11 @@ namespace tombolo
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
     /** After shape functions changed their values only. Collective. */
-    void update_shape_functions();
+    void update_shape_functions()
+    {
+      bridge.update_nodal_mass();
+      field_is_of_state = false;
+    }
 
     /** θ̂ and enthalpy of the materials' initial temperatures. */
     void set_initial_temperature();
@@ -65,7 +74,12 @@ namespace tombolo
 
     /** The same for the state, unless the last field that was found is that of the state already.
      * Collective. */
-    void find_field_of_state();
+    void find_field_of_state()
+    {
+      if (!field_is_of_state)
+        find_field(state.unsmoothed_temperature, state.temperature);
+      field_is_of_state = true;
+    }
 
     /** The last field that was found has become that of the state, and nothing has moved since. */
     void keep_field_of_state();
@@ -128,8 +142,15 @@ namespace tombolo
     /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The
      * heat of constrained nodes stays there. Destroys @p heat. */
     void add_transposed_smoothing(NodalVector &heat, NodalVector &rate);
+
     void add_conduction(const NodalVector &position, const NodalVector &field,
-                        const NodalVector &smoothed, NodalVector &heat);
+                        const NodalVector &smoothed, NodalVector &heat_of_nodes)
+    {
+      assembly.assemble(bridge, smoothed, heat_of_nodes,
+                        [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
+                        { part.formulation->add_conduction(position, field, seen, result); });
+    }
+
     /** Adds @p factor times what comes to nodes from the heat at surfaces in `loads`, of which it
      * takes ghosts and images, to `heat`. Collective. */
     void add_surface_loads(double factor);

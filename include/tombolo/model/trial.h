@@ -19,9 +19,9 @@ namespace tombolo
   {
   public:
     /** @p model must outlive this. */
-    explicit Trial(Model<dim> &model) : model(model)
+    explicit Trial(const Model<dim> &model) : model(model)
     {
-      for (Part<dim> &part : model.parts)
+      for (const Part<dim> &part : model.parts)
         part.formulation->points().begin_trial();
     }
 
@@ -38,7 +38,7 @@ namespace tombolo
 
     void restart()
     {
-      for (Part<dim> &part : model.parts)
+      for (const Part<dim> &part : model.parts)
         part.formulation->points().restart_trial();
     }
 
@@ -51,11 +51,11 @@ namespace tombolo
   private:
     void end()
     {
-      for (Part<dim> &part : model.parts)
+      for (const Part<dim> &part : model.parts)
         part.formulation->points().commit_trial();
     }
 
-    Model<dim> &model;
+    const Model<dim> &model;
     bool is_committed = false;
   };
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <chrono>
 
 namespace tombolo
@@ -33,7 +34,10 @@ namespace tombolo
     void agree(bool is_checkpoint_due);
 
     /** The signal that asks for the end of the run, or zero. */
-    int signal() const;
+    int signal() const
+    {
+      return std::max(request - 1, 0);
+    }
 
     /** Whether a checkpoint is asked for: by a signal, or by any rank. */
     bool wants_checkpoint() const

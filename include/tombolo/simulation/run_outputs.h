@@ -27,10 +27,24 @@ namespace tombolo
     void attach(const Model<dim> &model, const ExactSolution<dim> *exact_solution);
 
     /** Throws InputError where an output does not fit to the model. */
-    void check(const Clock &clock);
+    void check(const Clock &clock)
+    {
+      for (const auto &output : outputs)
+        output->check(view_at(clock));
+    }
 
-    void start(const Clock &clock, const OutputDirectory &directory, const UnitLabels &unit_labels);
-    void after_step(const Clock &clock, bool ends_at_rest);
+    void start(const Clock &clock, const OutputDirectory &directory, const UnitLabels &unit_labels)
+    {
+      for (const auto &output : outputs)
+        output->start(view_at(clock), directory, unit_labels);
+    }
+
+    void after_step(const Clock &clock, const bool ends_at_rest)
+    {
+      view.ends_at_rest = ends_at_rest;
+      for (const auto &output : outputs)
+        output->after_step(view_at(clock));
+    }
 
     /** Adds to the present row of @p statistics, and prints the reports of outputs. */
     void write(const Clock &clock, TimeTable &statistics, Log &log);

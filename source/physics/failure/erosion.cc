@@ -67,14 +67,6 @@ namespace tombolo
   }
 
   template <int dim>
-  ModelChange Erosion<dim>::change_model(Model<dim> &model, const Clock &clock)
-  {
-    ModelChange change;
-    change.cells = erode(model, clock);
-    return change;
-  }
-
-  template <int dim>
   bool Erosion<dim>::erode(Model<dim> &model, const Clock &clock)
   {
     unsigned int n_failed = 0;
@@ -162,13 +154,6 @@ namespace tombolo
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       if (*model.state.mass.node(i) == 0.)
         massless.push_back(i);
-  }
-
-  template <int dim>
-  void Erosion<dim>::constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state)
-  {
-    for (const unsigned int node : massless)
-      std::fill_n(state.acceleration.node(node), node_stride, 0.);
   }
 
   template <int dim>

@@ -8,7 +8,6 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>

@@ -91,14 +91,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double ThermalStep<dim>::fraction() const
-  {
-    return is_in_progress && next_time > time_of_state
-               ? (present_time - time_of_state) / (next_time - time_of_state)
-               : 0.;
-  }
-
-  template <int dim>
   bool ThermalStep<dim>::bring_to(const Model<dim> &model, const double time, const double target,
                                   const std::function<bool()> &must_stop)
   {
@@ -219,18 +211,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const StepLimit &ThermalStep<dim>::limit() const
-  {
-    return scheme->limit();
-  }
-
-  template <int dim>
-  double ThermalStep<dim>::allowed_step(const Model<dim> &model)
-  {
-    return scheme->allowed_step(model, time_of_state);
-  }
-
-  template <int dim>
   void ThermalStep<dim>::list(Records &records, const Model<dim> &model, HeatBalance &last)
   {
     records.value("time", time_of_state);
@@ -254,12 +234,6 @@ namespace tombolo
     records.sums("eroded heat", model.heat->eroded_heat, model.heat->eroding_heat);
     records.value("limit is outdated", model.heat->limit_is_outdated);
     scheme->list(records, model);
-  }
-
-  template <int dim>
-  void ThermalStep<dim>::add_to_summary(Summary &summary) const
-  {
-    scheme->add_to_summary(summary);
   }
 
   namespace

@@ -19,21 +19,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ConditionAccounts<dim>::begin_step(const double begin_of_interval)
-  {
-    time_of_impulse = begin_of_interval;
-    for (Account &account : accounts)
-      account.impulses.begin_step();
-  }
-
-  template <int dim>
-  void ConditionAccounts<dim>::add_loads(const std::vector<LoadSum> &loads, const double interval)
-  {
-    for (std::size_t c = 0; c < accounts.size(); ++c)
-      accounts[c].impulses.add(loads[c].force, loads[c].moment, interval);
-  }
-
-  template <int dim>
   std::vector<std::array<double, 4>> ConditionAccounts<dim>::displacements() const
   {
     const MechanicalConditions<dim> &conditions = *model.conditions;

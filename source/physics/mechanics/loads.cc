@@ -12,7 +12,7 @@
 namespace tombolo
 {
   template <int dim>
-  Loads<dim>::Loads(Model<dim> &model)
+  Loads<dim>::Loads(const Model<dim> &model)
       : conditions(*model.conditions), loads(this->actions.add("loads", ActsAt::loads)),
         of_conditions(model, false)
   {

@@ -51,11 +51,6 @@ namespace tombolo
                          "become smaller. It is never taken away.");
   }
 
-  bool ScalingSettings::is_active() const
-  {
-    return inertia_factor() != 1. || is_selective();
-  }
-
   template <int dim>
   MassScaling<dim>::MassScaling(const Section &section, const ScalingSettings &settings,
                                 Model<dim> &model)

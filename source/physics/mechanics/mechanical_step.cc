@@ -197,12 +197,6 @@ namespace tombolo
     }
   }
 
-  template <int dim>
-  void MechanicalStep<dim>::check_now()
-  {
-    failures.end();
-  }
-
   template class MechanicalStep<2>;
   template class MechanicalStep<3>;
 } // namespace tombolo

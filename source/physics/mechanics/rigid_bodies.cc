@@ -175,13 +175,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBodies<dim>::renew_inertia(const Model<dim> &model)
-  {
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-      bodies[b].set_inertia(inertia_of(joined[b], model));
-  }
-
-  template <int dim>
   ModelChange RigidBodies<dim>::change_model(Model<dim> &model, const Clock &clock)
   {
     if (!std::exchange(masses_can_be_old, false) || !masses_have_changed(model))
@@ -301,20 +294,6 @@ namespace tombolo
             clock.velocity_step();
       }
     }
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::after_acceleration(const Model<dim> &, const Clock &clock)
-  {
-    for (RigidBody<dim> &body : bodies)
-      body.complete_step(clock, is_first_rank ? &impulses : nullptr);
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::after_motion(const Model<dim> &, const Clock &, NodalState &)
-  {
-    for (RigidBody<dim> &body : bodies)
-      body.advance();
   }
 
   template <int dim>

@@ -79,7 +79,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, Model<dim> &model)
+  RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, const Model<dim> &model)
       : communicator(model.communicator), force(this->actions.add("contact", ActsAt::positions))
   {
     force.comes_from_outside().stays_on_rank();
@@ -113,7 +113,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::create_contact(const Section &section, Model<dim> &model,
+  void RigidContacts<dim>::create_contact(const Section &section, const Model<dim> &model,
                                           const std::vector<bool> &can_be_exposed,
                                           const std::vector<double> &volume,
                                           std::vector<KinematicContact<dim> *> &kinematic)
@@ -161,7 +161,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::observe(Model<dim> &model)
+  void RigidContacts<dim>::observe(const Model<dim> &model)
   {
     model.signals.nodes_move.connect(
         [this](const Clock &clock, const NodalVector &slides, const NodalVector &from,

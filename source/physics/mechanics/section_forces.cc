@@ -307,7 +307,7 @@ namespace tombolo
   class SectionForces : public Process<dim>
   {
   public:
-    SectionForces(std::vector<BodySection<dim>> sections, Model<dim> &model)
+    SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model)
         : model(model), members(std::move(sections)), impulses(members.size())
     {
       Records &all = this->records.group("sections");

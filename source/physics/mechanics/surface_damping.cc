@@ -10,7 +10,6 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {
@@ -99,13 +98,6 @@ namespace tombolo
         result.node(b)[d] -= force * inner.direction[d];
       }
     }
-  }
-
-  template <int dim>
-  void SurfaceDamping<dim>::add_forces(const Model<dim> &model, const Clock &, const NodalVector &)
-  {
-    damping.touched_nodes() = touched;
-    add_to(model.state.position, model.state.velocity, damping.at_touched_nodes());
   }
 
   template <int dim>

@@ -172,13 +172,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void AdaptiveRefinement<dim>::count_cells(const Model<dim> &model)
-  {
-    n_cells = static_cast<double>(model.mesh.triangulation.n_global_active_cells());
-    most_cells = std::max(most_cells, n_cells);
-  }
-
-  template <int dim>
   void AdaptiveRefinement<dim>::model_changed(const Model<dim> &model)
   {
     count_cells(model);
@@ -338,7 +331,7 @@ namespace tombolo
 
   template <int dim>
   void AdaptiveRefinement<dim>::book(const ModelContent &before, const ModelContent &after,
-                                     Model<dim> &model)
+                                     const Model<dim> &model)
   {
     ++n_meshes;
     count_cells(model); // after what was read of the mesh before

@@ -130,13 +130,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticProblem<dim>::linearize_processes(std::vector<ContactStiffness<dim>> &springs,
-                                               NodalVector &bound)
-  {
-    linearize(process_clock(), springs, bound);
-  }
-
-  template <int dim>
   std::vector<ContactStiffness<dim>> StaticProblem<dim>::springs_at_start()
   {
     Clock clock;
@@ -150,12 +143,6 @@ namespace tombolo
     linearize(clock, result, bound);
     restart_processes();
     return result;
-  }
-
-  template <int dim>
-  MechanicalInput StaticProblem<dim>::input() const
-  {
-    return {&model.state.position, &model.state.velocity, present.duration(), present.temperature};
   }
 
   template <int dim>
@@ -241,14 +228,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticProblem<dim>::commit()
-  {
-    trial->commit();
-    trial.reset();
-    model.state.velocity.set_zero();
-  }
-
-  template <int dim>
   void StaticProblem<dim>::undo()
   {
     trial.reset();
@@ -256,12 +235,6 @@ namespace tombolo
     model.state.position.copy_from(start_position);
     model.state.velocity.set_zero();
     model.bridge->positions_have_changed();
-  }
-
-  template <int dim>
-  void StaticProblem<dim>::restart_points()
-  {
-    trial->restart();
   }
 
   template <int dim>

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <sstream>
 #include <typeinfo>
@@ -307,13 +306,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double StaticSteps<dim>::next(const Clock &clock, const double target) const
-  {
-    const double remaining = target - clock.time;
-    return remaining / std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
-  }
-
-  template <int dim>
   void StaticSteps<dim>::book(const Clock &clock, const double previous, const double next)
   {
     Clock half = clock;
@@ -364,13 +356,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::report(TimeTable &table) const
-  {
-    table.add("static iterations", "1", last.n_iterations);
-    table.add("static residual", "1", last.residual);
-  }
-
-  template <int dim>
   void StaticSteps<dim>::add_to_summary(Json &summary) const
   {
     Json result = Json::object();
@@ -385,12 +370,6 @@ namespace tombolo
     summary["time_step_max"] = longest;
     for (const char *const of_explicit_steps : {"time_step_limit", "time_step_estimates"})
       summary.erase(std::string(of_explicit_steps));
-  }
-
-  template <int dim>
-  double StaticSteps<dim>::n_steps(const double end_time) const
-  {
-    return std::ceil(end_time / largest_step);
   }
 
   namespace

@@ -340,14 +340,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void TangentMatrix<dim>::forget_solvers()
-  {
-    multigrid.clear();
-    has_multigrid = false;
-    factorization.reset();
-  }
-
-  template <int dim>
   void TangentMatrix<dim>::prepare_multigrid()
   {
     if (has_multigrid)

@@ -57,7 +57,8 @@ namespace tombolo
     return {2 * margin + 4, 2 * margin + 2};
   }
 
-  LinearizedOperators::LinearizedOperators(Model<2> &model, const unsigned int neighbour_reach)
+  LinearizedOperators::LinearizedOperators(const Model<2> &model,
+                                           const unsigned int neighbour_reach)
       : reach(reaches_per_operator * static_cast<int>(neighbour_reach)),
         n_probed((reaches_per_operator + reaches_of_edges) * static_cast<int>(neighbour_reach) + 2)
   {

@@ -4,6 +4,7 @@
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/model/process.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -32,10 +33,20 @@ namespace tombolo
   public:
     explicit Erosion(Model<dim> &model);
 
-    ModelChange change_model(Model<dim> &model, const Clock &clock) override;
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override
+    {
+      ModelChange change;
+      change.cells = erode(model, clock);
+      return change;
+    }
+
     void model_changed(const Model<dim> &model) override;
-    void constrain_acceleration(const Model<dim> &model, const Clock &clock,
-                                NodalState &state) override;
+
+    void constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state) override
+    {
+      for (const unsigned int node : massless)
+        std::fill_n(state.acceleration.node(node), node_stride, 0.);
+    }
 
     /** Removes the cells that fulfil their criterion. Returns whether there were any on any rank.
      * Collective. */

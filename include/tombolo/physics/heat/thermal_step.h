@@ -45,7 +45,10 @@ namespace tombolo
     double begin_step(const Model<dim> &model, double target);
 
     /** The step that begin_step() would take if there were no target. Collective. */
-    double allowed_step(const Model<dim> &model);
+    double allowed_step(const Model<dim> &model)
+    {
+      return scheme->allowed_step(model, time_of_state);
+    }
 
     /** The model is another one of the same time, on another mesh. */
     void mesh_has_changed()
@@ -69,7 +72,11 @@ namespace tombolo
       return largest;
     }
     /** Of the explicit step, before the safety factor. */
-    const StepLimit &limit() const;
+    const StepLimit &limit() const
+    {
+      return scheme->limit();
+    }
+
     /** Wall time of all thermal steps on this rank. */
     double seconds() const
     {
@@ -80,14 +87,23 @@ namespace tombolo
     void list(Records &records, const Model<dim> &model, HeatBalance &last);
 
     /** What the integrator has to say about its cost. */
-    void add_to_summary(Summary &summary) const;
+    void add_to_summary(Summary &summary) const
+    {
+      scheme->add_to_summary(summary);
+    }
 
   private:
     void complete_step(const Model<dim> &model);
     /** Fills the accounts of @p result with sums over all ranks. Collective. */
     void account(const Model<dim> &model, HeatBalance &result) const;
     void check(const Model<dim> &model) const;
-    double fraction() const;
+
+    double fraction() const
+    {
+      return is_in_progress && next_time > time_of_state
+                 ? (present_time - time_of_state) / (next_time - time_of_state)
+                 : 0.;
+    }
 
     std::unique_ptr<HeatIntegrator<dim>> scheme;
     double time_of_state = 0; ///< t_n^θ

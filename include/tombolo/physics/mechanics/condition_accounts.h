@@ -24,7 +24,12 @@ namespace tombolo
 
     /** The impulses of the last step count from now on; those that follow are of the interval
      * around t_n, which began at @p time_of_impulse = t_{n-1/2}. */
-    void begin_step(double time_of_impulse);
+    void begin_step(const double begin_of_interval)
+    {
+      time_of_impulse = begin_of_interval;
+      for (Account &account : accounts)
+        account.impulses.begin_step();
+    }
 
     /** Of one of them. */
     struct Account
@@ -39,7 +44,11 @@ namespace tombolo
     }
 
     /** Adds the impulses of loads over @p interval, in the step at hand. */
-    void add_loads(const std::vector<LoadSum> &loads, double interval);
+    void add_loads(const std::vector<LoadSum> &loads, const double interval)
+    {
+      for (std::size_t c = 0; c < accounts.size(); ++c)
+        accounts[c].impulses.add(loads[c].force, loads[c].moment, interval);
+    }
 
     /** In the order of the conditions. Collective. */
     std::vector<ConditionBalance> balances() const;

@@ -20,7 +20,7 @@ namespace tombolo
   class Loads : public Process<dim>
   {
   public:
-    explicit Loads(Model<dim> &model);
+    explicit Loads(const Model<dim> &model);
 
     void model_changed(const Model<dim> &model) override;
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;

@@ -31,7 +31,10 @@ namespace tombolo
     }
 
     /** Whether anything is scaled. */
-    bool is_active() const;
+    bool is_active() const
+    {
+      return inertia_factor() != 1. || is_selective();
+    }
 
     /** Whether the mass of single cells and particles is. */
     bool is_selective() const

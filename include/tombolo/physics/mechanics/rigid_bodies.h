@@ -37,8 +37,18 @@ namespace tombolo
     }
     void constrain_acceleration(const Model<dim> &model, const Clock &clock,
                                 NodalState &state) override;
-    void after_acceleration(const Model<dim> &model, const Clock &clock) override;
-    void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override;
+
+    void after_acceleration(const Model<dim> &, const Clock &clock) override
+    {
+      for (RigidBody<dim> &body : bodies)
+        body.complete_step(clock, is_first_rank ? &impulses : nullptr);
+    }
+
+    void after_motion(const Model<dim> &, const Clock &, NodalState &) override
+    {
+      for (RigidBody<dim> &body : bodies)
+        body.advance();
+    }
 
     const std::vector<RigidBody<dim>> &all() const
     {
@@ -58,7 +68,11 @@ namespace tombolo
     bool masses_have_changed(const Model<dim> &model);
 
     /** Gives all bodies the inertia for the masses that nodes have now. Collective. */
-    void renew_inertia(const Model<dim> &model);
+    void renew_inertia(const Model<dim> &model)
+    {
+      for (std::size_t b = 0; b < bodies.size(); ++b)
+        bodies[b].set_inertia(inertia_of(joined[b], model));
+    }
 
     /** Moves the body by what initial conditions gave to its nodes. Collective. */
     void start(const Section &section, std::size_t index, Model<dim> &model);

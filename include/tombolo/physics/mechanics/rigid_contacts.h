@@ -25,7 +25,7 @@ namespace tombolo
   {
   public:
     /** Throws InputError. Collective. */
-    RigidContacts(const std::vector<Section> &sections, Model<dim> &model);
+    RigidContacts(const std::vector<Section> &sections, const Model<dim> &model);
 
     void model_changed(const Model<dim> &model) override;
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
@@ -48,12 +48,12 @@ namespace tombolo
     }
 
   private:
-    void create_contact(const Section &section, Model<dim> &model,
+    void create_contact(const Section &section, const Model<dim> &model,
                         const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
                         std::vector<KinematicContact<dim> *> &kinematic);
     void create_heat(bool has_heat);
     /** Connects to signals of the model, and shows what there is. */
-    void observe(Model<dim> &model);
+    void observe(const Model<dim> &model);
     bool has_tool_mass() const;
     /** What contacts see of the heat, and where they put theirs. */
     NodalHeat present_heat(const Model<dim> &model);

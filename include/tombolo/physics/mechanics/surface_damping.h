@@ -40,7 +40,13 @@ namespace tombolo
     }
 
     void model_changed(const Model<dim> &model) override;
-    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
+
+    void add_forces(const Model<dim> &model, const Clock &, const NodalVector &) override
+    {
+      damping.touched_nodes() = touched;
+      add_to(model.state.position, model.state.velocity, damping.at_touched_nodes());
+    }
+
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
   private:

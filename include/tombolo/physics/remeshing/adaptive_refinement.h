@@ -8,6 +8,7 @@
 #include <tombolo/physics/remeshing/model_content.h>
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -44,7 +45,7 @@ namespace tombolo
     double stable_fraction(double stable_step) const override;
 
     /** Books that a new mesh has @p after of what the one before had. */
-    void book(const ModelContent &before, const ModelContent &after, Model<dim> &model);
+    void book(const ModelContent &before, const ModelContent &after, const Model<dim> &model);
 
     void model_changed(const Model<dim> &model) override;
 
@@ -62,7 +63,13 @@ namespace tombolo
     cells_to_be_fine(const Model<dim> &model, const std::vector<std::vector<double>> &values) const;
     /** The coarsest and the finest level of the mesh of the file. Collective. */
     std::pair<int, int> levels_of_file(const Model<dim> &model) const;
-    void count_cells(const Model<dim> &model);
+
+    void count_cells(const Model<dim> &model)
+    {
+      n_cells = static_cast<double>(model.mesh.triangulation.n_global_active_cells());
+      most_cells = std::max(most_cells, n_cells);
+    }
+
     void refuse_too_many_levels(const Model<dim> &model) const;
 
     Section section;

@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <iterator>
 #include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -22,7 +32,9 @@ namespace tombolo
   {
   public:
     /** Throws InputError. Collective. */
-    explicit LatticeMotion(const RefillSettings &settings);
+    explicit LatticeMotion(const RefillSettings &settings)
+        : settings(settings), displacement(settings.template motion<dim>())
+    {}
 
     /** Whether the mesh moves. */
     bool is_on() const
@@ -32,37 +44,129 @@ namespace tombolo
 
     /** The places of nodes of the mesh [L] that are at @p initial at the start, with ghosts.
      * Collective. */
-    NodalVector places(const NodalVector &initial, double time) const;
+    NodalVector places(const NodalVector &initial, const double time) const
+    {
+      return move(initial, initial,
+                  [&](const dealii::Point<dim> &place) { return at(place, time); });
+    }
 
     /** The same for the corners of @p cells. Throws InputError on all ranks if one is turned over.
      * Collective. */
     std::vector<typename SubCells<dim>::Corners>
-    corners(const std::vector<SmoothedCell<dim>> &cells, double time, MPI_Comm communicator) const;
+    corners(const std::vector<SmoothedCell<dim>> &cells, const double time,
+            const MPI_Comm communicator) const
+    {
+      std::vector<typename SubCells<dim>::Corners> result;
+      std::string problem;
+      for (const SmoothedCell<dim> &cell : cells)
+      {
+        result.push_back(cell.corners);
+        if (!is_on())
+          continue;
+        for (dealii::Point<dim> &corner : result.back())
+          corner += at(corner, time);
+        const auto volumes = CellSimplices<dim>::volumes(result.back());
+        if (problem.empty() && !(*std::min_element(volumes.begin(), volumes.end()) > 0.))
+        {
+          std::ostringstream text;
+          text << "at t = " << time << " it turns a cell of the mesh over, which is around ("
+               << cell.centre() << ") at the start.";
+          problem = text.str();
+        }
+      }
+      for (const std::string &of_rank : texts_of_ranks(communicator, problem))
+        if (!of_rank.empty())
+          settings.refuse_motion(of_rank);
+      return result;
+    }
 
     /** How far a corner of @p cells has moved since the last refill, at most [L]. Collective. */
-    double largest_way(const std::vector<SmoothedCell<dim>> &cells, double time,
-                       MPI_Comm communicator) const;
+    double largest_way(const std::vector<SmoothedCell<dim>> &cells, const double time,
+                       const MPI_Comm communicator) const
+    {
+      double result = 0;
+      if (!is_on())
+        return result;
+      for (const SmoothedCell<dim> &cell : cells)
+        result = std::max(result, largest_way(cell, time));
+      return dealii::Utilities::MPI::max(result, communicator);
+    }
 
     /** Adds the cells that the mesh has moved since the last refill to @p distorted, if there are
      * any of these, or if one has moved a tenth of its size. Collective. */
-    void add_moved_cells(const std::vector<SmoothedCell<dim>> &cells, double time,
-                         MPI_Comm communicator, std::vector<unsigned int> &distorted) const;
+    void add_moved_cells(const std::vector<SmoothedCell<dim>> &cells, const double time,
+                         const MPI_Comm communicator, std::vector<unsigned int> &distorted) const
+    {
+      constexpr double far = 0.1; // of the size of a cell
+      if (!is_on())
+        return;
+      bool is_far = !distorted.empty();
+      std::vector<unsigned int> moved, all;
+      for (unsigned int c = 0; c < cells.size(); ++c)
+      {
+        const auto &corners = cells[c].corners;
+        const double of_cell = largest_way(cells[c], time);
+        is_far = is_far || of_cell > far * corners[0].distance(corners[1]);
+        if (of_cell > 0.)
+          moved.push_back(c);
+      }
+      if (dealii::Utilities::MPI::max(is_far ? 1 : 0, communicator) == 0)
+        return;
+      std::set_union(distorted.begin(), distorted.end(), moved.begin(), moved.end(),
+                     std::back_inserter(all));
+      distorted = std::move(all);
+    }
 
     /** @p position [L], moved by what the mesh has moved since the last refill, with ghosts.
      * Collective. */
-    NodalVector follow(const NodalVector &initial, const NodalVector &position, double time) const;
+    NodalVector follow(const NodalVector &initial, const NodalVector &position,
+                       const double time) const
+    {
+      return move(initial, position,
+                  [&](const dealii::Point<dim> &place) { return way(place, time); });
+    }
 
     double time_of_last = 0; ///< refill [T]
 
   private:
-    dealii::Tensor<1, dim> at(const dealii::Point<dim> &place, double time) const;
+    dealii::Tensor<1, dim> at(const dealii::Point<dim> &place, const double time) const
+    {
+      dealii::Tensor<1, dim> result;
+      for (unsigned int d = 0; displacement && d < dim; ++d)
+        result[d] = displacement->value(place, time, d);
+      return result;
+    }
+
     /** What a place of the initial mesh has moved since the last refill. */
-    dealii::Tensor<1, dim> way(const dealii::Point<dim> &place, double time) const;
+    dealii::Tensor<1, dim> way(const dealii::Point<dim> &place, const double time) const
+    {
+      return at(place, time) - at(place, time_of_last);
+    }
+
     /** The longest way of a corner. */
-    double largest_way(const SmoothedCell<dim> &cell, double time) const;
+    double largest_way(const SmoothedCell<dim> &cell, const double time) const
+    {
+      double result = 0;
+      for (const dealii::Point<dim> &corner : cell.corners)
+        result = std::max(result, way(corner, time).norm());
+      return result;
+    }
+
     /** @p from, moved by a function of the place of each node at the start, with ghosts. */
     template <typename Way>
-    NodalVector move(const NodalVector &initial, const NodalVector &from, const Way &way) const;
+    NodalVector move(const NodalVector &initial, const NodalVector &from, const Way &way) const
+    {
+      NodalVector result = from.copy();
+      result.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            const dealii::Tensor<1, dim> of_node =
+                way(dealii::Point<dim>(vector_of<dim>(initial.node(i))));
+            for (unsigned int d = 0; d < dim && is_on(); ++d)
+              place[d] += of_node[d];
+          });
+      return result;
+    }
 
     const RefillSettings &settings;
     std::optional<Expression<dim>> displacement;

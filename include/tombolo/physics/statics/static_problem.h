@@ -56,13 +56,21 @@ namespace tombolo
     bool evaluate(const NodalVector &displacement);
 
     /** Keeps the last evaluation. */
-    void commit();
+    void commit()
+    {
+      trial->commit();
+      trial.reset();
+      model.state.velocity.set_zero();
+    }
 
     /** Goes back to the start of the step: positions, points. Collective. */
     void undo();
 
     /** Material points as at the start of the step, for whoever evaluates parts of it himself. */
-    void restart_points();
+    void restart_points()
+    {
+      trial->restart();
+    }
 
     /** R of owned nodes, zero at prescribed components [M L/T^2]. */
     const NodalVector &residual() const
@@ -134,7 +142,10 @@ namespace tombolo
 
     /** How the forces of processes in the last evaluation change with positions: @p springs, and
      * in @p bound a diagonal matrix at owned nodes. Collective. */
-    void linearize_processes(std::vector<ContactStiffness<dim>> &springs, NodalVector &bound);
+    void linearize_processes(std::vector<ContactStiffness<dim>> &springs, NodalVector &bound)
+    {
+      linearize(process_clock(), springs, bound);
+    }
 
     /** The springs of processes in the present state, at the start of the run. Collective. */
     std::vector<ContactStiffness<dim>> springs_at_start();
@@ -148,7 +159,11 @@ namespace tombolo
       return count;
     }
 
-    MechanicalInput input() const;
+    MechanicalInput input() const
+    {
+      return {&model.state.position, &model.state.velocity, present.duration(),
+              present.temperature};
+    }
 
   private:
     void set_constrained();

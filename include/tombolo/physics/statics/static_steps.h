@@ -9,6 +9,8 @@
 #include <tombolo/physics/statics/static_problem.h>
 #include <tombolo/physics/statics/static_solver.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -50,7 +52,11 @@ namespace tombolo
     bool solve(const Clock &clock, const std::function<bool()> &must_stop = {});
 
     /** The step from the clock's time towards @p target, not beyond it. */
-    double next(const Clock &clock, double target) const;
+    double next(const Clock &clock, const double target) const
+    {
+      const double remaining = target - clock.time;
+      return remaining / std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
+    }
 
     /** Books the step that ends at the clock's time, and what begins there; the size of the next
      * step is known. Collective. */
@@ -71,13 +77,20 @@ namespace tombolo
     }
 
     /** Fills columns of the table over time. */
-    void report(TimeTable &table) const;
+    void report(TimeTable &table) const
+    {
+      table.add("static iterations", "1", last.n_iterations);
+      table.add("static residual", "1", last.residual);
+    }
 
     /** After the entries of explicit steps, which it takes away. */
     void add_to_summary(Json &summary) const;
 
     /** For the audit: how many steps at least. */
-    double n_steps(double end_time) const;
+    double n_steps(const double end_time) const
+    {
+      return std::ceil(end_time / largest_step);
+    }
 
     /** Lists what is kept from step to step. */
     void list(Records &records)

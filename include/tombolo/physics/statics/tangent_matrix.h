@@ -111,7 +111,13 @@ namespace tombolo
     /** Rigid modes by mode and row, at present positions. Collective. */
     void find_rigid_modes();
     void prepare_multigrid();
-    void forget_solvers();
+
+    void forget_solvers()
+    {
+      multigrid.clear();
+      has_multigrid = false;
+      factorization.reset();
+    }
 
     StaticProblem<dim> &problem;
     Solver solver;

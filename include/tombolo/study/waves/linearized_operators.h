@@ -45,7 +45,7 @@ namespace tombolo
     static StripSize strip_size(unsigned int neighbour_reach);
 
     /** Probes @p scene, which must be on one rank. */
-    LinearizedOperators(Model<2> &model, unsigned int neighbour_reach);
+    LinearizedOperators(const Model<2> &model, unsigned int neighbour_reach);
 
     /** Bloch's reduction to wave number @p wave_number along the interface [1/L]. */
     ReducedOperators reduce(double wave_number) const;
