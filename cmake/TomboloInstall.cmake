@@ -22,7 +22,7 @@ install(FILES
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
 # Scripts that work on results and input, each as the command tombolo-NAME.
-set(installed_scripts plot report plot_reflection import_keyword study submit)
+set(installed_scripts plot report plot_reflection import study submit)
 foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/${script} DESTINATION ${data_directory}/scripts)
   string(REPLACE "_" "-" command tombolo-${script})

@@ -23,7 +23,6 @@ usage_of()
     NR > 1 && /^#/ {
       sub(/^# ?/, "")
       if (is_installed && gsub(/scripts\//, "tombolo-")) {
-        gsub(/tombolo-import_/, "tombolo-import-")
         gsub(/tombolo-plot_/, "tombolo-plot-")
       }
       print

@@ -61,75 +61,6 @@ end
 """
 
 # Meshes of kinds that tests/meshes has in three dimensions only.
-STRIP_INP = b"""*NODE
- 1, 0, 0
- 2, 1, 0
- 3, 2, 0
- 4, 0, 1
- 5, 1, 1
- 6, 2, 1
-*ELEMENT, TYPE=CPE4R, ELSET=left
- 1, 1, 2, 5, 4
-*ELEMENT, TYPE=CPS4, ELSET=right
- 2, 2, 3, 6, 5
-*ELEMENT, TYPE=T2D2, ELSET=foot
- 3, 1, 4
-*SURFACE, NAME=rear
- 2, E2
-"""
-STRIP_PARTS_INP = b"""*Heading
-*Part, name=square
-*Node
- 1, 0, 0
- 2, 1, 0
- 3, 1, 1
- 4, 0, 1
-*Element, type=CPE4R
- 1, 1, 2, 3, 4
-*Nset, nset=foot, generate
- 1, 4, 3
-*Elset, elset=_rear_S2, internal
- 1,
-*Surface, type=ELEMENT, name=rear
-_rear_S2, S2
-*End Part
-*Assembly, name=Assembly
-*Instance, name=square-1, part=square
-*End Instance
-*Instance, name=square-2, part=square
- 4, 0, 0
- 4, 0, 0, 4, 0, 1, 90
-*End Instance
-*Nset, nset=both, instance=square-1
- foot,
-*End Assembly
-"""
-STRIP_K = b"""*KEYWORD
-*NODE
-       1             0.0             0.0             0.0
-       2             1.0             0.0             0.0
-       3             2.0             0.0             0.0
-       4             0.0             1.0             0.0
-       5             1.0             1.0             0.0
-       6             2.0             1.0             0.0
-*PART
-left, one
-         1         1         1
-*ELEMENT_SHELL
-       1       1       1       2       5       4
-       2       2       2       3       6       5
-*SET_NODE_LIST_TITLE
-foot
-         1
-         1         4
-*SET_SEGMENT
-         2
-         3         6
-*SET_SHELL_LIST_GENERATE
-         3
-         1         2
-*END
-"""
 STRIP_VTK = b"""# vtk DataFile Version 3.0
 strip
 ASCII
@@ -257,8 +188,7 @@ def mesh_seeds(project):
     meshes = {name: read(os.path.join(directory, name)) for name in sorted(os.listdir(directory))}
     cook = os.path.join(project, "parameter_files", "stability", "scenes")
     meshes["cook_4.msh"] = read(os.path.join(cook, "cook_4.msh"))
-    meshes.update({"strip.inp": STRIP_INP, "strip_parts.inp": STRIP_PARTS_INP, "strip.k": STRIP_K,
-                   "strip.vtk": STRIP_VTK})
+    meshes["strip.vtk"] = STRIP_VTK
     seeds = []
     for name, text in meshes.items():
         dimension = 2 if re.search("strip|square|cook", name) else 3

@@ -284,6 +284,32 @@ def plastic_curve(points, fail):
     return points
 
 
+def interpolated(points, x):
+    """The value of a table, constant beyond its ends."""
+    if x <= points[0][0]:
+        return points[0][1]
+    for (a, f), (b, g) in zip(points, points[1:]):
+        if x <= b:
+            return f + (g - f) * (x - a) / (b - a)
+    return points[-1][1]
+
+
+def at_one_temperature(constants, temperature, remarks):
+    """Constants of a scene without heat: those over the temperature are those of the start."""
+    result = {}
+    for name, text in constants.items():
+        if name == "Thermal expansion":
+            remarks.append("No step has heat: the thermal expansion is left out.")
+            continue
+        if ":" in text:
+            points = [tuple(float(word) for word in pair.split(":")) for pair in text.split(",")]
+            text = number(interpolated(points, temperature))
+            remarks.append(f"No step has heat: the {name[0].lower() + name[1:]} is that of the temperature "
+                           f"{temperature:g}.")
+        result[name] = text
+    return result
+
+
 def tabular(points):
     return {"Flow stress": "tabular", "tabular": {
         "Plastic strains": ", ".join(number(strain) for strain, _ in points),

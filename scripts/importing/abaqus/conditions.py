@@ -134,17 +134,21 @@ class Conditions:
     def conditions_of_step(self):
         """Names of conditions of what is held now."""
         names = []
-        for target, values in self.held.items():
+        for target, values in list(self.held.items()):
             if target[:1] == ("rigid",):
                 self.converter.parts.drive(target[1], values)
                 continue
             line = values["line"]
-            where = None
+            try:
+                where = self.selection(line, target)
+            except NotUnderstood as reason:
+                self.report.note(line.place, f"*BOUNDARY of {target}: {reason}, so that this is left out.")
+                del self.held[target]
+                continue
             for kind in ("displacement", "velocity"):
                 dofs = {dof: text for dof, (of_kind, text, _) in self.items(values) if of_kind == kind and dof <= 3}
                 if not dofs:
                     continue
-                where = where or self.selection(line, target)
                 texts = [dofs.get(dof, "free") for dof in range(1, self.mesh.dimension + 1)]
                 if set(texts) == {"0"}:
                     entries = {**where, "Type": "clamp"}
@@ -152,7 +156,6 @@ class Conditions:
                     entries = {**where, "Type": kind, "Function": "; ".join(texts)}
                 names.append(self.add("support" if set(texts) <= {"0", "free"} else "drive", entries, line.place))
             if TEMPERATURE in values:
-                where = where or self.selection(line, target)
                 names.append(self.add("temperature", {**where, "Type": "temperature",
                                                       "Function": values[TEMPERATURE][1]}, line.place))
         for word, entries, place in self.loads.values():

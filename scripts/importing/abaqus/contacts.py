@@ -50,6 +50,9 @@ class Contacts:
 
     def tie(self, section):
         section.get("NAME")
+        if any(step.has_heat for step in self.converter.steps):
+            self.converter.report.note(section.line.place, "*TIE: no heat goes from one side to the other here, unless the "
+                                       "Body contact has a Conductance.")
         for row in section.rows():
             self.add(row, {"Type": "tied"})
 

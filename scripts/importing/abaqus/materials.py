@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*MATERIAL and the keywords below it as sections of materials."""
 
-from ..scene import linear_hardening, number, plastic_curve
+from ..scene import at_one_temperature, interpolated, linear_hardening, number, plastic_curve
 from .deck import key
 
 
@@ -11,15 +11,6 @@ def at_temperatures(pairs):
         return number(pairs[0][0])
     return ", ".join(f"{number(temperature)}: {number(value)}" for value, temperature in sorted(
         pairs, key=lambda pair: pair[1]))
-
-
-def interpolated(points, x):
-    if x <= points[0][0]:
-        return points[0][1]
-    for (a, f), (b, g) in zip(points, points[1:]):
-        if x <= b:
-            return f + (g - f) * (x - a) / (b - a)
-    return points[-1][1]
 
 
 class Material:
@@ -158,13 +149,18 @@ class Material:
             "Sound speed": number(row.number(0)), "Hugoniot slope": number(row.number(1)),
             "Gruneisen coefficient": number(row.number(2))}}
 
-    def complete(self, has_heat, is_adiabatic, initial_temperature):
+    def complete(self, has_heat, is_adiabatic, initial_temperature, is_at_rest):
         """Comments, and the entries of the section."""
+        if self.density is None and is_at_rest:
+            self.density = 1.0
+            self.remarks.append("There is no *DENSITY; a body at rest does not feel it.")
         if self.density is None:
-            self.line.fail(f'the material "{self.name}" has no *DENSITY.')
+            self.line.fail(f'the material "{self.name}" has no *DENSITY (--mesh makes the mesh alone).')
         if "Young's modulus" not in self.constants and not (has_heat and not self.flow):
-            self.line.fail(f'the material "{self.name}" has no *ELASTIC.')
+            self.line.fail(f'the material "{self.name}" has no *ELASTIC (--mesh makes the mesh alone).')
         density = {"Density": number(self.density)}
+        if not has_heat:
+            self.constants = at_one_temperature(self.constants, initial_temperature, self.remarks)
         if "Young's modulus" not in self.constants:
             model, entries = "heat conductor", density
         elif self.flow:

@@ -48,9 +48,12 @@ class Converter:
     def complete_materials(self):
         has_heat = any(step.has_heat for step in self.steps)
         is_adiabatic = any(step.is_adiabatic for step in self.steps)
+        is_at_rest = all(step.is_static for step in self.steps) and not has_heat
         for k, material in self.parts.used_materials.items():
             self.scene.materials[usable(material.name, ",/=#\\\"")] = material.complete(
-                has_heat, is_adiabatic, self.initial_temperature)
+                has_heat, is_adiabatic, self.initial_temperature, is_at_rest)
+            for remark in material.remarks:
+                self.report.note(material.line.place, remark)
         for k, material in self.materials.items():
             if k not in self.parts.used_materials:
                 self.report.note(material.line.place, f'*MATERIAL "{material.name}" is used by nothing.')
@@ -102,10 +105,7 @@ class Converter:
                 elif section.name in ("FIXED MASS SCALING", "VARIABLE MASS SCALING"):
                     read_mass_scaling(section, step)
             self.read_sections(step.sections)
-            try:
-                names = self.conditions.conditions_of_step()
-            except NotUnderstood as reason:
-                raise DeckError(f"{step.section.line.place}: {reason}.") from reason
+            names = self.conditions.conditions_of_step()
             entries = {**step.own_entries(), **step.entries}
             if len(self.steps) == 1:
                 self.scene.end_time = step.time

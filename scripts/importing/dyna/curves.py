@@ -64,7 +64,7 @@ class Curves(Used):
         record, lines = section.head()
         factor, offset = record.number("SFA") or 1, record.number("OFFA")
         values = [factor * (section.values(line, 20)[0] + offset) for line in lines if line.text.strip()]
-        if len(followers) < len(values):
+        if not values or len(followers) < len(values):
             section.line.fail(f"*DEFINE_TABLE has {len(values)} values, and {len(followers)} curves follow it.")
         numbers = [one.head()[0].integer("LCID") for one in followers[:len(values)]]
         self.tables[record.integer("TBID")] = sorted(zip(values, numbers))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*MAT_... and *EOS_... as sections of materials."""
 
-from ..scene import linear_hardening, number, plastic_curve, tabular
+from ..scene import at_one_temperature, linear_hardening, number, plastic_curve, tabular
 from .cards import form_of
 
 MODELS = ("MAT_001", "MAT_003", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
@@ -208,6 +208,8 @@ class Material:
         title = f": {self.record.title}" if self.record.title else ""
         if self.kind == "MAT_015" and not self.equation:
             self.remarks.append("There is no *EOS_GRUNEISEN of its parts: pressure is linear elastic.")
+        if not self.heat:
+            self.moduli = at_one_temperature(self.moduli, self.record.number("TREF"), self.remarks)
         section = self.record.section
         comments = [f"*{section.keyword} on {section.line.place}{title}", *self.remarks]
         flow = dict(self.flow)
@@ -216,6 +218,8 @@ class Material:
             flow.pop("Initial temperature", None)
         constants = {"Density": number(self.density), "Young's modulus": number(self.modulus),
                      "Poisson's ratio": number(self.poisson), **self.moduli}
+        if "Temperatures" in flow.get("tabular", {}) and not self.heat:
+            flow["Initial temperature"] = number(self.record.number("TREF"))
         entries = {"Model": model, model: {**constants, **flow, **self.equation}}
         if self.heat:
             entries["Heat"] = self.heat

@@ -44,6 +44,8 @@ class Converter:
         self.parts = PartReader(self)
         for material in self.materials.values():
             self.scene.materials[f"material {material.number}"] = material.entries()
+            for remark in material.remarks:
+                report.note(material.line.place, remark)
         for record in self.records_of(*deck.named("CONTROL_TERMINATION")):
             control.termination(self, record)
         conditions.hold_nodes(self)

@@ -60,25 +60,16 @@ namespace tombolo
   std::string read_input_file(const Section &section, const std::string &entry,
                               const std::string &file, const MPI_Comm communicator)
   {
-    std::string text;
-    const std::string error = load_input_file(section, entry, file, communicator, text);
-    if (!error.empty())
-      section.fail(entry, file == section.get(entry) ? error : "\"" + file + "\": " + error);
-    return text;
-  }
-
-  std::string load_input_file(const Section &section, const std::string &entry,
-                              const std::string &file, const MPI_Comm communicator,
-                              std::string &text)
-  {
-    std::string error;
+    std::string text, error;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       error = read(section, entry, file, text);
     error = dealii::Utilities::MPI::broadcast(communicator, error, 0);
+    if (!error.empty())
+      section.fail(entry, file == section.get(entry) ? error : "\"" + file + "\": " + error);
     const std::size_t size = dealii::Utilities::MPI::broadcast(communicator, text.size(), 0);
     text.resize(size);
     dealii::Utilities::MPI::broadcast(text.data(), size, 0, communicator);
-    return error;
+    return text;
   }
 
   std::string extension_of(const std::string &file)

@@ -303,8 +303,8 @@ namespace tombolo
     if (text.front() == '*' || text.front() == '$')
       throw InputError(to_string(location) + ": " + in_quotes(text) +
                        " begins no parameter file but a deck or a mesh. A mesh is named in a "
-                       "parameter file, as \"Mesh/file/File\"; scripts/import_keyword writes a "
-                       "parameter file of a deck of LS-DYNA.");
+                       "parameter file, as \"Mesh/file/File\"; scripts/import writes a "
+                       "parameter file of a deck of LS-DYNA or Abaqus.");
     const std::string nearest = nearest_name(keyword, {"set", "subsection", "end", "include"});
     const bool has_value = text.find('=') != std::string::npos;
     std::string hint;

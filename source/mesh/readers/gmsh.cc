@@ -134,7 +134,7 @@ namespace tombolo
                             (has_nodes ? "$Elements" : "$Nodes") + ".");
 
       name_physical_groups();
-      midside_nodes.report(content.places, content.remarks);
+      midside_nodes.report(content);
       for (const auto &section : sections_left_out)
         content.remarks.push_back("The section " + section + " of the mesh file is left out.");
       return std::move(content);
@@ -187,7 +187,7 @@ namespace tombolo
         if (size != 8)
           scanner.fail("Numbers of " + std::to_string(size) +
                        " bytes are not allowed. Allowed in a binary file are 8.");
-        content.places.count_elements();
+        content.unit = "element";
         scanner.begin_binary(is_version_4);
         scanner.begin_numbers();
         if (scanner.small_integer("the number 1, in binary") != 1)
@@ -518,9 +518,9 @@ namespace tombolo
     }
   } // namespace
 
-  MeshFileContent read_gmsh(const SourceFile &file, const unsigned int dim)
+  MeshFileContent read_gmsh(const std::string_view text, const unsigned int dim)
   {
-    return GmshReader(file.text, dim).read();
+    return GmshReader(text, dim).read();
   }
 
   const char *cell_shape(const unsigned int dim)

@@ -63,8 +63,7 @@ namespace tombolo
       void name_groups();
       void collect_faces();
       void name_boundaries();
-      /** Adds the face to a boundary, or counts it in n_inner if two cells have it and in
-       * n_elsewhere if none has it and its boundary may lie off the body. */
+      /** Adds the face to a boundary, or counts it in n_inner if two cells have it. */
       void add_named_face(const MeshFileElement &named, OverlappingSets &sets);
       void add_boundaries_of_nodes(OverlappingSets &sets);
       void remark_inner_and_empty_boundaries();
@@ -85,8 +84,7 @@ namespace tombolo
       /** The combination of boundaries that a face is in. */
       std::map<FaceKey, unsigned int> boundaries_of_face;
       std::map<FaceKey, dealii::types::boundary_id> id_of_face;
-      std::map<unsigned int, std::size_t> n_inner;     ///< faces between two cells, by boundary
-      std::map<unsigned int, std::size_t> n_elsewhere; ///< faces off the body, by boundary
+      std::map<unsigned int, std::size_t> n_inner; ///< faces between two cells, by boundary
     };
 
     std::string boundary_name(const MeshFileContent &content, const unsigned int id)
@@ -130,7 +128,7 @@ namespace tombolo
     template <int dim>
     void MeshAssembly<dim>::fail_at(const unsigned int place, const std::string &message) const
     {
-      throw MeshFileError(content.places.name(place) + ": " + message);
+      throw MeshFileError(content.place(place) + ": " + message);
     }
 
     template <int dim>
@@ -216,8 +214,7 @@ namespace tombolo
         mesh.remarks.push_back(std::to_string(n_turned) + " of " + std::to_string(cells.size()) +
                                " cells of the mesh file are numbered the wrong way round (the "
                                "first on " +
-                               content.places.name(first_turned_line) +
-                               ") and had to be turned round.");
+                               content.place(first_turned_line) + ") and had to be turned round.");
     }
 
     template <int dim>
@@ -244,9 +241,9 @@ namespace tombolo
           const unsigned int line = content.cells[faces[i].cell].line;
           const unsigned int other_line = content.cells[faces[i + 1].cell].line;
           if (sorted_vertices(faces[i].cell) == sorted_vertices(faces[i + 1].cell))
-            fail_at(std::max(line, other_line),
-                    "The cell stands on " + content.places.name(std::min(line, other_line)) +
-                        " already.");
+            fail_at(std::max(line, other_line), "The cell stands on " +
+                                                    content.place(std::min(line, other_line)) +
+                                                    " already.");
           if (i + 2 < faces.size() && faces[i].key == faces[i + 2].key)
             fail_at(std::max(line, other_line), "More than two cells have a face in common.");
         }
@@ -291,13 +288,8 @@ namespace tombolo
       face.key = make_key(face.key, n_face_corners);
       const auto found = std::lower_bound(faces.begin(), faces.end(), face);
       if (!has_vertices || found == faces.end() || found->key != face.key)
-      {
-        if (content.surfaces_off_the_body.count(named.id) == 0)
-          fail_at(named.line,
-                  "A face of \"" + boundary_name(content, named.id) + "\" is no face of a cell.");
-        ++n_elsewhere[named.id];
-        return;
-      }
+        fail_at(named.line,
+                "A face of \"" + boundary_name(content, named.id) + "\" is no face of a cell.");
       if (std::next(found) != faces.end() && std::next(found)->key == face.key)
       {
         ++n_inner[named.id];
@@ -380,13 +372,6 @@ namespace tombolo
         const bool is_boundary =
             mesh.boundary_names.count(name) > 0 || mesh.joint_boundaries.count(name) > 0;
         const auto inner = n_inner.find(id);
-        const auto elsewhere = n_elsewhere.find(id);
-        if (elsewhere != n_elsewhere.end())
-          mesh.remarks.push_back("The surface \"" + name + "\" of the mesh file has " +
-                                 std::to_string(elsewhere->second) +
-                                 " faces that are no faces of cells; they are left out. A rigid "
-                                 "surface that the body shall touch belongs into a section "
-                                 "\"Contact: NAME\", as a file .stl or .obj.");
         if (inner != n_inner.end())
           mesh.remarks.push_back(
               "The surface \"" + name + "\" of the mesh file lies inside the body with " +
@@ -394,7 +379,7 @@ namespace tombolo
               (is_boundary ? " of its faces; only the others are a boundary."
                            : " faces: it is no boundary. Parts that meet there share its nodes "
                              "without more ado."));
-        else if (!is_boundary && elsewhere == n_elsewhere.end())
+        else if (!is_boundary)
           mesh.remarks.push_back("The surface \"" + name + "\" of the mesh file has no faces.");
       }
     }

@@ -7,9 +7,6 @@
 namespace tombolo
 {
   const std::vector<MidsideEdge> quadrilateral_midsides = {{{0, 1}}, {{1, 2}}, {{2, 3}}, {{3, 0}}};
-  const std::vector<MidsideEdge> hexahedron_midsides = {{{0, 1}}, {{1, 2}}, {{2, 3}}, {{3, 0}},
-                                                        {{4, 5}}, {{5, 6}}, {{6, 7}}, {{7, 4}},
-                                                        {{0, 4}}, {{1, 5}}, {{2, 6}}, {{3, 7}}};
 
   void MidsideNodes::add_edge(const std::array<double, 3> &begin, const std::array<double, 3> &end,
                               const std::array<double, 3> &middle, const unsigned int place)
@@ -28,7 +25,7 @@ namespace tombolo
     }
   }
 
-  void MidsideNodes::report(const LinePlaces &places, std::vector<std::string> &remarks) const
+  void MidsideNodes::report(MeshFileContent &content) const
   {
     if (n_cells == 0)
       return;
@@ -40,11 +37,11 @@ namespace tombolo
     {
       text.precision(3);
       text << "A midside node lies off the middle of its edge by up to " << largest_bend
-           << " of the length of the edge (" << places.name(place_of_largest)
+           << " of the length of the edge (" << content.place(place_of_largest)
            << "); smaller cells follow curved surfaces better.";
     }
     else
       text << "All of them are in the middle of their edges, so that the shape is the same.";
-    remarks.push_back(text.str());
+    content.remarks.push_back(text.str());
   }
 } // namespace tombolo

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
 namespace tombolo
 {
@@ -43,132 +42,20 @@ namespace tombolo
     }
   } // namespace
 
-  MeshFileError::MeshFileError(const unsigned int line, const std::string &message)
-      : std::runtime_error("line " + std::to_string(line) + ": " + message), line(line),
-        message(message)
-  {}
-
-  void LinePlaces::count_elements()
-  {
-    unit = "element";
-  }
-
-  void LinePlaces::begin(const unsigned int line, const std::string &file,
-                         const unsigned int line_of_file)
-  {
-    stretches.push_back({line, file, line_of_file});
-  }
-
-  const LinePlaces::Stretch &LinePlaces::stretch_of(const unsigned int line) const
-  {
-    const auto after = std::upper_bound(stretches.begin(), stretches.end(), line,
-                                        [](const unsigned int number, const Stretch &stretch)
-                                        { return number < stretch.first; });
-    return *std::prev(after);
-  }
-
-  unsigned int LinePlaces::line_of_file(const unsigned int line) const
-  {
-    const Stretch &stretch = stretch_of(line);
-    return line - stretch.first + stretch.line_of_file;
-  }
-
-  std::string LinePlaces::name(const unsigned int line) const
-  {
-    const std::string &file = stretch_of(line).file;
-    return std::string(unit) + " " + std::to_string(line_of_file(line)) +
-           (file.empty() ? "" : " of \"" + file + "\"");
-  }
-
   TextScanner::TextScanner(std::string_view text) : text(text) {}
-
-  TextScanner::TextScanner(const SourceFile &file)
-      : text(file.text), path(file.path), read(file.read)
-  {}
-
-  void TextScanner::include(const std::string &file)
-  {
-    namespace fs = std::filesystem;
-    constexpr std::size_t deepest = 50;
-    std::string relative = file;
-    std::replace(relative.begin(), relative.end(), '\\', '/');
-    const std::string included = (fs::path(path).parent_path() / relative).lexically_normal();
-    if (!read)
-      fail("\"" + file + "\" cannot be read from here.");
-    outer.push_back({text, position, path, name, line_places.line_of_file(line_of_position)});
-    for (const OpenFile &open : outer)
-      if (fs::path(open.path).lexically_normal() == included || outer.size() > deepest)
-        fail("\"" + file + "\" includes itself.");
-    try
-    {
-      included_texts.push_back(read(included));
-    }
-    catch (const MeshFileError &error)
-    {
-      fail("\"" + file + "\", relative to the file that names it: " + error.what());
-    }
-    text = included_texts.back();
-    position = 0;
-    path = included;
-    name = file;
-    line_places.begin(++line_of_position, name, 1);
-  }
-
-  void TextScanner::end_file()
-  {
-    position = text.size();
-  }
-
-  std::size_t TextScanner::depth() const
-  {
-    return outer.size();
-  }
-
-  const LinePlaces &TextScanner::places() const
-  {
-    return line_places;
-  }
-
-  void TextScanner::leave_ended_files()
-  {
-    while (position == text.size() && !outer.empty())
-    {
-      text = outer.back().text;
-      position = outer.back().position;
-      path = outer.back().path;
-      name = outer.back().name;
-      line_places.begin(++line_of_position, name, outer.back().line);
-      outer.pop_back();
-    }
-  }
 
   void TextScanner::skip_blanks()
   {
-    do
-    {
-      leave_ended_files();
-      const std::size_t next = std::min(text.find_first_not_of(blanks, position), text.size());
-      for (; position < next; ++position)
-        if (text[position] == '\n')
-          ++line_of_position;
-    } while (position == text.size() && !outer.empty());
+    const std::size_t next = std::min(text.find_first_not_of(blanks, position), text.size());
+    for (; position < next; ++position)
+      if (text[position] == '\n')
+        ++line_of_position;
   }
 
   void TextScanner::mark_word()
   {
     line_of_word = line_of_position;
     position_of_word = position;
-  }
-
-  bool TextScanner::raw_line(std::string_view &line)
-  {
-    leave_ended_files();
-    if (position == text.size())
-      return false;
-    line = rest_of_line();
-    if (!line.empty() && line.back() == '\r')
-      line.remove_suffix(1);
-    return true;
   }
 
   std::string_view TextScanner::bytes(const std::size_t n, const char *what)
@@ -233,10 +120,7 @@ namespace tombolo
 
   void TextScanner::fail_at_word(const std::string_view word, const char *what) const
   {
-    fail(shown(word) + " stands where " + what + " should." +
-         (word.find('&') == word.npos ? ""
-                                      : " Parameters (*PARAMETER) are not read in meshes: write "
-                                        "the value."));
+    fail(shown(word) + " stands where " + what + " should.");
   }
 
   double TextScanner::to_real(std::string_view word, const char *what) const
@@ -303,6 +187,6 @@ namespace tombolo
 
   void TextScanner::fail_at(const unsigned int line, const std::string &message)
   {
-    throw MeshFileError(line, message);
+    throw MeshFileError("line " + std::to_string(line) + ": " + message);
   }
 } // namespace tombolo

@@ -183,8 +183,8 @@ namespace tombolo
     }
   } // namespace
 
-  MeshFileContent read_vtk(const SourceFile &file, const unsigned int dim)
+  MeshFileContent read_vtk(const std::string_view text, const unsigned int dim)
   {
-    return VtkReader(file.text, dim).read();
+    return VtkReader(text, dim).read();
   }
 } // namespace tombolo

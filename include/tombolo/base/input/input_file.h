@@ -20,10 +20,6 @@ namespace tombolo
   std::string read_input_file(const Section &section, const std::string &entry,
                               const std::string &file, MPI_Comm communicator);
 
-  /** The same, but returns what is wrong instead, or nothing. Collective. */
-  std::string load_input_file(const Section &section, const std::string &entry,
-                              const std::string &file, MPI_Comm communicator, std::string &text);
-
   /** How the name of a file ends, in lower case, with the dot: ".stl". */
   std::string extension_of(const std::string &file);
 } // namespace tombolo

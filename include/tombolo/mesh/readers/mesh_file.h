@@ -5,7 +5,6 @@
 
 #include <array>
 #include <map>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +15,7 @@ namespace tombolo
   struct MeshFileElement
   {
     /** Indices into MeshFileContent::nodes, counted round the bottom face and then round the top
-     * face, as gmsh, Abaqus and VTK do. Unused ones are zero. */
+     * face, as gmsh and VTK do. Unused ones are zero. */
     std::array<unsigned int, 8> nodes = {};
     unsigned int id = 0;   ///< material or boundary id
     unsigned int line = 0; ///< in the file
@@ -39,33 +38,29 @@ namespace tombolo
     std::vector<MeshFileElement> faces;
     std::map<std::string, unsigned int> group_names;    ///< of cells
     std::map<std::string, unsigned int> boundary_names; ///< of faces
-    /** Boundaries that may lie off the body and are left out then, as rigid surfaces do. */
-    std::set<unsigned int> surfaces_off_the_body;
     /** Groups by indices of cells. They may overlap each other and the groups above. */
     std::vector<MeshFileSet> cell_sets;
     /** Boundaries by indices of nodes: the boundary faces all of whose nodes are in the set. */
     std::vector<MeshFileSet> node_sets;
     std::vector<std::string> remarks; ///< what was left out
     /** What MeshFileElement::line counts: elements where a binary file has no lines. */
-    LinePlaces places;
+    std::string unit = "line";
+
+    /** "line 5". */
+    std::string place(unsigned int line) const
+    {
+      return unit + " " + std::to_string(line);
+    }
   };
 
   /** gmsh's .msh, version 2.2 or 4.1, in text or binary. Physical groups become ids and names; one
-   * that has no name is called by its number. Throws MeshFileError, as all of these. */
-  MeshFileContent read_gmsh(const SourceFile &file, unsigned int dim);
-
-  /** Abaqus' .inp, flat or with parts and instances. Sets of elements, parts and instances are
-   * groups of cells; sets of face elements or of nodes and `*SURFACE` are boundaries. */
-  MeshFileContent read_abaqus(const SourceFile &file, unsigned int dim);
-
-  /** LS-DYNA's keyword file (.k): solid elements, or shell elements of a plane scene. Parts and
-   * sets of parts and elements are groups of cells; sets of segments and nodes are boundaries, and
-   * so are the parts of shell elements on the surface of solids. */
-  MeshFileContent read_keyword(const SourceFile &file, unsigned int dim);
+   * that has no name is called by its number. Named groups of points are sets of nodes. Throws
+   * MeshFileError, as all of these. */
+  MeshFileContent read_gmsh(std::string_view text, unsigned int dim);
 
   /** VTK's legacy format 3.0 in text, an unstructured grid, with material ids in the cell data
    * `SCALARS MaterialID int`. */
-  MeshFileContent read_vtk(const SourceFile &file, unsigned int dim);
+  MeshFileContent read_vtk(std::string_view text, unsigned int dim);
 
   /** "hexahedra" or "quadrilaterals": what the cells must be. */
   const char *cell_shape(unsigned int dim);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/mesh/readers/text_scanner.h>
+#include <tombolo/mesh/readers/mesh_file.h>
 
 #include <array>
 #include <string>
@@ -15,8 +15,6 @@ namespace tombolo
   /** Corners of the midside nodes of quadrilaterals of 8 or 9 nodes, in the order of all formats.
    */
   extern const std::vector<MidsideEdge> quadrilateral_midsides;
-  /** The same of hexahedra of 20 or 27 nodes, as Abaqus and LS-DYNA count them. */
-  extern const std::vector<MidsideEdge> hexahedron_midsides;
 
   /** What is lost where only the corners of cells of second order are used. */
   class MidsideNodes
@@ -33,8 +31,8 @@ namespace tombolo
         add_edge(node(edges[k][0]), node(edges[k][1]), node(n_corners + k), place);
     }
 
-    /** Adds what was left out to @p remarks, if anything was. */
-    void report(const LinePlaces &places, std::vector<std::string> &remarks) const;
+    /** Adds what was left out to the remarks of a file, if anything was. */
+    void report(MeshFileContent &content) const;
 
   private:
     void add_edge(const std::array<double, 3> &begin, const std::array<double, 3> &end,

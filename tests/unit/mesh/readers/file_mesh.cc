@@ -100,31 +100,6 @@ TEST(FileMesh, turns_inverted_hexahedra_and_says_so)
   EXPECT_TRUE(mesh_of<3>(meshes + "two_cubes.vtk")->remarks.empty());
 }
 
-TEST(FileMesh, reads_abaqus_sets_as_groups_and_boundaries)
-{
-  const auto mesh = mesh_of<3>(meshes + "two_cubes.inp");
-  EXPECT_EQ(mesh->triangulation.n_global_active_cells(), 2u);
-  EXPECT_EQ(mesh->group_names,
-            (std::map<std::string, dealii::types::material_id>{{"Soft side", 1}, {"EB2", 2}}));
-  const Measures<3> measures(*mesh);
-  EXPECT_NEAR(measures.volume.at(1), 1, 1e-14);
-  EXPECT_NEAR(measures.volume.at(2), 1, 1e-14);
-  EXPECT_NEAR(measures.area.at(mesh->boundary_names.at("struck end")), 1, 1e-14);
-  EXPECT_NEAR(measures.area.at(mesh->boundary_names.at("SS1")), 2, 1e-14);
-  for (const auto &cell : mesh->triangulation.active_cell_iterators())
-    if (cell->is_locally_owned())
-      for (const unsigned int f : cell->face_indices())
-        if (cell->face(f)->at_boundary())
-        {
-          const auto place = cell->face(f)->center();
-          const bool in_surface = place[0] == 2. || (place[0] < 1 && place[1] == 1.);
-          EXPECT_EQ(cell->face(f)->boundary_id() == mesh->boundary_names.at("SS1"), in_surface)
-              << place;
-        }
-  EXPECT_TRUE(has_remark(mesh->remarks, "no such face, and so no boundary, for \"NS1\" (3 of 3"));
-  EXPECT_EQ(mesh->joint_boundaries.at("ALLNODES").size(), 3u);
-}
-
 TEST(FileMesh, reads_vtk_material_numbers)
 {
   const Measures<3> measures(*mesh_of<3>(meshes + "two_cubes.vtk"));
@@ -183,7 +158,10 @@ TEST(FileMesh, refuses_a_file_that_is_missing_empty_or_of_another_kind)
   const std::string missing = error_of_name("no_such_mesh.msh");
   for (const char *part : {"scene.prm:3", "no_such_mesh.msh", "There is no such file"})
     EXPECT_TRUE(contains(missing, part));
-  EXPECT_TRUE(contains(error_of_name(meshes + "two_cubes.stl"), ".msh (gmsh), .inp (Abaqus)"));
+  EXPECT_TRUE(contains(error_of_name(meshes + "two_cubes.stl"), ".msh (gmsh) and .vtk (VTK"));
+  for (const std::string deck : {"bar.inp", "bar.k", "bar.key", "bar.dyn"})
+    EXPECT_TRUE(contains(error_of_name(deck),
+                         "This is a deck. scripts/import " + deck + " makes a mesh of it"));
   EXPECT_TRUE(contains(error_of_file<3>("", ".msh"), "The file is empty"));
   EXPECT_TRUE(contains(error_of_file<3>(" \n\n", ".vtk"), "The file is empty"));
   EXPECT_TRUE(contains(input_error([]() { MeshScene<3>("file", "").create_mesh(); }), "File"));
@@ -247,35 +225,6 @@ TEST(FileMesh, refuses_bad_files_of_gmsh_with_line_and_remedy)
   };
   for (const auto &[bad, message] : plane_cases)
     EXPECT_TRUE(contains(error_of_file<2>(bad, ".msh"), message));
-}
-
-TEST(FileMesh, refuses_bad_files_of_abaqus_with_line_and_remedy)
-{
-  const std::string text = read_text_file(meshes + "two_cubes.inp");
-  const std::vector<std::pair<std::string, std::string>> cases = {
-      {text + "*Elset, elset=left\n1, 77\n", "line 32: There is no element of number 77"},
-      {text + "*Nset, nset=left\n1, 77\n", "line 32: There is no node of number 77, which the set "
-                                           "\"left\" names"},
-      {text + "*Elset, elset=left\nright\n", "line 32: There is no set of elements \"right\""},
-      {text + "*Nset, nset=left, generate\n9, 1, 1\n", "line 32: A range of GENERATE goes up"},
-      {replaced(text, "TYPE=C3D8R", "TYPE=C3D4"),
-       "line 19: Elements of type C3D4 are not allowed: they are tetrahedra"},
-      {replaced(text, "TYPE=C3D8R, ", ""), "line 19: *ELEMENT has no TYPE"},
-      {replaced(text, " 12, 7\n", " 12\n"), "line 22: An element of this type has 8 nodes, and "
-                                            "this one has 7"},
-      {replaced(text, " 12, 7\n", " 12, 77\n"), "There is no node of number 77"},
-      {replaced(text, " 2, S4", " left, S4"), "There is no set of elements \"left\""},
-      {replaced(text, " 2, S4", " 2, S7"), "S1 to S6"},
-      {replaced(text, " 2, S4", " 9, S4"),
-       "There is no element of number 9, which the surface \"SS1\" names"},
-      {"1, 2, 3\n", "line 1: \"1, 2, 3\" belongs to no keyword"},
-      {"*HEADING\n", "There is no section *NODE"},
-      {text.substr(0, text.find("*ELEMENT")), "there are no hexahedra"},
-  };
-  for (const auto &[bad, message] : cases)
-    EXPECT_TRUE(contains(error_of_file<3>(bad, ".inp"), message));
-  EXPECT_TRUE(
-      contains(error_of_file<2>(text, ".inp"), "There are hexahedra (C3D8R), and the scene"));
 }
 
 TEST(FileMesh, refuses_bad_files_of_vtk_with_line_and_remedy)

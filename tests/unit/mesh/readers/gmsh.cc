@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
+#include <tombolo/mesh/boundary_names.h>
+
 #include <mesh_file_testing.h>
 
 using namespace tombolo;
@@ -132,4 +134,58 @@ TEST(GmshFile, boundaries_and_groups_may_overlap)
     length += measures.area.at(id);
   EXPECT_NEAR(length, 2, 1e-14);
   EXPECT_NEAR(measures.area.at(mesh->boundary_names.at("free edge")), 1, 1e-14);
+}
+
+TEST(GmshFile, sets_of_nodes_are_boundaries_by_their_faces)
+{
+  const auto mesh = mesh_of<3>(meshes + "bars_and_plate.msh");
+  EXPECT_EQ(mesh->triangulation.n_global_active_cells(), 5u);
+  EXPECT_NEAR(volume_of(*mesh, "Bar"), 4, 1e-13);
+  EXPECT_NEAR(volume_of(*mesh, "Bar-2.foot"), 1, 1e-13);
+  EXPECT_NEAR(area_of(*mesh, "Ends"), 2, 1e-13);
+  EXPECT_NEAR(area_of(*mesh, "start"), 2, 1e-13);
+  EXPECT_NEAR(area_of(*mesh, "Bar-1.start"), 1, 1e-13);
+  // A point alone is no boundary.
+  const std::string text = read_text_file(meshes + "two_squares.msh");
+  const TemporaryFile file(replaced(text, "$PhysicalNames\n3", "$PhysicalNames\n4\n0 9 \"tip\""),
+                           ".msh");
+  EXPECT_TRUE(
+      has_remark(mesh_of<2>(file.path)->remarks, "no boundary, for \"tip\" (1 of 1 nodes)"));
+}
+
+TEST(GmshFile, names_are_usable_by_parts_and_conditions)
+{
+  const MeshScene<3> model("file", "set File = " + meshes + "bars_and_plate.msh",
+                           {{"feet", "group foot"}, {"rest", "otherwise"}});
+  const auto mesh = model.create_mesh();
+  const PartCells<3> part_cells(model.part_sections, *mesh);
+  part_cells.check(mesh->triangulation);
+  unsigned int n_feet = 0;
+  for (const auto &cell : mesh->triangulation.active_cell_iterators())
+    if (cell->is_locally_owned())
+      n_feet += part_cells.part_of(cell) == 0;
+  EXPECT_EQ(dealii::Utilities::MPI::sum(n_feet, MPI_COMM_WORLD), 2u);
+
+  Parameters parameters(MPI_COMM_WORLD);
+  parameters.read_text("subsection Condition: c\nset Boundary = start, Ends\nend\n", "scene.prm");
+  parameters.handler().enter_subsection("Condition: c");
+  parameters.handler().declare_entry("Boundary", "");
+  parameters.handler().leave_subsection();
+  parameters.assign();
+  const auto ids = boundary_ids(*mesh, parameters.section("Condition: c"), "Boundary");
+  const Measures<3> measures(*mesh);
+  double area = 0;
+  for (const auto id : ids)
+    area += measures.area.at(id);
+  // The end S6 of the second bar is its start.
+  EXPECT_NEAR(area, 3, 1e-13);
+}
+
+TEST(GmshFile, a_part_in_another_unit_is_remarked)
+{
+  const std::string text = read_text_file(meshes + "two_squares.msh");
+  const TemporaryFile file(
+      replaced(replaced(text, "3 2 0 0", "3 2000 0 0"), "6 2 1 0", "6 2000 1 0"), ".msh");
+  EXPECT_TRUE(
+      has_remark(mesh_of<2>(file.path)->remarks, "the units of the mesh file are probably mixed"));
 }

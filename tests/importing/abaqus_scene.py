@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Parameter files of files of Abaqus: materials, sections, conditions, contacts, steps, and what is said of the rest.
+
+    abaqus_scene.py PROJECT_DIRECTORY PROGRAM
+"""
+
+from deck_testing import DeckError, DeckTest, main, replaced, text_of
+
+IMPACT, TIED = text_of("impact.inp"), text_of("tied.inp")
+
+
+class AbaqusScene(DeckTest):
+    def check(self, text, *parts, runs=False):
+        """What is written and said has these parts, or has them not (!). --validate finds nothing wrong."""
+        scene, said = self.scene(text, "deck.inp")
+        for part in parts:
+            if part.startswith("!"):
+                self.assertNotIn(part[1:], scene + said)
+            else:
+                self.assertIn(part, scene + said)
+        code, printed = self.run_program(*([] if runs else ["--validate"]), "deck.prm")
+        self.assertEqual(code, 0, printed)
+
+    def refused(self, text, message):
+        with self.assertRaises(DeckError) as context:
+            self.converted(text, "deck.inp").files()
+        self.assertIn(message, str(context.exception))
+
+    def test_an_explicit_step_of_johnson_cook(self):
+        self.check(IMPACT, "set Formulation = hexahedron", "set Time integration = explicit", "set End time = 2e-06",
+                   "set Yield stress = 90", "set Rate coefficient = 0.025", "set Taylor-Quinney coefficient = 0.9",
+                   "set Specific heat capacity = 383000000", "set Initial temperature = 298",
+                   "set Boundary = FOOT set Type = displacement set Function = free; free; 0", "set Function = 0; free; free",
+                   "set Function = 10*table(deck_amplitude_RAMP.csv, t)", "set Velocity = 0; 0; -190000",
+                   "set Number = 20", "*NODE OUTPUT (1 time, line 54)",
+                   "Degrees of freedom 4 to 6 are not used", runs=True)
+
+    def test_stages_with_heat_and_a_tie(self):
+        self.check(TIED, "set Stages = Heat, Press", "set Time integration = quasi-static", "set Largest step = 0.1",
+                   "set Time integration = backward Euler", "set Function = 20 + 80*t", "set Function = 100",
+                   "set Function = free; free; -0.01*t", "set Function = 5*t", "set Type = tied",
+                   "set Young's modulus = 0: 210000, 500: 180000", "set Temperatures = 0, 500",
+                   "set Flow stresses = 300, 400, 400; 200, 225, 250", "set Conductivity = 50",
+                   "set Conditions = support 1, drive 3, temperature 4, load 5", "no heat goes from one side",
+                   "*CONTROLS (1 time")
+
+    def test_loads_contact_and_a_rigid_body(self):
+        text = replaced(
+            TIED, ("C3D8T", "C3D8R"), ("*TIE, NAME=T\n B2.LOWER, B1.UPPER\n", "*NODE\n 1, 0.5, 0.5, 2.\n"
+                                       "*RIGID BODY, REF NODE=1, ELSET=B2.ALL\n*SURFACE INTERACTION, NAME=I\n*FRICTION\n 0.3,\n"
+                                       "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\n B1.UPPER, B2.LOWER\n"),
+            ("*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*END PART\n", "*END PART\n"),
+            ("*END ASSEMBLY\n", "*SOLID SECTION, ELSET=B1.ALL, MATERIAL=STEEL\n*SOLID SECTION, ELSET=B2.ALL, MATERIAL=STEEL\n"
+             "*END ASSEMBLY\n"))
+        text = text[:text.index("*STEP")] + (
+            "*AMPLITUDE, NAME=A, DEFINITION=SMOOTH STEP\n 0., 0., 1E-5, 1.\n*STEP\n*DYNAMIC, EXPLICIT\n , 1E-5\n"
+            "*FIXED MASS SCALING, FACTOR=4.\n*BULK VISCOSITY\n 0.05, 1.1\n"
+            "*BOUNDARY, AMPLITUDE=A\n 1, 3, 3, -0.01\n*BOUNDARY\n 1, 1, 2\n 1, 4, 6\n"
+            "*CLOAD\n B1.HEAD, 1, 2.\n*DLOAD\n , GRAV, 9810., 0., 0., -1.\n B1.ALL, P3, 4.\n"
+            "*DSLOAD\n B1.UPPER, TRVEC, 3., 0., 2., 0.\n*END STEP\n")
+        self.check(text, "set Formulation = rigid", "set Origin = 0.5, 0.5, 2",
+                   "set Displacement = 0; 0; -0.01*table(deck_amplitude_A.csv, t)", "!set Rotation",
+                   "set Slave boundary = B1.UPPER set Master boundary = B2.LOWER set Friction = 0.3",
+                   "set Type = traction set Function = 8; 0; 0", "a traction over their faces, whose area is 1",
+                   "set Type = gravity", "set Function = 0; 0; (9810)*-1", "set Type = pressure",
+                   "set Function = 0; (3)*1; 0", "set Mass factor = 4", "set Linear bulk viscosity = 0.05")
+
+    def test_general_contact_and_heat_alone(self):
+        text = replaced(TIED, ("*TIE, NAME=T\n B2.LOWER, B1.UPPER\n", ""),
+                        ("*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*END PART\n", "*END PART\n"),
+                        ("*END ASSEMBLY\n", "*SOLID SECTION, ELSET=B1.ALL, MATERIAL=STEEL\n"
+                         "*SOLID SECTION, ELSET=B2.ALL, MATERIAL=STEEL\n*END ASSEMBLY\n"
+                         "*SURFACE INTERACTION, NAME=I\n*FRICTION\n 0.2,\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+                         "*CONTACT PROPERTY ASSIGNMENT\n , , I\n"))
+        self.check(text, "set Slave parts = B1.ALL set Master parts = B2.ALL set Friction = 0.2")
+        text = text[:text.index("*STEP")] + ("*STEP\n*DYNAMIC TEMPERATURE-DISPLACEMENT, EXPLICIT\n , 1E-5\n"
+                                             "*SFILM\n B2.UPPER, F, 20., 5.\n*DSFLUX\n B2.UPPER, S, 7.\n*END STEP\n")
+        self.check(text, "set Type = convection", "set Ambient temperature = 20", "set Film coefficient = 5",
+                   "set Type = heat flux", "!backward Euler")
+
+    def test_nothing_is_lost_without_a_word(self):
+        self.check(replaced(IMPACT, ("*ELASTIC\n 124000., 0.34", "*ELASTIC, MODULI=LONG TERM\n 124000., 0.34, 0., 7."),
+                            ("*OUTPUT, FIELD", "*DLOAD\n BAR, BZ, 3.\n*OUTPUT, FIELD")),
+                   "line 29: *ELASTIC: MODULI=LONG TERM is not used", "line 30: *ELASTIC: 7. (field 4) is not used",
+                   "BZ is not understood (P1 to P6 and GRAV are), so that this is left out", "set Function = 10*table")
+        self.check(replaced(IMPACT, ("*STEP\n*DYN", "*STEP, NAME=Modes\n*FREQUENCY\n 5\n*END STEP\n*STEP\n*DYN")),
+                   '*STEP "Modes" has no procedure that is possible here')
+
+    def test_bad_decks_are_refused_with_their_line(self):
+        for change, message in (
+                (("ELSET=BAR, MATERIAL=COPPER", "ELSET=BAR, MATERIAL=IRON"), 'line 25: There is no *MATERIAL "IRON"'),
+                (("*DENSITY\n 8.96E-9\n", ""), 'line 26: the material "COPPER" has no *DENSITY'),
+                (("124000.", "-1."), "line 29: the Young's modulus"),
+                ((" FOOT, 3, 3", " FEET, 3, 3"), 'There is no set of nodes "FEET"'),
+                ((" TOP, P, 10.", " TIP, P, 10."), 'There is no *SURFACE "TIP"'),
+                ((" 0., 0., 1E-6, 1.", " 0., 0., 0., 1."), 'the times of the amplitude "RAMP" must increase'),
+                (("AMPLITUDE=RAMP", "AMPLITUDE=RUMP"), 'There is no *AMPLITUDE "RUMP"'),
+                (("*SOLID SECTION, ELSET=BAR, MATERIAL=COPPER\n", ""), "there is no *SOLID SECTION with cells")):
+            with self.subTest(message):
+                self.refused(replaced(IMPACT, change), message)
+
+
+main()

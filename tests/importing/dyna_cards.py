@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What becomes of cards of LS-DYNA: rigid parts, contacts between bodies, loads, materials, outputs.
+
+    dyna_cards.py PROJECT_DIRECTORY PROGRAM
+"""
+
+from deck_testing import DeckTest, card, main, replaced, text_of
+
+PRESS, BAR = text_of("press.k"), text_of("bar.k")
+ELASTIC = BAR[BAR.index("*MAT_ELASTIC"):BAR.index("*NODE")]
+END = "*END"
+
+
+class DynaCards(DeckTest):
+    def check(self, text, *parts):
+        """What is written and said has these parts, or has them not (!). --validate finds nothing wrong."""
+        scene, said = self.scene(text, "deck.k")
+        for part in parts:
+            if part.startswith("!"):
+                self.assertNotIn(part[1:], scene + said)
+            else:
+                self.assertIn(part, scene + said)
+        code, printed = self.run_program("--validate", "deck.prm")
+        self.assertEqual(code, 0, printed)
+
+    def test_a_rigid_punch_presses_a_blank(self):
+        self.check(PRESS, "set Formulation = rigid", "set Displacement = 0; 0; -1*table(deck_curve_6_integrated.csv, t)",
+                   "set Slave parts = blank set Master parts = punch set Friction = 0.1",
+                   "set Boundary = node set 3 set Type = displacement set Function = free; free; 0",
+                   "set Where = abs(x - 0) < 2e-06 && abs(z - 0) < 2e-06 set Type = clamp",
+                   "set Boundary = segment set 4 set Type = pressure set Function = 0.001*table(deck_curve_6.csv, t)",
+                   "set Function = 0; 0; -1*table(deck_curve_6.csv, t)", "set Safety factor = 0.6",
+                   "set Quadratic bulk viscosity = 1.2", "set Interval = 1e-06", "set Statistics interval = 1e-07",
+                   "set Further outputs = part history", "set Locations = node 1: 0, 0, 0; node 2: 1, 0, 0",
+                   "LCSS = 8 is a table over strain rates: that of the rate 0.001 is taken", "set Flow stresses = 200, 300",
+                   "SOFT = 2 is not used", "VDC = 20 is not used", "*HOURGLASS (1 time")
+        self.dry_run("deck.prm")
+        rows = (self.directory / "deck_curve_6_integrated.csv").read_text().split("\n")
+        self.assertIn("1e-05, 0.05", rows[-2])
+
+    def test_what_a_rigid_material_leaves_free(self):
+        for card_2, parts in ((card(0), ("set Displacement = free; free; free", "set Rotation = free")),
+                              (card(1, 6, 4), ("set Displacement = 0; free; 0", "set Axis = 0, 0, 1",
+                                               "set Rotation = about the axis"))):
+            text = replaced(PRESS, (card(1, 4, 7) + "\n", card_2 + "\n"), (
+                PRESS[PRESS.index("*BOUNDARY_PRESCRIBED_MOTION_RIGID"):PRESS.index("*CONTACT")],
+                "*DEFINE_CURVE\n" + card(6) + "\n" + card(0, 0, width=20) + "\n" + card(1, 1, width=20) + "\n"))
+            self.check(text, *parts)
+
+    def test_contacts(self):
+        contact = PRESS[PRESS.index("*CONTACT"):PRESS.index("*LOAD_SEG")]
+
+        def of(keyword, sides, second="", third=""):
+            return replaced(PRESS, (contact, f"*CONTACT_{keyword}\n{sides}\n{second}\n{third}\n"))
+        self.check(of("TIED_SURFACE_TO_SURFACE", card(4, 2, 0, 3)),
+                   "set Slave boundary = segment set 4 set Master parts = punch set Type = tied")
+        self.check(of("AUTOMATIC_SINGLE_SURFACE", card(5, 0, 2), card(0.2)),
+                   "set Slave parts = blank set Master parts = punch set Friction = 0.2",
+                   "folds of blank that meet themselves are not seen")
+        self.check(of("AUTOMATIC_GENERAL", card(0, 0, 5)), "set Slave parts = blank set Master parts = punch")
+        self.check(of("ERODING_NODES_TO_SURFACE", card(3, 2, 4, 3)), "set Slave boundary = node set 3")
+        self.check(of("FORMING_ONE_WAY_SURFACE_TO_SURFACE", card(2, 1, 3, 3)), "set Slave parts = blank")
+        for keyword, sides, reason in (
+                ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 2, 3, 3, 7), "SBOXID = 7 is not understood"),
+                ("TIEBREAK_SURFACE_TO_SURFACE", card(1, 2, 3, 3), "contact of this kind is not understood"),
+                ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 9, 3, 3), "none of its parts has solid elements"),
+                ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 9, 3, 2), "there is no part set 9"),
+                ("AUTOMATIC_SINGLE_SURFACE", card(1, 0, 3), "there are no two bodies")):
+            with self.subTest(reason):
+                self.check(of(keyword, sides), reason + ", so that this is left out" if "not" in reason else reason,
+                           "!Body contact: joint")
+        self.check(of("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 2, 3, 3), card(0, 0, 0, 0, 0, 0, 0, "1.0E-6")),
+                   "DT = 1.0E-6 is not understood, so that this is left out")
+
+    def test_loads_at_nodes_and_on_segments(self):
+        curve = "*DEFINE_CURVE\n" + card(7) + "\n" + card(0, 0, width=20) + "\n" + card(1, 1, width=20) + "\n"
+        load = "*LOAD_NODE_SET\n" + card(2, 1, 7, 10.0) + "\n"
+        self.check(replaced(BAR, (END, curve + load + END)), "set Type = traction",
+                   "set Function = 40*table(deck_curve_7.csv, t); 0; 0", "the force at each of 4 nodes is a traction")
+        segments = "*LOAD_SEGMENT\n" + card(7, 2.0, 0, 17, 18, 19, 20) + "\n"
+        self.check(replaced(BAR, (END, curve + segments + END)), "set Boundary = segments of line",
+                   "set Function = 2*table(deck_curve_7.csv, t)")
+        falling = replaced(curve, (card(1, 1, width=20), card(-1, 1, width=20)))
+        self.assertIn("falls from 0 to -1 in time", self.refusal(replaced(BAR, (END, falling + load + END))))
+
+    def refusal(self, text):
+        try:
+            self.converted(text, "deck.k").files()
+        except Exception as error:  # its sentence
+            return str(error)
+        return ""
+
+    def test_velocities_at_the_start(self):
+        spin = "*INITIAL_VELOCITY_GENERATION\n" + card(1, 2, 3.0, 5) + "\n" + card(0, 1, 0, 0, 0, 2) + "\n"
+        self.check(replaced(BAR, (END, spin + END)), "set Spin = 0, 0, 3", "set Centre of spin = 0, 1, 0",
+                   "set Part = bar", "set Velocity = 5; 0; 0")
+        some = "*INITIAL_VELOCITY\n" + card(2) + "\n" + card(7) + "\n"
+        self.check(replaced(BAR, (END, some + END)), "set Where = abs(x - 4) < 4e-06", "set Velocity = 7; 0; 0")
+
+    def test_moving_walls_and_spheres(self):
+        head = card(-0.01, 0, 0, 0.99, 0, 0)
+        self.check(replaced(BAR, (END, f"*RIGIDWALL_PLANAR_MOVING\n{card(0)}\n{head}\n{card(2.0, 3.0)}\n" + END)),
+                   "set Mass = 2", "set Initial velocity = 3, 0, 0", "set Directions = 1, 0, 0")
+        self.check(replaced(BAR, (END, f"*RIGIDWALL_GEOMETRIC_SPHERE\n{card(0)}\n{card(-2, 0, 0, 1, 0, 0)}\n{card(1.5)}\n" +
+                                  END)), "set Surface = sphere", "set Radius = 1.5", "set Origin = -2, 0, 0")
+
+    def test_a_material_over_the_temperature(self):
+        def curve(number, *points):
+            return f"*DEFINE_CURVE\n{card(number)}\n" + "".join(card(*point, width=20) + "\n" for point in points)
+        material = ("*MAT_ELASTIC_VISCOPLASTIC_THERMAL\n" + card(1, "7.85E-9", 210000, 0.3, 300, "1.2E-5", 21) + "\n" +
+                    card(0) + "\n" + card(40, 5, 22, 0, 23) + "\n" + card(0, 0, 20.0) + "\n" +
+                    curve(21, (0, 300), (0.1, 400)) + curve(22, (20, 210000), (520, 180000)) +
+                    curve(23, (20, 300), (520, 100)))
+        self.check(replaced(BAR, (ELASTIC, material)), "set Young's modulus = 210000", "set Temperatures = 20, 520",
+                   "set Flow stresses = 300, 400; 100, 200", "the thermal expansion is left out",
+                   "C, P: the dependence on the strain rate is left out", "set Initial temperature = 20")
+        heat = ("*MAT_THERMAL_ISOTROPIC\n" + card(9) + "\n" + card("4.5E8", 50) + "\n*INITIAL_TEMPERATURE_SET\n" +
+                card(0, 20.0) + "\n")
+        text = replaced(BAR, (ELASTIC, material + heat), ("*PART\nbar\n" + card(1, 1, 1), "*PART\nbar\n" + card(
+            1, 1, 1, 0, 0, 0, 0, 9)))
+        self.check(text, "set Young's modulus = 20: 210000, 520: 180000", "set Specific heat capacity = 450000000",
+                   "set Conductivity = 50", "set Thermal expansion = 1.2e-05", "set Temperature = 20")
+
+    def test_statics_damping_and_mass_scaling(self):
+        self.check(replaced(BAR, (END, "*CONTROL_IMPLICIT_GENERAL\n" + card(1, "1.0E-7") + "\n" + END)),
+                   "set Time integration = quasi-static", "set Largest step = 1e-07")
+        self.check(replaced(BAR, (END, "*DAMPING_GLOBAL\n" + card(0, 1000) + "\n*CONTROL_TIMESTEP\n" +
+                                  card(0, 0.8, 0, 0, "-1.0E-7") + "\n" + END)),
+                   "set Rate = 1000", "set Target time step = 8e-08", "set Safety factor = 0.8")
+
+
+main()
