@@ -7,6 +7,7 @@ from .abaqus import scene as abaqus_scene
 from .abaqus.deck import Deck as AbaqusDeck, key
 from .abaqus.element_types import ElementType
 from .abaqus.mesh import AbaqusMesh
+from .dyna.cards import PARTS
 from .dyna.deck import Deck as DynaDeck
 from .dyna import scene as dyna_scene
 from .dyna.mesh import DynaMesh
@@ -55,7 +56,8 @@ def convert(source, target, dimension=None, is_mesh_alone=False):
         if not is_mesh_alone:
             report.remark("The deck has no materials: its mesh is written alone.")
         for section in deck.sections:
-            if not section.is_of_the_mesh and not getattr(section, "is_read", False):
+            if not getattr(section, "is_read", False) and section.name not in (*dyna_scene.OF_THE_MESH, *PARTS) and \
+                    not section.name.startswith("SET_"):
                 report.leave_out(section, section.lines)
             elif suffix in ABAQUS:
                 section.report_unused(report)

@@ -109,7 +109,16 @@ CASES = {
     "a wall whose first card is blank": ([("*END", wall("").replace("_ID\n         3anvil", "") + "*END")], 0, [
         "set Point  = -0.01, 0, 0", "all keywords were used"]),
     "a wall that welds": ([("*END", wall("", 2.0) + "*END")], 0, ["FRIC = 2 is not understood", "!Contact:"]),
-    "local axes": ([(SUPPORTED, card(1, 3, 1, 1, 1))], 0, ["CID = 3 is not understood", "!Condition: support"]),
+    "local axes": ([(SUPPORTED, card(1, 3, 1, 0, 0))], 0, ["CID = 3 is not understood", "!Condition: support"]),
+    "local axes of a clamp": ([(SUPPORTED, card(1, 3, 1, 1, 1))], 0, ["set Type     = clamp"]),
+    "local axes along the global ones": ([
+        (SUPPORTED, card(1, 3, 1, 0, 0)),
+        ("*END", "*DEFINE_COORDINATE_SYSTEM\n" + card(3, 0, 0, 0, 0, 2, 0) + "\n" + card(0, 0, 1) + "\n*END")], 0, [
+            "set Function = free; 0; free", "all keywords were used"]),
+    "oblique local axes": ([
+        (SUPPORTED, card(1, 3, 1, 0, 0)),
+        ("*END", "*DEFINE_COORDINATE_SYSTEM\n" + card(3, 0, 0, 0, 1, 1, 0) + "\n" + card(-1, 1, 0) + "\n*END")], 0, [
+            "CID = 3 is not understood", "!Condition: support"]),
     "several supports with titles": ([(SUPPORTED, SUPPORTED + "\n         2right, 5\n" + card(2, 0, 0, 1, 0)),
                                       ("*BOUNDARY_SPC_SET\n", "*BOUNDARY_SPC_SET_ID\n         1left\n")], 0, [
                                           "line 47: left", "line 49: right, 5", "free; 0; free"]),

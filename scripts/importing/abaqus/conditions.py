@@ -3,7 +3,6 @@
 
 from ..scene import NotUnderstood, number
 from .deck import key
-from .mesh import Entry
 
 SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCASTRE": (1, 2, 3, 4, 5, 6),
               "PINNED": (1, 2, 3), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5), "ZASYMM": (1, 2, 6)}
@@ -46,7 +45,7 @@ class Conditions:
     def __init__(self, converter):
         self.converter, self.mesh, self.scene, self.report = \
             converter, converter.mesh, converter.scene, converter.report
-        self.amplitudes = {}
+        self.amplitudes, self.used_amplitudes = {}, set()
         for section in converter.deck.named("AMPLITUDE"):
             one = Amplitude(section)
             self.amplitudes[key(one.name)] = one
@@ -64,6 +63,7 @@ class Conditions:
             amplitude = self.amplitudes.get(key(name))
             if amplitude is None:
                 section.line.fail(f'There is no *AMPLITUDE "{name}".')
+            self.used_amplitudes.add(key(name))
             points = amplitude.points_at(step.begin)
             suffix = f"_{step.name}" if amplitude.is_total and step.begin else ""
             file = self.scene.table("amplitude_" + "".join(c if c.isalnum() else "_" for c in amplitude.name + suffix),
@@ -342,7 +342,3 @@ class Conditions:
         return {"BOUNDARY": self.boundary, "CLOAD": self.concentrated, "DLOAD": self.distributed,
                 "DSLOAD": self.on_surfaces, "DSFLUX": self.flux, "DFLUX": self.flux, "SFILM": self.film,
                 "FILM": self.film}
-
-
-def entry_of(line, text):
-    return Entry(line, text)

@@ -129,8 +129,7 @@ class AbaqusMesh(Mesh):
             else:
                 generate_nodes(section, content, Entry, set_of)
 
-    @staticmethod
-    def read_nodes(section, content):
+    def read_nodes(self, section, content):
         system = key(section.get("SYSTEM"))
         if system not in ("", "R", "C", "S"):
             section.line.fail(f"*NODE with SYSTEM={system} is not allowed. Allowed are R, C and S.")
@@ -143,7 +142,8 @@ class AbaqusMesh(Mesh):
             number = line.integer(fields[0], "the number of a node")
             if number in content.nodes:
                 line.fail(f"There are two nodes of number {number}.")
-            # Further fields are direction cosines.
+            if any(fields[4:]):
+                self.report.count(line.place, "Fields of *NODE behind the coordinates are not used.")
             point = [line.real(text, "a coordinate of a node") if text else 0.0 for text in fields[1:4]]
             point += [0.0] * (3 - len(point))
             content.nodes[number] = cartesian(point, system) if system in ("C", "S") else point

@@ -4,7 +4,6 @@
 from ..mesh import usable
 from ..scene import Part, number
 from .deck import key
-from .mesh import Entry
 
 
 class Parts:
@@ -29,14 +28,18 @@ class Parts:
     def read_section(self, section):
         section.is_read = True
         name, material = section.name_in("ELSET"), section.name_in("MATERIAL")
-        cells = self.converter.cells_of(section.scope, section.line, name)
         for row in section.rows():
             row.number(0)  # a thickness of solids is none
-        if not cells:
-            self.converter.report.note(section.line.place, f'*{section.name}: the set "{name}" has no cells.')
-            return
         if key(material) not in self.converter.materials:
             section.line.fail(f'There is no *MATERIAL "{material}".')
+        of_instances = self.converter.cells_of_instances(section.scope, section.line, name)
+        if not of_instances:
+            self.converter.report.note(section.line.place, f'*{section.name}: the set "{name}" has no cells.')
+        for body, cells in of_instances:
+            self.add_part(section, f"{body.name}.{name}" if len(of_instances) > 1 else name, material, cells)
+
+    def add_part(self, section, name, material, cells):
+        """A part for each instance: they can touch."""
         group = self.converter.name_of_cells(cells, name)
         part_name = usable(group, ",/=#\\\"")
         types = {self.type_of_cell[cell] for cell in cells}
@@ -118,7 +121,3 @@ class Parts:
         terms = part.entries.get("Force", "; ".join(["0"] * self.mesh.dimension)).split("; ")
         terms[dof - 1] = text
         part.entries["Force"] = "; ".join(terms)
-
-
-def reference(line, text):
-    return Entry(line, text)

@@ -12,8 +12,6 @@ from .mesh import Entry
 from .parts import Parts
 from .steps import Step, read_mass_scaling, read_output, steps_of
 
-# They stand below others, which read them, or say nothing that a scene has.
-SILENT = ("SURFACE BEHAVIOR",)
 
 
 def scene_of(deck, mesh, target, report):
@@ -127,8 +125,11 @@ class Converter:
         return names_of_contacts
 
     def report_what_is_left_out(self):
+        for k, amplitude in self.conditions.amplitudes.items():
+            if k not in self.conditions.used_amplitudes:
+                self.report.note(amplitude.section.line.place, f'*AMPLITUDE "{amplitude.name}" is used by nothing.')
         for section in self.deck.sections:
-            if section.is_read or section.name in SILENT:
+            if section.is_read:
                 section.report_unused(self.report)
             else:
                 self.report.leave_out(section, section.lines)
@@ -151,10 +152,22 @@ class Converter:
     def cells_of(self, scope, line, text):
         return sorted(index for kind, index in self.elements_of(line, text, scope) if kind == "cell")
 
+    def cells_of_instances(self, scope, line, text):
+        """Each body of a scope that has cells of a set, and these."""
+        bodies = self.bodies_of(scope)
+        if len(bodies) < 2:
+            bodies = bodies[:1]
+            result = [(bodies[0], self.cells_of(scope, line, text))]
+        else:
+            result = [(body, sorted(index for kind, index in self.mesh.members(body, Entry(line, text), "*SOLID SECTION",
+                                                                               False) if kind == "cell"))
+                      for body in bodies]
+        return [(body, cells) for body, cells in result if cells]
+
     def name_of_cells(self, cells, name):
         """The group of these cells, a new one where there is none."""
         for group, members in self.mesh.groups.items():
-            if members == cells and (key(group) == key(usable(name)) or True):
+            if members == cells:
                 return group
         name = usable(name)
         while name in self.mesh.groups:

@@ -33,6 +33,8 @@ class Step:
         self.is_static = section.name in ("STATIC", "VISCO", "COUPLED TEMPERATURE-DISPLACEMENT",
                                           "UNCOUPLED TEMPERATURE-DISPLACEMENT")
         self.has_heat = "TEMPERATURE" in section.name or section.name == "HEAT TRANSFER"
+        if self.is_static and key(self.section.get("NLGEOM", "NO" if not self.section.has("NLGEOM") else "YES")) == "NO":
+            report.note(self.section.line.place, "*STEP without NLGEOM: displacements can be large here.")
         if section.name == "DYNAMIC" and not self.is_explicit:
             report.note(section.line.place, "*DYNAMIC: steps are explicit here.")
         self.ramps = self.is_static and key(self.section.get("AMPLITUDE", "RAMP")) == "RAMP"
@@ -100,7 +102,7 @@ def read_output(section, step, scene):
             output["Interval"] = interval
         elif count:
             output["Number"] = count
-    section.get("VARIABLE"), section.get("OP"), section.get("NAME"), section.get("FREQUENCY")
+    section.get("VARIABLE"), section.get("OP"), section.get("NAME")
 
 
 def read_mass_scaling(section, step):

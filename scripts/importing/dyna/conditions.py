@@ -32,9 +32,49 @@ def fixed(converter, where, axes):
     return {**where, "Type": "displacement", "Function": components(converter, axes)}
 
 
+def in_global_axes(converter, record, axes):
+    """Directions in a local system (CID), which are understood where it holds all, or stands along the axes."""
+    number_of_system = record.peek("CID")
+    if not number_of_system or not axes:
+        return axes
+    local = converter.systems.get(record.integer("CID"))
+    if len(axes) == 3:
+        return axes
+    result = set()
+    for axis in axes:
+        along = [AXES[d] for d in range(3) if local and abs(local[AXES.index(axis)][d]) > 1 - 1e-9]
+        if not along:
+            record.fields["CID"].is_read = False
+            return axes
+        result.add(along[0])
+    return sorted(result)
+
+
+def local_systems(deck):
+    """*DEFINE_COORDINATE_SYSTEM and _VECTOR: unit vectors of their axes, by number."""
+    systems = {}
+    for section in deck.named("DEFINE_COORDINATE_SYSTEM", "DEFINE_COORDINATE_VECTOR"):
+        section.is_read = True
+        for record in section.records():
+            origin = [record.number(axis + "O") for axis in "XYZ"]
+            first, second = (("{}L", "{}P") if section.name.endswith("SYSTEM") else ("{}X", "{}V"))
+            x = [record.number(first.format(axis)) - o for axis, o in zip("XYZ", origin)]
+            in_plane = [record.number(second.format(axis)) - o for axis, o in zip("XYZ", origin)]
+            z = cross(x, in_plane)
+            y = cross(z, x)
+            lengths = [sum(c * c for c in v) ** 0.5 for v in (x, y, z)]
+            if min(lengths) > 0:
+                systems[record.integer("CID")] = [[c / length for c in v] for v, length in zip((x, y, z), lengths)]
+    return systems
+
+
+def cross(a, b):
+    return [a[d - 2] * b[d - 1] - a[d - 1] * b[d - 2] for d in range(3)]
+
+
 def support(converter, record):
     where = converter.node_set(record)
-    axes = held_axes(record)
+    axes = in_global_axes(converter, record, held_axes(record))
     yield "Conditions", "support", fixed(converter, where, axes) if axes else None
 
 
@@ -42,7 +82,7 @@ def support_of_nodes(converter, section):
     """*BOUNDARY_SPC_NODE: nodes with equal directions are one support."""
     nodes, first = {}, {}
     for record in section.records():
-        axes = tuple(held_axes(record))
+        axes = tuple(in_global_axes(converter, record, held_axes(record)))
         node = converter.mesh.node(record.integer("NID"), record.line)
         converter.refuse_unused(record)
         if axes:
