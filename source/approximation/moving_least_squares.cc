@@ -2,7 +2,6 @@
 #include <tombolo/approximation/moving_least_squares.h>
 
 #include <tombolo/approximation/row_sharing.h>
-#include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/vectorization.h>
 
@@ -535,12 +534,6 @@ namespace tombolo
         return factor;
     }
     return 0.;
-  }
-
-  template <int dim>
-  const Kernel &MovingLeastSquares<dim>::kernel() const
-  {
-    return *chosen_kernel;
   }
 
   template class MovingLeastSquares<2>;

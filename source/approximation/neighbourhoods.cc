@@ -183,30 +183,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::vector<types::global_dof_index> &Neighbourhoods<dim>::global_nodes() const
-  {
-    return all_nodes;
-  }
-
-  template <int dim>
-  const std::vector<ImageNode> &Neighbourhoods<dim>::images() const
-  {
-    return all_images;
-  }
-
-  template <int dim>
-  const std::vector<double> &Neighbourhoods<dim>::position_at_search() const
-  {
-    return all_positions;
-  }
-
-  template <int dim>
-  const std::vector<double> &Neighbourhoods<dim>::support_at_search() const
-  {
-    return all_supports;
-  }
-
-  template <int dim>
   void Neighbourhoods<dim>::set_partition(const NodePartition &partition, Stencils &shape)
   {
     for (std::size_t place = 0; place < all_nodes.size(); ++place)
@@ -239,18 +215,6 @@ namespace tombolo
     shape.row_start[n_own] = kept;
     neighbour_place.resize(kept);
     shape.neighbour.resize(kept);
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &Neighbourhoods<dim>::places() const
-  {
-    return neighbour_place;
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &Neighbourhoods<dim>::nodes() const
-  {
-    return numbers_in_use;
   }
 
   template <int dim>

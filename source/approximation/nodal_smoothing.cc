@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
-#include <tombolo/base/simd/vectorization.h>
 
 #include <cmath>
 #include <sstream>

@@ -351,12 +351,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const RadialKernel<dim> &RadialRows<dim>::kernel() const
-  {
-    return radial_kernel;
-  }
-
-  template <int dim>
   double RadialRows<dim>::reach() const
   {
     return (1. - at_the_end) * radial_kernel.support();

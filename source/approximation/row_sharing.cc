@@ -57,14 +57,4 @@ namespace tombolo
     kept_rows.insert({hash, {start, n}});
     return start;
   }
-
-  const std::vector<double> &RowSharing::values() const
-  {
-    return kept_values;
-  }
-
-  const std::vector<double> &RowSharing::gradients() const
-  {
-    return kept_gradients;
-  }
 } // namespace tombolo

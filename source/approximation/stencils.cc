@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/stencils.h>
 
-#include <algorithm>
-#include <vector>
-
 namespace tombolo
 {
   void Stencils::remove_negative_values(const unsigned int i)

@@ -136,9 +136,4 @@ namespace tombolo
         sum += entry.value;
     return sum;
   }
-
-  const std::vector<EnergyAccounts::Account> &EnergyAccounts::accounts() const
-  {
-    return entries;
-  }
 } // namespace tombolo

@@ -21,11 +21,6 @@ namespace tombolo
       failure = text;
   }
 
-  bool FailureAgreement::has_failure() const
-  {
-    return !failure.empty();
-  }
-
   void FailureAgreement::begin()
   {
     has_failed = failure.empty() ? 0 : 1;

@@ -104,19 +104,9 @@ namespace tombolo
     return Utilities::MPI::broadcast(mpi_communicator, error, 0);
   }
 
-  const std::string &OutputDirectory::path() const
-  {
-    return directory;
-  }
-
   std::string OutputDirectory::file(const std::string &name) const
   {
     return (fs::path(directory) / name).string();
-  }
-
-  MPI_Comm OutputDirectory::communicator() const
-  {
-    return mpi_communicator;
   }
 
   void OutputDirectory::create_subdirectory(const std::string &name) const

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/adiabatic_heating.h>
 
-#include <cmath>
-
 namespace tombolo
 {
   using namespace dealii;

@@ -3,8 +3,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/materials/flow_stress.h>
 
-#include <cmath>
-
 namespace tombolo
 {
   using namespace dealii;

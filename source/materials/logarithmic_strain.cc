@@ -4,7 +4,6 @@
 #include <tombolo/base/simd/unroll.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {

@@ -4,7 +4,6 @@
 #include <deal.II/base/aligned_vector.h>
 
 #include <algorithm>
-#include <vector>
 
 namespace tombolo
 {

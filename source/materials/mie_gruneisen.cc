@@ -2,8 +2,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/materials/equation_of_state.h>
 
-#include <cmath>
-
 namespace tombolo
 {
   using namespace dealii;

@@ -114,14 +114,4 @@ namespace tombolo
     }
     return theta;
   }
-
-  double NodalEnthalpy::initial_temperature(const unsigned int node) const
-  {
-    return zero_temperature[node];
-  }
-
-  bool NodalEnthalpy::is_linear() const
-  {
-    return linear;
-  }
 } // namespace tombolo

@@ -66,11 +66,6 @@ namespace tombolo
       section.fail(entry, allowed(argument));
   }
 
-  bool TemperatureTable::is_constant() const
-  {
-    return knots.size() == 1;
-  }
-
   double TemperatureTable::value(const double temperature) const
   {
     double result;
@@ -132,15 +127,5 @@ namespace tombolo
   double TemperatureTable::largest() const
   {
     return *std::max_element(knot_values.begin(), knot_values.end());
-  }
-
-  const std::vector<double> &TemperatureTable::temperatures() const
-  {
-    return knots;
-  }
-
-  const std::vector<double> &TemperatureTable::values() const
-  {
-    return knot_values;
   }
 } // namespace tombolo

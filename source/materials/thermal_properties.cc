@@ -63,21 +63,6 @@ namespace tombolo
       knot_enthalpy[k] = knot_enthalpy[k + 1] - gain(k);
   }
 
-  double ThermalProperties::initial_temperature() const
-  {
-    return start;
-  }
-
-  const TemperatureTable &ThermalProperties::conductivity() const
-  {
-    return table_of_conductivity;
-  }
-
-  const TemperatureTable &ThermalProperties::capacity() const
-  {
-    return table_of_capacity;
-  }
-
   std::size_t ThermalProperties::knot_towards_start(const std::vector<double> &knots,
                                                     const double value) const
   {

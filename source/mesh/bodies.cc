@@ -61,18 +61,6 @@ namespace tombolo
     count = Utilities::MPI::sum(count, nodes.communicator());
   }
 
-  template <int dim>
-  unsigned int Bodies<dim>::n_bodies() const
-  {
-    return count;
-  }
-
-  template <int dim>
-  types::global_dof_index Bodies<dim>::body_of(const types::global_dof_index node) const
-  {
-    return static_cast<types::global_dof_index>(smallest[node]);
-  }
-
   template class Bodies<2>;
   template class Bodies<3>;
 } // namespace tombolo

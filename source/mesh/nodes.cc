@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -135,33 +134,9 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int Nodes<dim>::degree() const
-  {
-    return finite_element.degree;
-  }
-
-  template <int dim>
-  const dealii::DoFHandler<dim> &Nodes<dim>::dof_handler() const
-  {
-    return handler;
-  }
-
-  template <int dim>
   MPI_Comm Nodes<dim>::communicator() const
   {
     return communicator_of(handler);
-  }
-
-  template <int dim>
-  const dealii::IndexSet &Nodes<dim>::owned() const
-  {
-    return owned_nodes;
-  }
-
-  template <int dim>
-  const dealii::IndexSet &Nodes<dim>::relevant() const
-  {
-    return relevant_nodes;
   }
 
   template <int dim>
@@ -173,12 +148,6 @@ namespace tombolo
     nodes.resize(hierarchic.size());
     for (unsigned int k = 0; k < nodes.size(); ++k)
       nodes[k] = hierarchic[lexicographic_to_hierarchic[k]];
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &Nodes<dim>::face_places(const unsigned int face) const
-  {
-    return places_of_faces[face];
   }
 
   template <int dim>
@@ -198,21 +167,9 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::vector<std::uint64_t> &Nodes<dim>::persistent_ids() const
-  {
-    return ids;
-  }
-
-  template <int dim>
   void Nodes<dim>::set_images(std::shared_ptr<const Images> images)
   {
     images_of_body = std::move(images);
-  }
-
-  template <int dim>
-  const std::shared_ptr<const Images> &Nodes<dim>::images() const
-  {
-    return images_of_body;
   }
 
   template <int dim>
@@ -220,12 +177,6 @@ namespace tombolo
   {
     dependent = std::move(rows);
     are_any_dependent = dealii::Utilities::MPI::max(dependent.empty() ? 0 : 1, communicator()) == 1;
-  }
-
-  template <int dim>
-  const std::vector<DependentNode> &Nodes<dim>::dependent_nodes() const
-  {
-    return dependent;
   }
 
   template <int dim>

@@ -8,8 +8,6 @@
 #include <tombolo/mesh/part_cells.h>
 
 #include <algorithm>
-#include <limits>
-#include <optional>
 #include <set>
 #include <sstream>
 

@@ -51,30 +51,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool ExactSolution<dim>::has_stress() const
-  {
-    return stress_function.has_value();
-  }
-
-  template <int dim>
-  bool ExactSolution<dim>::has_velocity() const
-  {
-    return velocity_function.has_value();
-  }
-
-  template <int dim>
-  bool ExactSolution<dim>::has_temperature() const
-  {
-    return temperature_function.has_value();
-  }
-
-  template <int dim>
-  double ExactSolution<dim>::temperature(const Point<dim> &place, const double time) const
-  {
-    return temperature_function->value(place, time);
-  }
-
-  template <int dim>
   double ExactSolution<dim>::temperature_error(const NodalVector &initial_position,
                                                const NodalVector &temperature,
                                                const NodalVector &weights, const double time) const

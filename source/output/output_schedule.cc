@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tombolo
 {
@@ -94,16 +93,6 @@ namespace tombolo
     all_times.erase(std::unique(all_times.begin(), all_times.end()), all_times.end());
   }
 
-  double OutputSchedule::next_time() const
-  {
-    return is_finished() ? std::numeric_limits<double>::max() : all_times[next];
-  }
-
-  bool OutputSchedule::is_due(const double time) const
-  {
-    return time >= next_time();
-  }
-
   void OutputSchedule::advance(const double time)
   {
     while (!is_finished() && all_times[next] <= time)
@@ -136,15 +125,5 @@ namespace tombolo
   {
     if (statistics_interval > 0.)
       n_statistics_intervals = passed_statistics_intervals(previous_time);
-  }
-
-  bool OutputSchedule::is_finished() const
-  {
-    return next == all_times.size();
-  }
-
-  const std::vector<double> &OutputSchedule::times() const
-  {
-    return all_times;
   }
 } // namespace tombolo

@@ -87,11 +87,6 @@ namespace tombolo
     return result + '\n';
   }
 
-  bool TimeTable::is_continued() const
-  {
-    return bytes_at_checkpoint > 0;
-  }
-
   bool TimeTable::has_other_columns(const UnitLabels &labels) const
   {
     return is_continued() && !header_at_checkpoint.empty() &&

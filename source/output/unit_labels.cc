@@ -113,9 +113,4 @@ namespace tombolo
   {
     return unit.empty() || unit == "1" ? name : name + " [" + label(unit) + "]";
   }
-
-  const std::vector<std::pair<std::string, std::string>> &UnitLabels::labels() const
-  {
-    return given;
-  }
 } // namespace tombolo

@@ -5,7 +5,6 @@
 #include <tombolo/base/simd/vectorization.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {

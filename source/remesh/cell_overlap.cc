@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/remesh/cell_cutting.h>
-#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/numbers_of_ranks.h>
 
 #include <deal.II/base/bounding_box.h>

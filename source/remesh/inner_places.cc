@@ -2,7 +2,6 @@
 #include <tombolo/remesh/inner_places.h>
 
 #include <tombolo/remesh/cell_matrices.h>
-#include <tombolo/remesh/cell_simplices.h>
 
 #include <algorithm>
 

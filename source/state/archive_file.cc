@@ -2,7 +2,6 @@
 #include <tombolo/state/archive_file.h>
 
 #include <deal.II/base/mpi.h>
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>
 
 #include <hdf5.h>
@@ -197,21 +196,6 @@ namespace tombolo
                               : "The checkpoint " + file_name + " cannot be written (" +
                                     write_failure + "). Is the disk full?",
         mpi_communicator);
-  }
-
-  bool ArchiveFile::is_reading() const
-  {
-    return mode == Mode::read;
-  }
-
-  MPI_Comm ArchiveFile::communicator() const
-  {
-    return mpi_communicator;
-  }
-
-  const std::string &ArchiveFile::name() const
-  {
-    return file_name;
   }
 
   void ArchiveFile::fail(const std::string &message) const

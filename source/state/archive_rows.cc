@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <unordered_map>
-#include <utility>
 
 namespace tombolo
 {
@@ -160,11 +159,6 @@ namespace tombolo
     share_begin = n_rows * rank / n_ranks;
     share_end = n_rows * (rank + 1) / n_ranks;
     find_ranks_of_share(file, path, ids);
-  }
-
-  std::size_t ArchiveRows::n_own() const
-  {
-    return n_own_rows;
   }
 
   void ArchiveRows::find_ranks_of_share(const ArchiveFile &file, const std::string &path,

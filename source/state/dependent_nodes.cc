@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <utility>
 
 namespace tombolo
 {
@@ -53,16 +52,6 @@ namespace tombolo
         }
     }
     rows.close();
-  }
-
-  bool DependentRows::is_empty() const
-  {
-    return rows.n_constraints() == 0;
-  }
-
-  bool DependentRows::depends(const types::global_dof_index node) const
-  {
-    return rows.is_constrained(node);
   }
 
   DependentRows::Weights DependentRows::weights(const types::global_dof_index node) const

@@ -32,21 +32,6 @@ namespace tombolo
         std::fill_n(component(f, c), n_padded, descriptions[f].initial_value);
   }
 
-  unsigned int MaterialPoints::size() const
-  {
-    return n_points;
-  }
-
-  unsigned int MaterialPoints::padded_size() const
-  {
-    return static_cast<unsigned int>(n_padded);
-  }
-
-  const std::vector<FieldDescription> &MaterialPoints::fields() const
-  {
-    return descriptions;
-  }
-
   unsigned int MaterialPoints::find_field(const std::string &name) const
   {
     const auto found =

@@ -16,21 +16,6 @@ namespace tombolo
     return values;
   }
 
-  NodalVector &NodalSource::at_touched_nodes()
-  {
-    return values;
-  }
-
-  std::vector<unsigned int> &NodalSource::touched_nodes()
-  {
-    return touched;
-  }
-
-  const NodalVector &NodalSource::given() const
-  {
-    return values;
-  }
-
   void NodalSource::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
     if (values.partition() == nullptr)

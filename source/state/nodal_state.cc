@@ -42,14 +42,4 @@ namespace tombolo
     for (const auto &[description, vector] : fields())
       vector->move_to(partition);
   }
-
-  const NodalVector &NodalState::position_of_unsmoothed() const
-  {
-    return has_unsmoothed_position ? unsmoothed_position : position;
-  }
-
-  const std::shared_ptr<const NodePartition> &NodalState::partition() const
-  {
-    return position.partition();
-  }
 } // namespace tombolo

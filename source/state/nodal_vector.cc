@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <vector>
 
 namespace tombolo
 {
@@ -95,16 +94,6 @@ namespace tombolo
     allocate(partition);
     std::copy_n(old.begin(), static_cast<std::size_t>(partition->n_owned()) * slots, values);
     update_ghosts();
-  }
-
-  unsigned int NodalVector::n_slots_per_node() const
-  {
-    return slots;
-  }
-
-  const std::shared_ptr<const NodePartition> &NodalVector::partition() const
-  {
-    return node_partition;
   }
 
   void NodalVector::set_zero()

@@ -86,19 +86,9 @@ namespace tombolo
     dependent.depth = Utilities::MPI::max(dependent.depth, communicator());
   }
 
-  const NodePartition::DependentNodes &NodePartition::dependent_nodes() const
-  {
-    return dependent;
-  }
-
   bool NodePartition::has_dependent_nodes() const
   {
     return dependent.depth > 0;
-  }
-
-  unsigned int NodePartition::n_images() const
-  {
-    return static_cast<unsigned int>(reflected_images.size());
   }
 
   unsigned int NodePartition::local_index(const ImageNode &image) const
@@ -108,94 +98,14 @@ namespace tombolo
     return n_owned() + n_ghosts() + static_cast<unsigned int>(place - image_nodes.begin());
   }
 
-  const Images &NodePartition::images_of_body() const
-  {
-    return *all_images;
-  }
-
-  const std::vector<NodePartition::Reflected> &NodePartition::images() const
-  {
-    return reflected_images;
-  }
-
-  const std::vector<NodePartition::Reflected> &NodePartition::nodes_on_planes() const
-  {
-    return reflected_onto_themselves;
-  }
-
-  const std::vector<unsigned int> &NodePartition::receiving_nodes() const
-  {
-    return receivers;
-  }
-
-  unsigned int NodePartition::n_owned() const
-  {
-    return scalar_partitioner->locally_owned_size();
-  }
-
-  unsigned int NodePartition::n_ghosts() const
-  {
-    return scalar_partitioner->n_ghost_indices();
-  }
-
   unsigned int NodePartition::n_local() const
   {
     return n_owned() + n_ghosts() + n_images();
   }
 
-  types::global_dof_index NodePartition::n_global() const
-  {
-    return scalar_partitioner->size();
-  }
-
-  unsigned int NodePartition::local_index(const types::global_dof_index node) const
-  {
-    return scalar_partitioner->global_to_local(node);
-  }
-
-  types::global_dof_index NodePartition::global_index(const unsigned int local) const
-  {
-    return scalar_partitioner->local_to_global(local);
-  }
-
-  bool NodePartition::has(const types::global_dof_index node) const
-  {
-    return scalar_partitioner->in_local_range(node) || scalar_partitioner->is_ghost_entry(node);
-  }
-
-  const IndexSet &NodePartition::owned() const
-  {
-    return scalar_partitioner->locally_owned_range();
-  }
-
-  const IndexSet &NodePartition::ghosts() const
-  {
-    return scalar_partitioner->ghost_indices();
-  }
-
-  MPI_Comm NodePartition::communicator() const
-  {
-    return scalar_partitioner->get_mpi_communicator();
-  }
-
   void NodePartition::continue_counting(const NodePartition &previous)
   {
     cost = previous.cost;
-  }
-
-  ExchangeCost &NodePartition::exchange_cost() const
-  {
-    return *cost;
-  }
-
-  const std::shared_ptr<const Utilities::MPI::Partitioner> &NodePartition::scalars() const
-  {
-    return scalar_partitioner;
-  }
-
-  const std::shared_ptr<const Utilities::MPI::Partitioner> &NodePartition::vectors() const
-  {
-    return vector_partitioner;
   }
 
   template <int dim>

@@ -3,8 +3,6 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
   using namespace dealii;
@@ -36,21 +34,6 @@ namespace tombolo
     archive_file.close();
   }
 
-  bool StateArchive::is_reading() const
-  {
-    return archive_file.is_reading();
-  }
-
-  MPI_Comm StateArchive::communicator() const
-  {
-    return archive_file.communicator();
-  }
-
-  const std::string &StateArchive::file() const
-  {
-    return archive_file.name();
-  }
-
   void StateArchive::fail(const std::string &message) const
   {
     archive_file.fail(message);
@@ -65,16 +48,6 @@ namespace tombolo
                                 const std::size_t wanted) const
   {
     archive_file.check_size(path(name), given, wanted);
-  }
-
-  bool StateArchive::has(const std::string &name)
-  {
-    return archive_file.has(path(name));
-  }
-
-  std::string StateArchive::path(const std::string &name) const
-  {
-    return prefix + name;
   }
 
   template <typename Value>

@@ -72,7 +72,10 @@ namespace tombolo
                                      double largest_factor = 8.,
                                      double sufficient_condition = 1e4) const;
 
-    const Kernel &kernel() const;
+    const Kernel &kernel() const
+    {
+      return *chosen_kernel;
+    }
 
   private:
     /** One node as the batches read it: position and inverse support in one cache line. */

@@ -47,14 +47,27 @@ namespace tombolo
                 MPI_Comm communicator, Stencils &shape);
 
     /** Global numbers of the nodes of the rows, by place; sources of images are among them. */
-    const std::vector<dealii::types::global_dof_index> &global_nodes() const;
+    const std::vector<dealii::types::global_dof_index> &global_nodes() const
+    {
+      return all_nodes;
+    }
 
     /** Images that are neighbours. Their places follow those of global_nodes(). */
-    const std::vector<ImageNode> &images() const;
+    const std::vector<ImageNode> &images() const
+    {
+      return all_images;
+    }
 
     /** Positions and half widths by place, as they were at the search; node_stride doubles each. */
-    const std::vector<double> &position_at_search() const;
-    const std::vector<double> &support_at_search() const;
+    const std::vector<double> &position_at_search() const
+    {
+      return all_positions;
+    }
+
+    const std::vector<double> &support_at_search() const
+    {
+      return all_supports;
+    }
 
     /** Particles and neighbours of @p shape become local numbers of @p partition, which must have
      * all global_nodes() and images(). */
@@ -67,10 +80,16 @@ namespace tombolo
 
     /** The place of each neighbour in the rows. Particles of this rank have the place of their row.
      */
-    const std::vector<unsigned int> &places() const;
+    const std::vector<unsigned int> &places() const
+    {
+      return neighbour_place;
+    }
 
     /** By place: the numbers that the rows use at present, places or local numbers. */
-    const std::vector<unsigned int> &nodes() const;
+    const std::vector<unsigned int> &nodes() const
+    {
+      return numbers_in_use;
+    }
 
     /**
      * Whether every pair within a support is still among the candidates, for the particles of this

@@ -7,7 +7,6 @@
 #include <tombolo/approximation/radial_kernel.h>
 #include <tombolo/approximation/stencils.h>
 
-#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -71,7 +70,10 @@ namespace tombolo
                                        const std::vector<double> &volume,
                                        const Stencils &candidates, Stencils &shape);
 
-    const RadialKernel<dim> &kernel() const;
+    const RadialKernel<dim> &kernel() const
+    {
+      return radial_kernel;
+    }
 
     /** Neighbours are nearer than this: 2h less a small share of it, since on a lattice particles
      * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */

@@ -24,8 +24,15 @@ namespace tombolo
      * values(), and, times three, in gradients(): the first such row that was added. */
     std::size_t add(unsigned int n, const double *value, const double *gradient);
 
-    const std::vector<double> &values() const;
-    const std::vector<double> &gradients() const;
+    const std::vector<double> &values() const
+    {
+      return kept_values;
+    }
+
+    const std::vector<double> &gradients() const
+    {
+      return kept_gradients;
+    }
 
   private:
     struct Kept

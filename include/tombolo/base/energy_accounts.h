@@ -72,7 +72,10 @@ namespace tombolo
     /** The sum of all accounts that are held. */
     double total() const;
 
-    const std::vector<Account> &accounts() const;
+    const std::vector<Account> &accounts() const
+    {
+      return entries;
+    }
 
     std::array<double, 3> impulse{}, angular_impulse{};
     std::array<double, 3> removed_momentum{}, removed_angular_momentum{};

@@ -24,7 +24,10 @@ namespace tombolo
     void note(const std::string &text);
 
     /** Whether this rank has one. */
-    bool has_failure() const;
+    bool has_failure() const
+    {
+      return !failure.empty();
+    }
 
     /** Starts to agree on what was noted. Collective. */
     void begin();

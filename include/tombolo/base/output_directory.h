@@ -32,12 +32,18 @@ namespace tombolo
     OutputDirectory(const std::string &path, MPI_Comm communicator);
 
     /** The path as it was given. */
-    const std::string &path() const;
+    const std::string &path() const
+    {
+      return directory;
+    }
 
     /** The path of a file in this directory. */
     std::string file(const std::string &name) const;
 
-    MPI_Comm communicator() const;
+    MPI_Comm communicator() const
+    {
+      return mpi_communicator;
+    }
 
     /** Creates a directory in this one, on rank 0. Throws RunError. Collective. */
     void create_subdirectory(const std::string &name) const;

@@ -3,9 +3,7 @@
 
 #include <tombolo/materials/thermal_properties.h>
 
-#include <array>
 #include <cstddef>
-#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -34,11 +32,18 @@ namespace tombolo
     double effusivity(unsigned int node, double temperature) const;
     /** The inverse of enthalpy(); zero at a node without mass. */
     double temperature(unsigned int node, double enthalpy) const;
+
     /** Mean of the initial temperatures, weighted by the capacities there. */
-    double initial_temperature(unsigned int node) const;
+    double initial_temperature(const unsigned int node) const
+    {
+      return zero_temperature[node];
+    }
 
     /** Whether no capacity depends on the temperature. */
-    bool is_linear() const;
+    bool is_linear() const
+    {
+      return linear;
+    }
 
   private:
     struct Share

@@ -22,7 +22,11 @@ namespace tombolo
     TemperatureTable(const Section &section, const std::string &entry,
                      const std::string &argument = "temperature");
 
-    bool is_constant() const;
+    bool is_constant() const
+    {
+      return knots.size() == 1;
+    }
+
     double value(double temperature) const;
     /** For @p n temperatures, vectorized. */
     void evaluate(unsigned int n, const double *temperature, double *result) const;
@@ -30,8 +34,15 @@ namespace tombolo
     double largest() const;
 
     /** The knots; one for a constant. */
-    const std::vector<double> &temperatures() const;
-    const std::vector<double> &values() const;
+    const std::vector<double> &temperatures() const
+    {
+      return knots;
+    }
+
+    const std::vector<double> &values() const
+    {
+      return knot_values;
+    }
 
   private:
     std::vector<double> knots;

@@ -23,11 +23,22 @@ namespace tombolo
 
     explicit ThermalProperties(const Entries &e);
 
-    double initial_temperature() const;
+    double initial_temperature() const
+    {
+      return start;
+    }
+
     /** k [M L/(T^3 temperature)]. */
-    const TemperatureTable &conductivity() const;
+    const TemperatureTable &conductivity() const
+    {
+      return table_of_conductivity;
+    }
+
     /** c [L^2/(T^2 temperature)]. */
-    const TemperatureTable &capacity() const;
+    const TemperatureTable &capacity() const
+    {
+      return table_of_capacity;
+    }
 
     /** h [L^2/T^2]. */
     double enthalpy(double temperature) const;

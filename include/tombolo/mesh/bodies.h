@@ -20,11 +20,17 @@ namespace tombolo
     explicit Bodies(const Nodes<dim> &nodes);
 
     /** Over all ranks. */
-    unsigned int n_bodies() const;
+    unsigned int n_bodies() const
+    {
+      return count;
+    }
 
     /** A number of the body of a relevant node, by global number: the smallest number of its nodes.
      */
-    dealii::types::global_dof_index body_of(dealii::types::global_dof_index node) const;
+    dealii::types::global_dof_index body_of(const dealii::types::global_dof_index node) const
+    {
+      return static_cast<dealii::types::global_dof_index>(smallest[node]);
+    }
 
   private:
     dealii::LinearAlgebra::distributed::Vector<double> smallest; // node of the body

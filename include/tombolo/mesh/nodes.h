@@ -30,13 +30,28 @@ namespace tombolo
 
     Nodes(const Mesh<dim> &mesh, unsigned int degree);
 
-    unsigned int degree() const;
-    const dealii::DoFHandler<dim> &dof_handler() const;
+    unsigned int degree() const
+    {
+      return finite_element.degree;
+    }
+
+    const dealii::DoFHandler<dim> &dof_handler() const
+    {
+      return handler;
+    }
+
     MPI_Comm communicator() const;
 
-    const dealii::IndexSet &owned() const;
+    const dealii::IndexSet &owned() const
+    {
+      return owned_nodes;
+    }
+
     /** Owned nodes and all nodes of owned cells. */
-    const dealii::IndexSet &relevant() const;
+    const dealii::IndexSet &relevant() const
+    {
+      return relevant_nodes;
+    }
 
     /** Global node numbers of a cell, lexicographic (x fastest) over its (degree+1)^dim points. */
     void cell_nodes(const Cell &cell, std::vector<dealii::types::global_dof_index> &nodes) const;
@@ -45,16 +60,28 @@ namespace tombolo
     void cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const;
 
     /** Which of a cell's nodes lie on its face @p face: ascending places in cell_nodes. */
-    const std::vector<unsigned int> &face_places(unsigned int face) const;
+    const std::vector<unsigned int> &face_places(const unsigned int face) const
+    {
+      return places_of_faces[face];
+    }
 
     /** Images of the mesh, with which the body goes on. */
     void set_images(std::shared_ptr<const Images> images);
-    const std::shared_ptr<const Images> &images() const;
+
+    const std::shared_ptr<const Images> &images() const
+    {
+      return images_of_body;
+    }
 
     /** Those nodes of the cells that this rank sees which depend on others: at least those of cells
      * around owned nodes, ascending. Collective. */
     void set_dependent_nodes(std::vector<DependentNode> rows);
-    const std::vector<DependentNode> &dependent_nodes() const;
+
+    const std::vector<DependentNode> &dependent_nodes() const
+    {
+      return dependent;
+    }
+
     bool has_dependent_nodes() const; ///< on any rank
     /** The row of a node; null where it does not depend on others, or is not seen. */
     const DependentNode *dependent_node(dealii::types::global_dof_index node) const;
@@ -72,7 +99,10 @@ namespace tombolo
     /** A number of each owned node (in the order of owned()) that depends neither on the number of
      * ranks nor on the partition: the smallest (coarse cell, place within it) of the cells
      * around it, packed. Used by output, checkpoint, probes and messages. */
-    const std::vector<std::uint64_t> &persistent_ids() const;
+    const std::vector<std::uint64_t> &persistent_ids() const
+    {
+      return ids;
+    }
 
   private:
     dealii::FE_Q<dim> finite_element;

@@ -4,7 +4,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/mesh.h>
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>

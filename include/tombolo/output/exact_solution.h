@@ -8,7 +8,6 @@
 
 #include <deal.II/base/symmetric_tensor.h>
 
-#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -37,14 +36,28 @@ namespace tombolo
     /** Throws InputError if the section gives what no run can compare with. */
     static void validate(const Section &section, bool has_mechanics, bool has_heat);
 
-    bool has_stress() const;
-    bool has_velocity() const;
-    bool has_temperature() const;
+    bool has_stress() const
+    {
+      return stress_function.has_value();
+    }
+
+    bool has_velocity() const
+    {
+      return velocity_function.has_value();
+    }
+
+    bool has_temperature() const
+    {
+      return temperature_function.has_value();
+    }
 
     /** xx; yy; zz; yz; xz; xy at an initial position. */
     dealii::SymmetricTensor<2, 3> stress(const dealii::Point<dim> &place, double time) const;
 
-    double temperature(const dealii::Point<dim> &place, double time) const;
+    double temperature(const dealii::Point<dim> &place, const double time) const
+    {
+      return temperature_function->value(place, time);
+    }
 
     /** Errors at @p time of the stress of the parts and of the nodal velocities, which are those of
      * half a step before; so the exact velocity is taken at @p velocity_time. Collective. */

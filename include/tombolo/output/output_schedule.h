@@ -31,10 +31,16 @@ namespace tombolo
     static void declare_parameters(const Entries &e);
 
     /** The next time of an output; the largest double where none is left. */
-    double next_time() const;
+    double next_time() const
+    {
+      return is_finished() ? std::numeric_limits<double>::max() : all_times[next];
+    }
 
     /** Whether an output is due at @p time: it is not before next_time(). */
-    bool is_due(double time) const;
+    bool is_due(const double time) const
+    {
+      return time >= next_time();
+    }
 
     /** Passes to the first time after @p time. */
     void advance(double time);
@@ -51,10 +57,16 @@ namespace tombolo
      * before. */
     void resume_statistics(double previous_time);
 
-    bool is_finished() const;
+    bool is_finished() const
+    {
+      return next == all_times.size();
+    }
 
     /** All times, ascending, start and end included. */
-    const std::vector<double> &times() const;
+    const std::vector<double> &times() const
+    {
+      return all_times;
+    }
 
   private:
     std::vector<double> all_times;

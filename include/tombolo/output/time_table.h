@@ -66,7 +66,10 @@ namespace tombolo
     void list(Records &records);
 
     /** With rows in the file: whether a state was read, whose file open() continues. */
-    bool is_continued() const;
+    bool is_continued() const
+    {
+      return bytes_at_checkpoint > 0;
+    }
 
     /** With rows in the file, before open(): whether the columns of the present row are not those
      * of the state that was read. */

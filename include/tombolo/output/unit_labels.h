@@ -36,7 +36,10 @@ namespace tombolo
     std::string heading(const std::string &name, const std::string &unit) const;
 
     /** The labels as given, quantity and name, for the summary. */
-    const std::vector<std::pair<std::string, std::string>> &labels() const;
+    const std::vector<std::pair<std::string, std::string>> &labels() const
+    {
+      return given;
+    }
 
   private:
     std::vector<std::pair<std::string, std::string>> given;

@@ -45,9 +45,20 @@ namespace tombolo
      * written. */
     void close();
 
-    bool is_reading() const;
-    MPI_Comm communicator() const;
-    const std::string &name() const;
+    bool is_reading() const
+    {
+      return mode == Mode::read;
+    }
+
+    MPI_Comm communicator() const
+    {
+      return mpi_communicator;
+    }
+
+    const std::string &name() const
+    {
+      return file_name;
+    }
 
     /** Whether there is a table or a group of this path; true when writing. */
     bool has(const std::string &path) const;

@@ -77,7 +77,10 @@ namespace tombolo
     }
 
     /** The number of rows of this rank. */
-    std::size_t n_own() const;
+    std::size_t n_own() const
+    {
+      return n_own_rows;
+    }
 
     /** Writes or reads @p n_components values of each row, contiguous. On reading the array is
      * sized. Collective. */

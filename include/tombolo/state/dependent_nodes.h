@@ -31,8 +31,15 @@ namespace tombolo
      * Collective. */
     explicit DependentRows(const NodalVector &is_zero);
 
-    bool is_empty() const;
-    bool depends(dealii::types::global_dof_index node) const;
+    bool is_empty() const
+    {
+      return rows.n_constraints() == 0;
+    }
+
+    bool depends(const dealii::types::global_dof_index node) const
+    {
+      return rows.is_constrained(node);
+    }
 
     /** A node as a sum of independent ones: itself where it does not depend on others. */
     Weights weights(dealii::types::global_dof_index node) const;

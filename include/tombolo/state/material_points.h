@@ -33,9 +33,20 @@ namespace tombolo
      * their initial values. */
     void reinit(unsigned int n_points, const std::vector<FieldDescription> &internal_variables);
 
-    unsigned int size() const;
-    unsigned int padded_size() const;
-    const std::vector<FieldDescription> &fields() const;
+    unsigned int size() const
+    {
+      return n_points;
+    }
+
+    unsigned int padded_size() const
+    {
+      return static_cast<unsigned int>(n_padded);
+    }
+
+    const std::vector<FieldDescription> &fields() const
+    {
+      return descriptions;
+    }
 
     /** The number of the field of this name; fields().size() if there is none. */
     unsigned int find_field(const std::string &name) const;

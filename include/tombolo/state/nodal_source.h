@@ -43,11 +43,22 @@ namespace tombolo
     /** The values at local nodes for loops, zero at first: to be given at any of them, or only at
      * those that the loop adds to touched_nodes(), in any order. */
     NodalVector &at_all_nodes();
-    NodalVector &at_touched_nodes();
-    std::vector<unsigned int> &touched_nodes();
+
+    NodalVector &at_touched_nodes()
+    {
+      return values;
+    }
+
+    std::vector<unsigned int> &touched_nodes()
+    {
+      return touched;
+    }
 
     /** The values as they were given, at owned nodes, until those of the next step. */
-    const NodalVector &given() const;
+    const NodalVector &given() const
+    {
+      return values;
+    }
 
     /** Has values for this partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);

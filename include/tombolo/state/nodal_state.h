@@ -34,12 +34,18 @@ namespace tombolo
                 bool has_unsmoothed_position = false);
 
     /** The positions that v̂ moves: x̂, or x where both are the same. */
-    const NodalVector &position_of_unsmoothed() const;
+    const NodalVector &position_of_unsmoothed() const
+    {
+      return has_unsmoothed_position ? unsmoothed_position : position;
+    }
 
     /** Moves all fields to other ghosts. Collective. */
     void move_to(const std::shared_ptr<const NodePartition> &partition);
 
-    const std::shared_ptr<const NodePartition> &partition() const;
+    const std::shared_ptr<const NodePartition> &partition() const
+    {
+      return position.partition();
+    }
 
     /** Every field with its description: what output and checkpoint iterate over. */
     std::vector<std::pair<FieldDescription, NodalVector *>> fields();

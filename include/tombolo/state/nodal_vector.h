@@ -81,12 +81,19 @@ namespace tombolo
       return values;
     }
 
-    unsigned int n_slots_per_node() const;
+    unsigned int n_slots_per_node() const
+    {
+      return slots;
+    }
+
     Quantity quantity() const
     {
       return kind;
     }
-    const std::shared_ptr<const NodePartition> &partition() const;
+    const std::shared_ptr<const NodePartition> &partition() const
+    {
+      return node_partition;
+    }
 
     void set_zero();                          ///< owned, ghosts and images
     void copy_from(const NodalVector &other); ///< likewise; same partition and slots

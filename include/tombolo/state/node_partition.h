@@ -53,16 +53,42 @@ namespace tombolo
                   const std::shared_ptr<const Images> &images = Images::none(),
                   const std::vector<ImageNode> &image_nodes = {});
 
-    unsigned int n_owned() const;
-    unsigned int n_ghosts() const;
-    unsigned int n_images() const;
+    unsigned int n_owned() const
+    {
+      return scalar_partitioner->locally_owned_size();
+    }
+
+    unsigned int n_ghosts() const
+    {
+      return scalar_partitioner->n_ghost_indices();
+    }
+
+    unsigned int n_images() const
+    {
+      return static_cast<unsigned int>(reflected_images.size());
+    }
+
     unsigned int n_local() const; ///< owned, ghosts and images
-    dealii::types::global_dof_index n_global() const;
+    dealii::types::global_dof_index n_global() const
+    {
+      return scalar_partitioner->size();
+    }
 
     /** Throws (Assert) for a node that is neither owned nor ghost. */
-    unsigned int local_index(dealii::types::global_dof_index node) const;
-    dealii::types::global_dof_index global_index(unsigned int local) const;
-    bool has(dealii::types::global_dof_index node) const;
+    unsigned int local_index(const dealii::types::global_dof_index node) const
+    {
+      return scalar_partitioner->global_to_local(node);
+    }
+
+    dealii::types::global_dof_index global_index(const unsigned int local) const
+    {
+      return scalar_partitioner->local_to_global(local);
+    }
+
+    bool has(const dealii::types::global_dof_index node) const
+    {
+      return scalar_partitioner->in_local_range(node) || scalar_partitioner->is_ghost_entry(node);
+    }
 
     /** The local number of an image that the constructor was given. */
     unsigned int local_index(const ImageNode &image) const;
@@ -89,33 +115,74 @@ namespace tombolo
        * applied as often. Zero where no rank has any. */
       unsigned int depth = 0;
     };
-    const DependentNodes &dependent_nodes() const;
+
+    const DependentNodes &dependent_nodes() const
+    {
+      return dependent;
+    }
+
     bool has_dependent_nodes() const; ///< on any rank
 
     /** All that the body has. */
-    const Images &images_of_body() const;
+    const Images &images_of_body() const
+    {
+      return *all_images;
+    }
+
     /** By image, in the order of local numbers; the source is owned or a ghost. */
-    const std::vector<Reflected> &images() const;
+    const std::vector<Reflected> &images() const
+    {
+      return reflected_images;
+    }
+
     /** Owned nodes that are their own images, once for each mirror. */
-    const std::vector<Reflected> &nodes_on_planes() const;
+    const std::vector<Reflected> &nodes_on_planes() const
+    {
+      return reflected_onto_themselves;
+    }
 
     /** Owned nodes that can receive something in NodalVector::add_to_owners(): ghosts of other
      * ranks, and sources of images. In any order, some repeatedly. */
-    const std::vector<unsigned int> &receiving_nodes() const;
+    const std::vector<unsigned int> &receiving_nodes() const
+    {
+      return receivers;
+    }
 
-    const dealii::IndexSet &owned() const;
-    const dealii::IndexSet &ghosts() const;
-    MPI_Comm communicator() const;
+    const dealii::IndexSet &owned() const
+    {
+      return scalar_partitioner->locally_owned_range();
+    }
+
+    const dealii::IndexSet &ghosts() const
+    {
+      return scalar_partitioner->ghost_indices();
+    }
+
+    MPI_Comm communicator() const
+    {
+      return scalar_partitioner->get_mpi_communicator();
+    }
 
     /** Takes over the statistics of @p previous, which this partition replaces. */
     void continue_counting(const NodePartition &previous);
+
     /** Where NodalVector books what its exchanges cost. */
-    ExchangeCost &exchange_cost() const;
+    ExchangeCost &exchange_cost() const
+    {
+      return *cost;
+    }
 
     /** The exchange of one double per node. */
-    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &scalars() const;
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &scalars() const
+    {
+      return scalar_partitioner;
+    }
+
     /** The exchange of node_stride doubles per node. */
-    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &vectors() const;
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &vectors() const
+    {
+      return vector_partitioner;
+    }
 
   private:
     DependentNodes dependent;

@@ -49,9 +49,20 @@ namespace tombolo
      * written. */
     void close();
 
-    bool is_reading() const;
-    MPI_Comm communicator() const;
-    const std::string &file() const;
+    bool is_reading() const
+    {
+      return archive_file.is_reading();
+    }
+
+    MPI_Comm communicator() const
+    {
+      return archive_file.communicator();
+    }
+
+    const std::string &file() const
+    {
+      return archive_file.name();
+    }
 
     /** Goes back to the group that was current before. */
     class Group
@@ -71,7 +82,10 @@ namespace tombolo
     [[nodiscard]] Group group(const std::string &name);
 
     /** Whether there is a dataset or a group of this name; true when writing. */
-    bool has(const std::string &name);
+    bool has(const std::string &name)
+    {
+      return archive_file.has(path(name));
+    }
 
     void operator()(const std::string &name, double &value);
     void operator()(const std::string &name, bool &value);
@@ -174,7 +188,11 @@ namespace tombolo
     [[noreturn]] void fail(const std::string &message) const;
 
   private:
-    std::string path(const std::string &name) const;
+    std::string path(const std::string &name) const
+    {
+      return prefix + name;
+    }
+
     void check_size(const std::string &name, std::size_t given, std::size_t wanted) const;
     template <typename Value>
     void global(const std::string &name, std::vector<Value> &values);

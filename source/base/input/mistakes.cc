@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <limits>
 #include <utility>
 
 namespace tombolo
@@ -44,16 +43,6 @@ namespace tombolo
   void Mistakes::collect()
   {
     is_collecting = true;
-  }
-
-  bool Mistakes::are_collected() const
-  {
-    return is_collecting;
-  }
-
-  bool Mistakes::empty() const
-  {
-    return messages.empty();
   }
 
   void Mistakes::add(const std::string &message)
@@ -110,11 +99,6 @@ namespace tombolo
   void Mistakes::mark_refused(const std::string &path)
   {
     refused.insert(path);
-  }
-
-  bool Mistakes::is_refused(const std::string &path) const
-  {
-    return refused.count(path) > 0;
   }
 
   void Mistakes::mark_meant(const std::string &path)

@@ -7,7 +7,6 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <string>
 #include <utility>
 
 namespace tombolo

@@ -13,9 +13,7 @@
 #include <cstdlib>
 #include <map>
 #include <ostream>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace tombolo
 {

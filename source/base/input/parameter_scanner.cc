@@ -180,11 +180,6 @@ namespace tombolo
     scan(text, name, "text of " + name, sections);
   }
 
-  const std::vector<ParameterScanner::Item> &ParameterScanner::items() const
-  {
-    return all_items;
-  }
-
   const ParameterScanner::Item *ParameterScanner::entry(const std::string &path) const
   {
     const auto found = entries.find(path);

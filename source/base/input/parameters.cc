@@ -120,11 +120,6 @@ namespace tombolo
     return names;
   }
 
-  ParameterHandler &Parameters::handler()
-  {
-    return parameter_handler;
-  }
-
   void Parameters::declare_mandatory(ParameterHandler &handler, const std::string &entry,
                                      const Patterns::PatternBase &pattern,
                                      const std::string &documentation)
@@ -435,15 +430,5 @@ namespace tombolo
       throw InputError("The format " + in_quotes(format) +
                        " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "
                        "\"markdown\".");
-  }
-
-  const std::string &Parameters::file_name() const
-  {
-    return main_file;
-  }
-
-  std::string Parameters::original_text() const
-  {
-    return scanner.text();
   }
 } // namespace tombolo

@@ -116,21 +116,11 @@ namespace tombolo
     return Section(*parameters, parent_path(section_path));
   }
 
-  const std::string &Section::path() const
-  {
-    return section_path;
-  }
-
   std::string Section::name() const
   {
     const std::string last = section_path.substr(section_path.rfind('/') + 1);
     const std::size_t colon = last.find(':');
     return colon == std::string::npos ? last : Utilities::trim(last.substr(colon + 1));
-  }
-
-  const Parameters &Section::all() const
-  {
-    return *parameters;
   }
 
   std::string Section::describe(const std::string &entry) const

@@ -4,7 +4,6 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
-#include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
@@ -309,12 +308,6 @@ namespace tombolo
       mesh.boundary_names[std::string(1, axis_names[d]) + " min"] = 2 * d;
       mesh.boundary_names[std::string(1, axis_names[d]) + " max"] = 2 * d + 1;
     }
-  }
-
-  template <int dim>
-  unsigned int Box<dim>::n_refinements() const
-  {
-    return refinements;
   }
 
   template class Box<2>;

@@ -27,11 +27,6 @@ namespace tombolo
       : update(update.homogeneous(side)), column_spacing(spacing), k_y(k_y), time_step(time_step)
   {}
 
-  double LatticeWaves::spacing() const
-  {
-    return column_spacing;
-  }
-
   std::array<LatticeWaves::Eigenpair, 2> LatticeWaves::eigenpairs(const double k_x) const
   {
     // Hermitian, since all masses of a uniform lattice are equal.

@@ -130,24 +130,6 @@ namespace tombolo
       nodes[nearest(x_coordinates, x[i]) * y_coordinates.size() + nearest(y_coordinates, y[i])] = i;
   }
 
-  unsigned int LinearizedOperators::node(const int column, const unsigned int row) const
-  {
-    return nodes[static_cast<std::size_t>(column + n_columns) * y_coordinates.size() + row];
-  }
-
-  double LinearizedOperators::mass(const int column) const
-  {
-    return masses[static_cast<std::size_t>(std::clamp(column, -n_probed, n_probed) + n_columns) *
-                  3];
-  }
-
-  double LinearizedOperators::nodal_mass(const int column, const unsigned int component) const
-  {
-    return masses[static_cast<std::size_t>(std::clamp(column, -n_probed, n_probed) + n_columns) *
-                      3 +
-                  1 + component];
-  }
-
   double LinearizedOperators::spacing(const ChainSide side) const
   {
     const auto interface = static_cast<std::size_t>(n_columns);

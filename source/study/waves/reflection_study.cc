@@ -243,11 +243,6 @@ namespace tombolo
     return static_cast<unsigned int>(n);
   }
 
-  const std::vector<ReflectionStudy::Group> &ReflectionStudy::groups() const
-  {
-    return all_groups;
-  }
-
   void ReflectionStudy::compute(Group &group) const
   {
     const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(communicator);

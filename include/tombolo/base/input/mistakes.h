@@ -32,10 +32,16 @@ namespace tombolo
 
     void collect();
 
-    bool are_collected() const;
+    bool are_collected() const
+    {
+      return is_collecting;
+    }
 
     /** Whether nothing was noted. */
-    bool empty() const;
+    bool empty() const
+    {
+      return messages.empty();
+    }
 
     /** Notes a message that was not noted before, or throws it. */
     void add(const std::string &message);
@@ -46,7 +52,11 @@ namespace tombolo
 
     /** The value of the entry was refused. */
     void mark_refused(const std::string &path);
-    bool is_refused(const std::string &path) const;
+
+    bool is_refused(const std::string &path) const
+    {
+      return refused.count(path) > 0;
+    }
 
     /** Another name was refused in whose place this entry or section can have been meant. */
     void mark_meant(const std::string &path);

@@ -6,7 +6,6 @@
 #include <mpi.h>
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -58,7 +57,10 @@ namespace tombolo
     void read_text(const std::string &text, const std::string &name);
 
     /** All lines in the order of reading. */
-    const std::vector<Item> &items() const;
+    const std::vector<Item> &items() const
+    {
+      return all_items;
+    }
 
     /** The entry in effect at a path; nullptr if no file sets it. */
     const Item *entry(const std::string &path) const;

@@ -72,7 +72,10 @@ namespace tombolo
     std::vector<std::string> raw_list(const std::string &path) const;
 
     /** Where to declare. */
-    dealii::ParameterHandler &handler();
+    dealii::ParameterHandler &handler()
+    {
+      return parameter_handler;
+    }
 
     /** Declares a mandatory entry, one without a default, in the present subsection of the handler.
      * Reading it while nothing sets it throws the InputError that it is missing. The entries of
@@ -113,8 +116,15 @@ namespace tombolo
 
     /** The file given to read_file() (or the name given to read_text()), and the text of all files
      * as they were read. */
-    const std::string &file_name() const;
-    std::string original_text() const;
+    const std::string &file_name() const
+    {
+      return main_file;
+    }
+
+    std::string original_text() const
+    {
+      return scanner.text();
+    }
 
     /** The entries with their values, as "prm", "json" or "xml", or all declarations without values
      * as "markdown" (print_parameter_page()). Before anything was read these are all entries;
@@ -196,10 +206,19 @@ namespace tombolo
     Section subsection(const std::string &name) const;
     /** The section that this is a subsection of. */
     Section parent() const;
-    const std::string &path() const;
+
+    const std::string &path() const
+    {
+      return section_path;
+    }
+
     /** The last component of path(), for "Part: steel side" the name after the colon. */
     std::string name() const;
-    const Parameters &all() const;
+
+    const Parameters &all() const
+    {
+      return *parameters;
+    }
 
     /** The beginning of messages about an entry of this section; see Parameters::describe(). */
     std::string describe(const std::string &entry) const;

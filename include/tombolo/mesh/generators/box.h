@@ -31,7 +31,10 @@ namespace tombolo
     void create(Mesh<dim> &mesh) const override;
 
     /** How often the coarse box is refined. */
-    unsigned int n_refinements() const;
+    unsigned int n_refinements() const
+    {
+      return refinements;
+    }
 
   private:
     double number_of_coarse_cells() const;

@@ -50,7 +50,10 @@ namespace tombolo
     /** All waves of a frequency whose energy travels to a side. */
     std::vector<LatticeMode> outgoing(double frequency, ChainSide to) const;
 
-    double spacing() const;
+    double spacing() const
+    {
+      return column_spacing;
+    }
 
   private:
     struct Eigenpair

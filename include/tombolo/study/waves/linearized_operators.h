@@ -51,10 +51,19 @@ namespace tombolo
     ReducedOperators reduce(double wave_number) const;
 
     /** m̂ of a node of a column [M]. */
-    double mass(int column) const;
+    double mass(const int column) const
+    {
+      return masses[static_cast<std::size_t>(std::clamp(column, -n_probed, n_probed) + n_columns) *
+                    3];
+    }
 
     /** m of a node of a column [M], in the direction of @p component. */
-    double nodal_mass(int column, unsigned int component) const;
+    double nodal_mass(const int column, const unsigned int component) const
+    {
+      return masses[static_cast<std::size_t>(std::clamp(column, -n_probed, n_probed) + n_columns) *
+                        3 +
+                    1 + component];
+    }
 
     /** Distance of the columns of a side [L]. */
     double spacing(ChainSide side) const;
@@ -70,7 +79,12 @@ namespace tombolo
     using Operator = std::function<void(const NodalVector &, NodalVector &)>;
 
     void find_lattice(const Model<2> &model);
-    unsigned int node(int column, unsigned int row) const;
+
+    unsigned int node(const int column, const unsigned int row) const
+    {
+      return nodes[static_cast<std::size_t>(column + n_columns) * y_coordinates.size() + row];
+    }
+
     Probe probe(const NodalVector &like, const Operator &apply) const;
     void check_far_columns(const Probe &probe) const;
     double value(const Probe &probe, int source, unsigned int of, int column, int row,

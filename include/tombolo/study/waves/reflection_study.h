@@ -49,7 +49,10 @@ namespace tombolo
       std::vector<Row> rows;
     };
 
-    const std::vector<Group> &groups() const;
+    const std::vector<Group> &groups() const
+    {
+      return all_groups;
+    }
 
   private:
     Group read_group(const Section &section) const;
