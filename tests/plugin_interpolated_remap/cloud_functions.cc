@@ -50,7 +50,7 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         coordinate[d * n_padded + j] = scaled[d];
     }
-    kernel.evaluate(coordinate.size(), coordinate.data(), factor.data(), slope.data());
+    kernel->evaluate(coordinate.size(), coordinate.data(), factor.data(), slope.data());
     active.clear();
     weight.clear();
     offset.clear();

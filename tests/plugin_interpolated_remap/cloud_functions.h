@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/cubic_spline.h>
+#include <tombolo/approximation/kernel.h>
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
@@ -51,7 +51,7 @@ namespace tombolo
     void find_weights(const dealii::Point<dim> &x, const std::vector<dealii::Point<dim>> &positions,
                       const std::vector<dealii::Tensor<2, dim>> &metrics);
 
-    CubicSpline kernel;
+    std::shared_ptr<const Kernel> kernel = make_kernel("cubic spline");
     std::vector<double> coordinate, factor, slope; // of the kernel, axis by axis
     std::vector<std::size_t> active;               // neighbours with a weight
     std::vector<double> weight, share;             // of active ones

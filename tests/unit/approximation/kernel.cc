@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/approximation/cubic_spline.h>
 #include <tombolo/approximation/kernel.h>
 #include <tombolo/base/simd/vectorization.h>
 
@@ -92,7 +91,7 @@ namespace
 
   TEST(Kernels, the_cubic_spline_falls_to_a_quarter_at_half_its_support)
   {
-    const Values values(CubicSpline(), {0., 0.5});
+    const Values values(*make_kernel("cubic spline"), {0., 0.5});
     EXPECT_DOUBLE_EQ(values.w[1] / values.w[0], 0.25);
   }
 
