@@ -4,255 +4,207 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/boundary/region.h>
 
+#include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
-#include <string>
 #include <tuple>
+#include <utility>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  template <int dim>
-  struct MechanicalConditions<dim>::Selection
+  namespace
   {
-    std::vector<unsigned long> n_selected; ///< owned nodes or faces, of each condition
-    std::map<types::global_dof_index, Constraint> constraints;
-    /** By node, component, and the two conditions. */
-    std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
-             Point<dim>>
-        overlaps;
-  };
+    using Type = MechanicalConditionType;
 
-  template <int dim>
-  void MechanicalConditions<dim>::declare_parameters(const Entries &e)
+    const std::pair<const char *, Type> mechanical_types[] = {{"traction", Type::traction},
+                                                              {"pressure", Type::pressure},
+                                                              {"body force", Type::body_force},
+                                                              {"gravity", Type::gravity},
+                                                              {"velocity", Type::velocity},
+                                                              {"displacement", Type::displacement},
+                                                              {"clamp", Type::clamp}};
+
+    Type type_of(const std::string &name)
+    {
+      const auto *const type =
+          std::find_if(std::begin(mechanical_types), std::end(mechanical_types),
+                       [&](const auto &other) { return name == other.first; });
+      Assert(type != std::end(mechanical_types), ExcInternalError());
+      return type->second;
+    }
+  } // namespace
+
+  bool prescribes(const MechanicalConditionType type)
   {
-    MechanicalCondition<dim>::declare_parameters(e);
+    return type == Type::velocity || type == Type::displacement || type == Type::clamp;
+  }
+
+  bool is_on_faces(const MechanicalConditionType type)
+  {
+    return type == Type::traction || type == Type::pressure;
+  }
+
+  bool is_on_volume(const MechanicalConditionType type)
+  {
+    return type == Type::body_force || type == Type::gravity;
   }
 
   template <int dim>
-  void MechanicalConditions<dim>::validate(const Section &section)
+  void MechanicalCondition<dim>::declare_parameters(const Entries &e)
   {
-    MechanicalCondition<dim>::read(section);
+    e.choice("Type", mandatory,
+             "traction|pressure|body "
+             "force|gravity|velocity|displacement|clamp|symmetry|temperature|heat "
+             "flux|convection|radiation|adiabatic|heat source",
+             "What is prescribed. Of the motion: `traction` (force per current area, on faces of "
+             "the boundary, in a given direction), `pressure` (force per current area against the "
+             "outward normal of the face as it is now), `body force` (force per mass), `gravity` "
+             "(the same, of everything unless `Where` is given), `velocity`, `displacement`, "
+             "`clamp` (no motion), or `symmetry` (the nodes that it selects are all those on one "
+             "plane normal to an axis, beyond which the body is its own mirror image). Of heat: "
+             "`temperature`; on faces of the boundary `heat flux` (into the body, per current area "
+             "and time), `convection`, `radiation`, `adiabatic` (no heat passes, as without a "
+             "condition); `heat source` (per initial volume and time).");
+    e.text("Where", "", "",
+           "A predicate of the initial position, for example `x < 1e-9`. For what acts on faces of "
+           "the boundary it selects these by their centre, otherwise nodes.");
+    e.text("Boundary", "", "",
+           "Names of boundaries, separated by commas, instead of or together with `Where`.");
+    e.text("Function", "",
+           "M/(L T^2) for a traction or a pressure, L/T^2 for a body force or gravity, L/T for a "
+           "velocity, L for a displacement, M/T^3 for a heat flux, M/(L T^3) for a heat source",
+           "Components separated by `;`, functions of the initial position x, y, z and of the time "
+           "t. For a velocity or a displacement the word `free` leaves a component free. "
+           "`table(FILE, t)` takes values from a file of points. One value for a pressure, a "
+           "temperature, a heat flux or a heat source.");
   }
+
+  template <int dim>
+  MechanicalCondition<dim> MechanicalCondition<dim>::read(const Section &section)
+  {
+    const Type type = type_of(section.get("Type"));
+    MechanicalCondition condition{
+        section.name(), type, Place<dim>(section, is_on_volume(type)), {}};
+    if (is_on_volume(type) && !section.get("Boundary").empty())
+      section.fail("Boundary",
+                   "a " + section.get("Type") + " acts on the volume; use `Where`, or neither.");
+    if (type == Type::clamp)
+    {
+      if (section.is_set("Function"))
+        section.fail("Function", "a clamp needs no function; for a prescribed motion use `Type = "
+                                 "velocity` or `displacement`.");
+      return condition;
+    }
+    condition.function.emplace(section, "Function", type == Type::pressure ? 1 : dim,
+                               prescribes(type));
+    return condition;
+  }
+
+  template <int dim>
+  double MechanicalCondition<dim>::prescribed_velocity(const Point<dim> &initial,
+                                                       const double *const position,
+                                                       const unsigned int component,
+                                                       const double time,
+                                                       const double time_step) const
+  {
+    if (type == Type::clamp)
+      return 0.;
+    if (type == Type::velocity)
+      return function->value(initial, time + 0.5 * time_step, component);
+    return (initial[component] + function->value(initial, time + time_step, component) -
+            position[component]) /
+           time_step;
+  }
+
+  template <int dim>
+  double MechanicalCondition<dim>::initial_velocity(const Point<dim> &initial,
+                                                    const double *const position,
+                                                    const unsigned int component, const double time,
+                                                    const double interval) const
+  {
+    if (type != Type::displacement)
+      return prescribed_velocity(initial, position, component, time, 0.);
+    return (function->value(initial, time + interval, component) -
+            function->value(initial, time, component)) /
+           interval;
+  }
+
+  template struct MechanicalCondition<2>;
+  template struct MechanicalCondition<3>;
 
   template <int dim>
   MechanicalConditions<dim>::MechanicalConditions(const std::vector<Section> &sections,
                                                   const Mesh<dim> &mesh, const Nodes<dim> &nodes)
-      : areas(static_cast<unsigned int>(sections.size()), nodes), owned(nodes.owned())
+      : Base(sections, mesh, nodes)
   {
-    for (const Section &section : sections)
+    using Constraint = typename Base::Constraint;
+    std::map<types::global_dof_index, Constraint> of_nodes;
+    // By node, component, and the two conditions.
+    std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
+             Point<dim>>
+        shared;
+    const auto select_node =
+        [&](const unsigned int c, const types::global_dof_index node, const Point<dim> &point)
     {
-      MechanicalCondition<dim> condition = MechanicalCondition<dim>::read(section);
-      condition.place.find_boundaries(mesh, section);
-      conditions.push_back(std::move(condition));
-    }
-
-    Selection selection;
-    selection.n_selected.assign(conditions.size(), 0);
-    // The value of a predicate can be undefined on one rank alone.
-    std::string failure;
-    try
-    {
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        if (!cell->is_artificial())
-          select(nodes, cell, selection);
-    }
-    catch (const InputError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
-
-    for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (Utilities::MPI::sum(selection.n_selected[c], nodes.communicator()) == 0)
-        conditions[c].place.fail_empty(
-            sections[c], is_on_faces(conditions[c].type) ? nodes.outer_face_text() : "node");
-
-    for (auto &[node, constraint] : selection.constraints)
-      constraints.push_back(constraint);
-    for (const auto &[of, point] : selection.overlaps)
-      overlapping.push_back({std::get<2>(of), std::get<3>(of), std::get<1>(of), point});
-  }
-
-  template <int dim>
-  void MechanicalConditions<dim>::select(const Nodes<dim> &nodes, const Cell &cell,
-                                         Selection &selection)
-  {
-    std::vector<types::global_dof_index> cell_nodes, nodes_of_face;
-    std::vector<Point<dim>> cell_points, points_of_face;
-    nodes.cell_nodes(cell, cell_nodes);
-    nodes.cell_points(cell, cell_points);
-    for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (!conditions[c].place.has_boundaries() && !is_on_faces(conditions[c].type))
-        for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-          select_node(cell_nodes[k], cell_points[k], c, selection);
-    for (const unsigned int f : cell->face_indices())
-    {
-      if (!cell->face(f)->at_boundary())
-        continue;
-      const types::boundary_id id = cell->face(f)->boundary_id();
-      const std::vector<unsigned int> &face_nodes = nodes.face_places(f);
-      nodes_of_face.clear();
-      points_of_face.clear();
-      for (const unsigned int k : face_nodes)
-      {
-        nodes_of_face.push_back(cell_nodes[k]);
-        points_of_face.push_back(cell_points[k]);
-      }
-      for (unsigned int c = 0; c < conditions.size(); ++c)
-      {
-        const MechanicalCondition<dim> &condition = conditions[c];
-        if (is_on_faces(condition.type))
+      const MechanicalCondition<dim> &condition = conditions[c];
+      if (!prescribes(condition.type) || !nodes.owned().is_element(node))
+        return;
+      Constraint &constraint = Base::constraint_of(node, of_nodes);
+      const int number = static_cast<int>(c);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (int &other = constraint.condition[d];
+            !condition.function || !condition.function->is_free(d))
         {
-          if (!cell->is_locally_owned() || !nodes.is_outer_face(cell, f) ||
-              !condition.place.contains_face(id, cell->face(f)->center()))
-            continue;
-          ++selection.n_selected[c];
-          areas.add_face(c, nodes_of_face,
-                         condition.type == MechanicalConditionType::pressure
-                             ? areas.orientation(points_of_face, cell->center())
-                             : 0.);
+          if (other >= 0 && other != number)
+            shared.emplace(std::make_tuple(node, d,
+                                           static_cast<unsigned int>(std::min(other, number)),
+                                           static_cast<unsigned int>(std::max(other, number))),
+                           point);
+          other = std::max(other, number);
         }
-        else if (condition.place.has_boundary(id))
-          for (const unsigned int k : face_nodes)
-            select_node(cell_nodes[k], cell_points[k], c, selection);
-      }
-    }
-  }
-
-  template <int dim>
-  void MechanicalConditions<dim>::select_node(const types::global_dof_index node,
-                                              const Point<dim> &point, const unsigned int c,
-                                              Selection &selection) const
-  {
-    const MechanicalCondition<dim> &condition = conditions[c];
-    if (!condition.place.contains(point) || !owned.is_element(node))
-      return;
-    ++selection.n_selected[c];
-    if (!prescribes_motion(condition.type))
-      return;
-    auto [position, is_new] = selection.constraints.try_emplace(node);
-    if (is_new)
+    };
+    const auto select_face =
+        [&](const auto &cell, const unsigned int f, const auto &face_nodes, const auto &face_points)
     {
-      position->second.global_node = node;
-      position->second.condition.fill(-1);
-    }
-    for (unsigned int d = 0; d < dim; ++d)
-      if (!condition.function || !condition.function->is_free(d))
-        prescribe(c, d, point, position->second, selection);
-  }
-
-  template <int dim>
-  void MechanicalConditions<dim>::prescribe(const unsigned int c, const unsigned int component,
-                                            const Point<dim> &point, Constraint &constraint,
-                                            Selection &selection)
-  {
-    int &condition = constraint.condition[component];
-    const int number = static_cast<int>(c);
-    if (condition >= 0 && condition != number)
-      selection.overlaps.emplace(
-          std::make_tuple(constraint.global_node, component,
-                          static_cast<unsigned int>(std::min(condition, number)),
-                          static_cast<unsigned int>(std::max(condition, number))),
-          point);
-    condition = std::max(condition, number);
-  }
-
-  template <int dim>
-  const std::vector<typename MechanicalConditions<dim>::Overlap> &
-  MechanicalConditions<dim>::overlaps() const
-  {
-    return overlapping;
-  }
-
-  template <int dim>
-  MechanicalConditions<dim>::~MechanicalConditions() = default;
-
-  template <int dim>
-  IndexSet MechanicalConditions<dim>::required_nodes() const
-  {
-    return areas.required_nodes();
+      for (unsigned int c = 0; c < conditions.size(); ++c)
+        if (is_on_faces(conditions[c].type) && nodes.is_outer_face(cell, f) &&
+            this->selects_face(c, cell, f))
+          areas.add_face(c, face_nodes,
+                         conditions[c].type == MechanicalConditionType::pressure
+                             ? areas.orientation(face_points, cell->center())
+                             : 0.);
+    };
+    this->find(sections, nodes,
+               [&]
+               {
+                 this->for_each_node(nodes, select_node);
+                 this->for_each_face(nodes, select_face);
+               });
+    for (const auto &[node, constraint] : of_nodes)
+      constraints.push_back(constraint);
+    for (const auto &[of, point] : shared)
+      overlapping.push_back({std::get<2>(of), std::get<3>(of), std::get<1>(of), point});
   }
 
   template <int dim>
   IndexSet MechanicalConditions<dim>::prescribed_nodes() const
   {
-    IndexSet result(owned.size());
-    for (const Constraint &constraint : constraints)
+    IndexSet result(areas.required_nodes().size());
+    for (const auto &constraint : constraints)
       result.add_index(constraint.global_node);
     result.compress();
     return result;
   }
 
   template <int dim>
-  void MechanicalConditions<dim>::set_partition(const NodePartition &partition)
-  {
-    areas.set_partition(partition);
-    constrained.clear();
-    constraint_nodes.clear();
-    if (Utilities::MPI::max(constraints.empty() ? 0 : 1, partition.communicator()) == 0)
-      return;
-    constrained.assign(partition.n_owned(), 0);
-    for (Constraint &constraint : constraints)
-    {
-      constraint.node = partition.local_index(constraint.global_node);
-      constraint_nodes.push_back(constraint.node);
-      for (unsigned int d = 0; d < dim; ++d)
-        if (constraint.condition[d] >= 0)
-          constrained[constraint.node] =
-              static_cast<std::uint8_t>(constrained[constraint.node] | (1u << d));
-    }
-  }
-
-  template <int dim>
-  void MechanicalConditions<dim>::remove_faces(
-      const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
-  {
-    areas.remove_faces_of(nodes_of_cells);
-  }
-
-  template <int dim>
-  const std::vector<std::uint8_t> &MechanicalConditions<dim>::constrained_components() const
-  {
-    return constrained;
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &MechanicalConditions<dim>::constrained_nodes() const
-  {
-    return constraint_nodes;
-  }
-
-  template <int dim>
-  int MechanicalConditions<dim>::prescribing_condition(const std::size_t constrained_node,
-                                                       const unsigned int component) const
-  {
-    return component < dim ? constraints[constrained_node].condition[component] : -1;
-  }
-
-  template <int dim>
-  const std::vector<MechanicalCondition<dim>> &MechanicalConditions<dim>::all() const
-  {
-    return conditions;
-  }
-
-  template <int dim>
   bool MechanicalConditions<dim>::has_loads() const
   {
-    return std::any_of(conditions.begin(), conditions.end(),
-                       [](const MechanicalCondition<dim> &condition)
-                       { return !prescribes_motion(condition.type); });
-  }
-
-  template <int dim>
-  bool MechanicalConditions<dim>::has_constraints() const
-  {
-    return std::any_of(conditions.begin(), conditions.end(),
-                       [](const MechanicalCondition<dim> &condition)
-                       { return prescribes_motion(condition.type); });
+    return this->has_type([](const MechanicalConditionType type) { return !prescribes(type); });
   }
 
   template <int dim>
@@ -286,7 +238,7 @@ namespace tombolo
     {
       if (alone != nullptr)
         alone->set_zero();
-      evaluate(action);
+      this->evaluate(action);
       if (alone == nullptr)
         return;
       alone->add_to_owners();
@@ -355,23 +307,18 @@ namespace tombolo
   }
 
   template <int dim>
-  void MechanicalConditions<dim>::evaluate(const std::function<void()> &action) const
+  template <typename Value>
+  void MechanicalConditions<dim>::prescribe(NodalVector &vector, const Value &value) const
   {
-    try
-    {
-      action();
-    }
-    catch (const RunError &error)
-    {
-      if (local_failure.empty())
-        local_failure = error.what();
-    }
-  }
-
-  template <int dim>
-  const std::string &MechanicalConditions<dim>::failure() const
-  {
-    return local_failure;
+    this->evaluate(
+        [&]
+        {
+          for (std::size_t k = 0; k < constraints.size(); ++k)
+            for (unsigned int d = 0; d < dim; ++d)
+              if (const int c = constraints[k].condition[d]; c >= 0)
+                vector.node(constraint_nodes[k])[d] =
+                    value(conditions[static_cast<unsigned int>(c)], constraint_nodes[k], d);
+        });
   }
 
   template <int dim>
@@ -379,42 +326,30 @@ namespace tombolo
                                                          const double velocity_time_step,
                                                          const double position_time_step) const
   {
-    const auto prescribe = [&]()
-    {
-      for (const Constraint &constraint : constraints)
-        for (unsigned int d = 0; d < dim; ++d)
-          if (constraint.condition[d] >= 0)
-          {
-            const double target =
-                conditions[static_cast<unsigned int>(constraint.condition[d])].prescribed_velocity(
-                    point_of<dim>(state.initial_position.node(constraint.node)),
-                    state.position.node(constraint.node), d, time, position_time_step);
-            state.acceleration.node(constraint.node)[d] =
-                (target - state.unsmoothed_velocity.node(constraint.node)[d]) / velocity_time_step;
-          }
-    };
-    evaluate(prescribe);
+    prescribe(state.acceleration,
+              [&](const MechanicalCondition<dim> &condition, const unsigned int node,
+                  const unsigned int d)
+              {
+                const double target = condition.prescribed_velocity(
+                    point_of<dim>(state.initial_position.node(node)), state.position.node(node), d,
+                    time, position_time_step);
+                return (target - state.unsmoothed_velocity.node(node)[d]) / velocity_time_step;
+              });
   }
 
   template <int dim>
   void MechanicalConditions<dim>::prescribe_initial_velocity(NodalState &state, const double time,
                                                              const double interval) const
   {
-    const auto prescribe = [&]()
+    const auto value = [&](const MechanicalCondition<dim> &condition, const unsigned int node,
+                           const unsigned int d)
     {
-      for (const Constraint &constraint : constraints)
-        for (unsigned int d = 0; d < dim; ++d)
-          if (constraint.condition[d] >= 0)
-          {
-            const MechanicalCondition<dim> &condition =
-                conditions[static_cast<unsigned int>(constraint.condition[d])];
-            state.unsmoothed_velocity.node(constraint.node)[d] = condition.initial_velocity(
-                point_of<dim>(state.initial_position.node(constraint.node)),
-                state.position.node(constraint.node), d, time, interval);
-          }
+      return condition.initial_velocity(point_of<dim>(state.initial_position.node(node)),
+                                        state.position.node(node), d, time, interval);
     };
     // Every rank takes part in the exchange, also one where a function has failed.
-    change_owned({&state.unsmoothed_velocity}, [&] { evaluate(prescribe); });
+    change_owned({&state.unsmoothed_velocity},
+                 [&] { prescribe(state.unsmoothed_velocity, value); });
   }
 
   template class MechanicalConditions<2>;

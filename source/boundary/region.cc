@@ -27,30 +27,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Place<dim>::has_boundaries() const
-  {
-    return !boundaries.empty();
-  }
-
-  template <int dim>
-  bool Place<dim>::has_boundary(const types::boundary_id id) const
-  {
-    return boundaries.count(id) > 0;
-  }
-
-  template <int dim>
-  bool Place<dim>::contains(const Point<dim> &point) const
-  {
-    return !where || (*where)(point);
-  }
-
-  template <int dim>
-  bool Place<dim>::contains_face(const types::boundary_id id, const Point<dim> &centre) const
-  {
-    return (boundaries.empty() || has_boundary(id)) && contains(centre);
-  }
-
-  template <int dim>
   void Place<dim>::fail_empty(const Section &section, const std::string &what) const
   {
     section.fail(where ? "Where" : "Boundary",

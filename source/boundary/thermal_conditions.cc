@@ -1,212 +1,153 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/thermal_conditions.h>
 
-#include <tombolo/base/exceptions.h>
-#include <tombolo/base/input/entries.h>
-#include <tombolo/base/input/parameters.h>
-#include <tombolo/boundary/limited_function.h>
-#include <tombolo/boundary/region.h>
-#include <tombolo/boundary/thermal_condition.h>
-#include <tombolo/boundary/tributary_areas.h>
-#include <tombolo/mesh/nodes.h>
-#include <tombolo/state/nodal_vector.h>
-
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
-#include <iterator>
+#include <array>
 #include <limits>
-#include <map>
 #include <optional>
-#include <string>
-#include <vector>
+#include <sstream>
+#include <utility>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  /** The nodes and faces that thermal conditions select, at the start of a run. */
-  template <int dim>
-  class ThermalSelection
+  namespace
   {
-  public:
-    /** Finds them, and adds faces that heat crosses to @p areas, by condition. @p conditions are
-     * those of @p sections and must outlive this, as @p nodes. No heat crosses planes of symmetry.
-     * Throws InputError where a condition selects nothing, or two on one face exclude each other.
-     * Collective. */
-    ThermalSelection(const std::vector<Section> &sections,
-                     const std::vector<ThermalCondition<dim>> &conditions, const Nodes<dim> &nodes,
-                     TributaryAreas<dim> &areas)
-        : conditions(conditions), nodes(nodes), selected_nodes(sections.size()),
-          n_selected(sections.size(), 0), n_conflicts(sections.size() * sections.size(), 0)
+    const std::array<std::pair<const char *, ThermalConditionType>, 6> type_names = {
+        {{"temperature", ThermalConditionType::temperature},
+         {"heat flux", ThermalConditionType::heat_flux},
+         {"convection", ThermalConditionType::convection},
+         {"radiation", ThermalConditionType::radiation},
+         {"adiabatic", ThermalConditionType::adiabatic},
+         {"heat source", ThermalConditionType::heat_source}}};
+
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+
+    /** None of a condition of another kind. */
+    std::optional<ThermalConditionType> thermal_condition_type(const Section &section)
     {
-      // The value of a predicate or a function can be undefined on one rank alone.
-      std::string message;
-      try
-      {
-        find_nodes();
-        find_faces(areas);
-      }
-      catch (const InputError &error)
-      {
-        message = error.what();
-      }
-      throw_on_all_ranks<InputError>(message, nodes.communicator());
-      refuse_what_selects_nothing(sections);
-      refuse_conflicts(sections);
+      const std::string text = section.get("Type");
+      for (const auto &[name, type] : type_names)
+        if (text == name)
+          return type;
+      return {};
     }
+  } // namespace
 
-    /** By condition: owned nodes of a temperature or a source, ascending; none for others. */
-    std::vector<std::vector<dealii::types::global_dof_index>> owned_nodes() const
+  bool is_thermal(const Section &section)
+  {
+    return thermal_condition_type(section).has_value();
+  }
+
+  bool is_film(const ThermalConditionType type)
+  {
+    return type == ThermalConditionType::convection || type == ThermalConditionType::radiation;
+  }
+
+  bool crosses_surface(const ThermalConditionType type)
+  {
+    return type == ThermalConditionType::heat_flux || is_film(type);
+  }
+
+  bool is_on_faces(const ThermalConditionType type)
+  {
+    return crosses_surface(type) || type == ThermalConditionType::adiabatic;
+  }
+
+  bool are_compatible(const ThermalConditionType a, const ThermalConditionType b)
+  {
+    return a != b && crosses_surface(a) && crosses_surface(b);
+  }
+
+  template <int dim>
+  void ThermalCondition<dim>::declare_parameters(const Entries &e)
+  {
+    e.text("Film coefficient", mandatory, "M/(T^3 K)",
+           "h >= 0 of a convection, which gives the heat h (ambient temperature - temperature) to "
+           "the body per current area and time; a function of the initial position x, y, z and of "
+           "the time t.");
+    e.text("Emissivity", mandatory, "",
+           "Of a radiation, from 0 to 1; a function of the initial position x, y, z and of the "
+           "time t. The heat emissivity * Stefan-Boltzmann constant * (ambient temperature^4 - "
+           "temperature^4), both from `Heat/Absolute zero`, enters per current area and time.");
+    e.text("Ambient temperature", mandatory, "K",
+           "Of a convection or a radiation: the temperature far from the surface, a function of "
+           "the initial position x, y, z and of the time t.");
+    e.number("Stefan-Boltzmann constant", mandatory, any_number(), "M/(T^3 K^4)",
+             "Of a radiation, larger than zero, in the units of the scene: 5.670374419e-8 W/(m^2 "
+             "K^4) in metres, kilograms, seconds and kelvin.");
+  }
+
+  template <int dim>
+  void ThermalCondition<dim>::read_radiation(const Section &section, const Section &heat)
+  {
+    if (!heat.is_set("Absolute zero"))
+      section.fail("Type", "radiation needs absolute temperatures: `Absolute zero` of the section "
+                           "`" +
+                               heat.path() +
+                               "` says where they begin on the scale of the other temperatures, 0 "
+                               "for kelvin, -273.15 for degrees Celsius.");
+    absolute_zero = heat.get_double("Absolute zero");
+    stefan_boltzmann = section.get_positive("Stefan-Boltzmann constant");
+    coefficient.emplace(section, "Emissivity", 0., 1., "an emissivity from 0 to 1");
+    std::ostringstream allowed;
+    allowed << "a temperature not below absolute zero, which is " << absolute_zero;
+    ambient.emplace(section, "Ambient temperature", absolute_zero, infinity, allowed.str());
+  }
+
+  template <int dim>
+  ThermalCondition<dim> ThermalCondition<dim>::read(const Section &section, const Section &heat)
+  {
+    const std::optional<ThermalConditionType> type = thermal_condition_type(section);
+    Assert(type, ExcMessage("This is no thermal condition."));
+    const bool is_source = *type == ThermalConditionType::heat_source;
+    if (is_source && section.is_set("Boundary"))
+      section.fail("Boundary", "a heat source is in the volume; use `Where`, or neither.");
+    ThermalCondition condition{section.name(), *type, Place<dim>(section, is_source), {}, {}, {}};
+    switch (*type)
     {
-      std::vector<std::vector<types::global_dof_index>> result(selected_nodes.size());
-      for (std::size_t c = 0; c < selected_nodes.size(); ++c)
-        std::copy_if(
-            selected_nodes[c].begin(), selected_nodes[c].end(), std::back_inserter(result[c]),
-            [&](const types::global_dof_index node) { return nodes.owned().is_element(node); });
-      return result;
+    case ThermalConditionType::temperature:
+    case ThermalConditionType::heat_flux:
+    case ThermalConditionType::heat_source:
+      if (!section.is_set("Function"))
+        section.fail("", "the entry \"Function\" is missing: a condition of type " +
+                             in_quotes(section.get("Type")) +
+                             " needs a function of x, y, z and t, or a number.");
+      condition.function.emplace(section, "Function");
+      break;
+    case ThermalConditionType::convection:
+      condition.coefficient.emplace(section, "Film coefficient", 0., infinity,
+                                    "a film coefficient of zero or more");
+      condition.ambient.emplace(section, "Ambient temperature");
+      break;
+    case ThermalConditionType::radiation:
+      condition.read_radiation(section, heat);
+      break;
+    case ThermalConditionType::adiabatic:
+      if (section.is_set("Function"))
+        section.fail("Function", "no heat passes an adiabatic surface; for a given flux use `Type "
+                                 "= heat flux`.");
+      break;
     }
+    return condition;
+  }
 
-  private:
-    void find_nodes()
-    {
-      std::vector<types::global_dof_index> cell_nodes;
-      std::vector<Point<dim>> cell_points;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (cell->is_artificial())
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        nodes.cell_points(cell, cell_points);
-        const auto select = [&](const unsigned int c, const unsigned int k)
-        {
-          if (conditions[c].place.contains(cell_points[k]))
-            selected_nodes[c].push_back(cell_nodes[k]);
-        };
-        for (unsigned int c = 0; c < conditions.size(); ++c)
-        {
-          const Place<dim> &place = conditions[c].place;
-          if (is_on_faces(conditions[c].type))
-            continue;
-          if (!place.has_boundaries())
-            for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-              select(c, k);
-          else
-            for (const unsigned int f : cell->face_indices())
-              if (cell->face(f)->at_boundary() && place.has_boundary(cell->face(f)->boundary_id()))
-                for (const unsigned int k : nodes.face_places(f))
-                  select(c, k);
-        }
-      }
-      for (unsigned int c = 0; c < conditions.size(); ++c)
-      {
-        std::vector<types::global_dof_index> &selected = selected_nodes[c];
-        std::sort(selected.begin(), selected.end());
-        selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
-        for (const types::global_dof_index node : selected)
-          n_selected[c] += nodes.owned().is_element(node) ? 1 : 0;
-      }
-    }
+  template <int dim>
+  SurfaceHeat ThermalCondition<dim>::film_heat(const double coefficient, const double ambient,
+                                               const double temperature) const
+  {
+    if (type == ThermalConditionType::convection)
+      return {coefficient * (ambient - temperature), coefficient};
+    const double factor = coefficient * stefan_boltzmann;
+    const double a = ambient - absolute_zero;
+    const double b = temperature - absolute_zero;
+    // a^4 - b^4 without the loss of digits near equilibrium.
+    return {factor * (a * a + b * b) * (a + b) * (a - b), std::max(4. * factor * b * b * b, 0.)};
+  }
 
-    void find_faces(TributaryAreas<dim> &areas)
-    {
-      std::vector<types::global_dof_index> cell_nodes, face_nodes;
-      std::vector<Point<dim>> cell_points;
-      std::vector<unsigned int> present;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (!cell->is_locally_owned() || !cell->at_boundary())
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        nodes.cell_points(cell, cell_points);
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!cell->face(f)->at_boundary())
-            continue;
-          face_nodes.clear();
-          for (const unsigned int k : nodes.face_places(f))
-            face_nodes.push_back(cell_nodes[k]);
-          const bool is_outer = nodes.is_outer_face(cell, f);
-          present.clear();
-          for (unsigned int c = 0; c < conditions.size(); ++c)
-          {
-            const ThermalCondition<dim> &condition = conditions[c];
-            if (condition.type == ThermalConditionType::temperature)
-            {
-              const std::vector<types::global_dof_index> &all = selected_nodes[c];
-              if (std::all_of(face_nodes.begin(), face_nodes.end(),
-                              [&](const types::global_dof_index node)
-                              { return std::binary_search(all.begin(), all.end(), node); }))
-                present.push_back(c);
-              continue;
-            }
-            if (!is_on_faces(condition.type) || (crosses_surface(condition.type) && !is_outer) ||
-                !condition.place.contains_face(cell->face(f)->boundary_id(),
-                                               cell->face(f)->center()))
-              continue;
-            present.push_back(c);
-            ++n_selected[c];
-            if (crosses_surface(condition.type))
-              areas.add_face(c, face_nodes);
-            if (is_film(condition.type))
-              for (const LimitedFunction<dim> *function :
-                   {&*condition.coefficient, &*condition.ambient})
-                if (function->depends_on_place())
-                  for (const unsigned int k : nodes.face_places(f))
-                    function->check_start(cell_points[k]);
-          }
-          for (const unsigned int later : present)
-            for (const unsigned int earlier : present)
-              if (earlier < later &&
-                  !are_compatible(conditions[earlier].type, conditions[later].type))
-                ++n_conflicts[later * conditions.size() + earlier];
-        }
-      }
-    }
-
-    void refuse_what_selects_nothing(const std::vector<Section> &sections) const
-    {
-      for (unsigned int c = 0; c < conditions.size(); ++c)
-        if (Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
-          conditions[c].place.fail_empty(
-              sections[c], is_on_faces(conditions[c].type) ? nodes.outer_face_text() : "node");
-    }
-
-    void refuse_conflicts(const std::vector<Section> &sections) const
-    {
-      std::vector<unsigned int> n_shared(n_conflicts.size());
-      Utilities::MPI::sum(n_conflicts, nodes.communicator(), n_shared);
-      for (unsigned int later = 0; later < conditions.size(); ++later)
-        for (unsigned int earlier = 0; earlier < later; ++earlier)
-        {
-          const unsigned int n = n_shared[later * conditions.size() + earlier];
-          if (n == 0)
-            continue;
-          const bool is_twice = conditions[later].type == conditions[earlier].type;
-          sections[later].fail(
-              "Type", (n == 1 ? "a face" : std::to_string(n) + " faces") +
-                          " of the boundary that the condition selects " +
-                          (n == 1 ? "has" : "have") + " the condition \"" +
-                          conditions[earlier].name + "\" of type \"" +
-                          sections[earlier].get("Type") + "\" already; " +
-                          (is_twice ? "allowed is one condition of a type on a face."
-                                    : "a temperature or an adiabatic surface allows no other "
-                                      "condition on a face."));
-        }
-    }
-
-    const std::vector<ThermalCondition<dim>> &conditions;
-    const Nodes<dim> &nodes;
-    /** By condition: owned and ghost nodes of a temperature or a source, ascending. */
-    std::vector<std::vector<dealii::types::global_dof_index>> selected_nodes;
-    std::vector<unsigned long> n_selected; ///< owned nodes or faces, by condition
-    /** Faces of this rank with two conditions that exclude each other: [later][earlier]. */
-    std::vector<unsigned int> n_conflicts;
-  };
-
-  template class ThermalSelection<2>;
-
-  template class ThermalSelection<3>;
+  template struct ThermalCondition<2>;
+  template struct ThermalCondition<3>;
 
   /** The values of a function at nodes at one time; one without a place is evaluated once. */
   template <int dim>
@@ -235,245 +176,153 @@ namespace tombolo
   };
 
   template <int dim>
-  struct ThermalConditions<dim>::Implementation
-  {
-    struct Constraint
-    {
-      types::global_dof_index global_node;
-      unsigned int condition;
-    };
-
-    Implementation(const std::vector<Section> &sections, const Section &heat, const Mesh<dim> &mesh,
-                   const Nodes<dim> &nodes);
-
-    bool has_type(bool (*is_wanted)(ThermalConditionType)) const
-    {
-      return std::any_of(conditions.begin(), conditions.end(),
-                         [&](const ThermalCondition<dim> &condition)
-                         { return is_wanted(condition.type); });
-    }
-
-    /** Calls action(condition, node, area, SurfaceHeat) for the nodes of its faces. */
-    template <typename Action>
-    void for_each_surface_node(const NodalVector &initial_position, const NodalVector &temperature,
-                               const double time, const bool only_films, const Action &action)
-    {
-      for (unsigned int c = 0; c < conditions.size(); ++c)
-      {
-        const ThermalCondition<dim> &condition = conditions[c];
-        const std::vector<unsigned int> &nodes = areas.nodes(c);
-        const std::vector<double> &area = areas.areas(c);
-        if (condition.type == ThermalConditionType::heat_flux && !only_films)
-        {
-          ValuesAtNodes<dim> flux(*condition.function, initial_position, time);
-          for (std::size_t k = 0; k < nodes.size(); ++k)
-            action(c, nodes[k], area[k], SurfaceHeat{flux(nodes[k]), 0.});
-        }
-        else if (is_film(condition.type))
-        {
-          ValuesAtNodes<dim> coefficient(*condition.coefficient, initial_position, time);
-          ValuesAtNodes<dim> ambient(*condition.ambient, initial_position, time);
-          for (std::size_t k = 0; k < nodes.size(); ++k)
-            action(c, nodes[k], area[k],
-                   condition.film_heat(coefficient(nodes[k]), ambient(nodes[k]),
-                                       temperature.node(nodes[k])[0]));
-        }
-      }
-    }
-
-    /** Does @p action; a RunError of it becomes the failure() of this rank. */
-    template <typename Action>
-    void evaluate(const Action &action)
-    {
-      try
-      {
-        action();
-      }
-      catch (const RunError &error)
-      {
-        if (failure.empty())
-          failure = error.what();
-      }
-    }
-
-    std::vector<ThermalCondition<dim>> conditions;
-    TributaryAreas<dim> areas; ///< by condition
-    std::string failure;
-
-    /** By condition: owned nodes of a temperature or a source, ascending. */
-    std::vector<std::vector<types::global_dof_index>> selected_nodes;
-    std::vector<Constraint> constraints;        ///< of owned nodes, ascending
-    std::vector<unsigned int> constraint_nodes; ///< local
-    std::vector<std::uint8_t> constrained;
-    std::vector<std::vector<unsigned int>> source_nodes; ///< by condition, local, owned
-  };
-
-  template <int dim>
-  ThermalConditions<dim>::Implementation::Implementation(const std::vector<Section> &sections,
-                                                         const Section &heat, const Mesh<dim> &mesh,
-                                                         const Nodes<dim> &nodes)
-      : areas(static_cast<unsigned int>(sections.size()), nodes), source_nodes(sections.size())
-  {
-    if (sections.empty())
-      return;
-    for (const Section &section : sections)
-    {
-      conditions.push_back(ThermalCondition<dim>::read(section, heat));
-      conditions.back().place.find_boundaries(mesh, section);
-    }
-    selected_nodes = ThermalSelection<dim>(sections, conditions, nodes, areas).owned_nodes();
-
-    // Of several conditions that prescribe a node, as at an edge, the last one does it.
-    std::map<types::global_dof_index, unsigned int> prescribed;
-    for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (conditions[c].type == ThermalConditionType::temperature)
-        for (const types::global_dof_index node : selected_nodes[c])
-          prescribed[node] = c;
-    for (const auto &[node, c] : prescribed)
-      constraints.push_back({node, c});
-  }
-
-  template <int dim>
-  bool ThermalConditions<dim>::is_thermal(const Section &section)
-  {
-    return thermal_condition_type(section).has_value();
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::declare_parameters(const Entries &e)
-  {
-    e.text("Film coefficient", mandatory, "M/(T^3 K)",
-           "h >= 0 of a convection, which gives the heat h (ambient temperature - temperature) to "
-           "the body per current area and time; a function of the initial position x, y, z and of "
-           "the time t.");
-    e.text("Emissivity", mandatory, "",
-           "Of a radiation, from 0 to 1; a function of the initial position x, y, z and of the "
-           "time t. The heat emissivity * Stefan-Boltzmann constant * (ambient temperature^4 - "
-           "temperature^4), both from `Heat/Absolute zero`, enters per current area and time.");
-    e.text("Ambient temperature", mandatory, "K",
-           "Of a convection or a radiation: the temperature far from the surface, a function of "
-           "the initial position x, y, z and of the time t.");
-    e.number("Stefan-Boltzmann constant", mandatory, any_number(), "M/(T^3 K^4)",
-             "Of a radiation, larger than zero, in the units of the scene: 5.670374419e-8 W/(m^2 "
-             "K^4) in metres, kilograms, seconds and kelvin.");
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::validate(const Section &section, const Section &heat)
-  {
-    ThermalCondition<dim>::read(section, heat);
-  }
-
-  template <int dim>
   ThermalConditions<dim>::ThermalConditions(const std::vector<Section> &sections,
                                             const Section &heat, const Mesh<dim> &mesh,
                                             const Nodes<dim> &nodes)
-      : implementation(std::make_unique<Implementation>(sections, heat, mesh, nodes))
-  {}
-
-  template <int dim>
-  ThermalConditions<dim>::~ThermalConditions() = default;
-
-  template <int dim>
-  IndexSet ThermalConditions<dim>::required_nodes() const
+      : Base(sections, mesh, nodes, heat), selected_nodes(sections.size()),
+        source_nodes(sections.size())
   {
-    return implementation->areas.required_nodes();
+    if (sections.empty())
+      return;
+    std::vector<unsigned int> n_conflicts;
+    const auto select_node =
+        [&](const unsigned int c, const types::global_dof_index node, const Point<dim> & /*point*/)
+    { selected_nodes[c].push_back(node); };
+    const auto select = [&]
+    {
+      this->for_each_node(nodes, select_node);
+      for (std::vector<types::global_dof_index> &selected : selected_nodes)
+      {
+        std::sort(selected.begin(), selected.end());
+        selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
+      }
+      n_conflicts = find_faces(nodes);
+    };
+    this->find(sections, nodes, select);
+    refuse_conflicts(sections, Utilities::MPI::sum(n_conflicts, nodes.communicator()));
+
+    std::map<types::global_dof_index, typename Base::Constraint> of_nodes;
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+    {
+      std::vector<types::global_dof_index> &selected = selected_nodes[c];
+      selected.erase(std::remove_if(selected.begin(), selected.end(),
+                                    [&](const types::global_dof_index node)
+                                    { return !nodes.owned().is_element(node); }),
+                     selected.end());
+      if (prescribes(conditions[c].type))
+        for (const types::global_dof_index node : selected)
+          Base::constraint_of(node, of_nodes).condition[0] = static_cast<int>(c);
+    }
+    for (const auto &[node, constraint] : of_nodes)
+      constraints.push_back(constraint);
+  }
+
+  template <int dim>
+  std::vector<unsigned int> ThermalConditions<dim>::find_faces(const Nodes<dim> &nodes)
+  {
+    std::vector<unsigned int> n_conflicts(conditions.size() * conditions.size(), 0), present;
+    const auto select = [&](const auto &cell, const unsigned int f, const auto &face_nodes,
+                            const std::vector<Point<dim>> &face_points)
+    {
+      const bool is_outer = nodes.is_outer_face(cell, f);
+      present.clear();
+      for (unsigned int c = 0; c < conditions.size(); ++c)
+      {
+        const ThermalCondition<dim> &condition = conditions[c];
+        if (prescribes(condition.type))
+        {
+          const std::vector<types::global_dof_index> &all = selected_nodes[c];
+          if (std::all_of(face_nodes.begin(), face_nodes.end(),
+                          [&](const types::global_dof_index node)
+                          { return std::binary_search(all.begin(), all.end(), node); }))
+            present.push_back(c);
+          continue;
+        }
+        if (!is_on_faces(condition.type) || (crosses_surface(condition.type) && !is_outer) ||
+            !this->selects_face(c, cell, f))
+          continue;
+        present.push_back(c);
+        if (crosses_surface(condition.type))
+          areas.add_face(c, face_nodes);
+        if (is_film(condition.type))
+          for (const LimitedFunction<dim> *function :
+               {&*condition.coefficient, &*condition.ambient})
+            if (function->depends_on_place())
+              for (const Point<dim> &point : face_points)
+                function->check_start(point);
+      }
+      for (const unsigned int later : present)
+        for (const unsigned int earlier : present)
+          if (earlier < later && !are_compatible(conditions[earlier].type, conditions[later].type))
+            ++n_conflicts[later * conditions.size() + earlier];
+    };
+    this->for_each_face(nodes, select);
+    return n_conflicts;
+  }
+
+  template <int dim>
+  void ThermalConditions<dim>::refuse_conflicts(const std::vector<Section> &sections,
+                                                const std::vector<unsigned int> &n_conflicts) const
+  {
+    for (unsigned int later = 0; later < conditions.size(); ++later)
+      for (unsigned int earlier = 0; earlier < later; ++earlier)
+      {
+        const unsigned int n = n_conflicts[later * conditions.size() + earlier];
+        if (n == 0)
+          continue;
+        const bool is_twice = conditions[later].type == conditions[earlier].type;
+        sections[later].fail(
+            "Type", (n == 1 ? "a face" : std::to_string(n) + " faces") +
+                        " of the boundary that the condition selects " + (n == 1 ? "has" : "have") +
+                        " the condition \"" + conditions[earlier].name + "\" of type \"" +
+                        sections[earlier].get("Type") + "\" already; " +
+                        (is_twice ? "allowed is one condition of a type on a face."
+                                  : "a temperature or an adiabatic surface allows no other "
+                                    "condition on a face."));
+      }
   }
 
   template <int dim>
   void ThermalConditions<dim>::set_partition(const NodePartition &partition)
   {
-    Implementation &data = *implementation;
-    data.areas.set_partition(partition);
-    for (unsigned int c = 0; c < data.conditions.size(); ++c)
-      if (data.conditions[c].type == ThermalConditionType::heat_source)
+    Base::set_partition(partition);
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      if (conditions[c].type == ThermalConditionType::heat_source)
       {
-        data.source_nodes[c].clear();
-        for (const types::global_dof_index node : data.selected_nodes[c])
-          data.source_nodes[c].push_back(partition.local_index(node));
+        source_nodes[c].clear();
+        for (const types::global_dof_index node : selected_nodes[c])
+          source_nodes[c].push_back(partition.local_index(node));
       }
-    data.constrained.clear();
-    data.constraint_nodes.clear();
-    if (Utilities::MPI::max(data.constraints.empty() ? 0 : 1, partition.communicator()) == 0)
-      return;
-    data.constrained.assign(partition.n_owned(), 0);
-    for (const auto &constraint : data.constraints)
+  }
+
+  template <int dim>
+  template <typename Action>
+  void ThermalConditions<dim>::for_each_surface_node(const NodalVector &initial_position,
+                                                     const NodalVector &temperature,
+                                                     const double time, const bool only_films,
+                                                     const Action &action) const
+  {
+    for (unsigned int c = 0; c < conditions.size(); ++c)
     {
-      const unsigned int node = partition.local_index(constraint.global_node);
-      data.constraint_nodes.push_back(node);
-      data.constrained[node] = std::numeric_limits<std::uint8_t>::max();
+      const ThermalCondition<dim> &condition = conditions[c];
+      const std::vector<unsigned int> &nodes = areas.nodes(c);
+      const std::vector<double> &area = areas.areas(c);
+      if (condition.type == ThermalConditionType::heat_flux && !only_films)
+      {
+        ValuesAtNodes<dim> flux(*condition.function, initial_position, time);
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+          action(c, nodes[k], area[k], SurfaceHeat{flux(nodes[k]), 0.});
+      }
+      else if (is_film(condition.type))
+      {
+        ValuesAtNodes<dim> coefficient(*condition.coefficient, initial_position, time);
+        ValuesAtNodes<dim> ambient(*condition.ambient, initial_position, time);
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+          action(c, nodes[k], area[k],
+                 condition.film_heat(coefficient(nodes[k]), ambient(nodes[k]),
+                                     temperature.node(nodes[k])[0]));
+      }
     }
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::remove_faces(
-      const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
-  {
-    implementation->areas.remove_faces_of(nodes_of_cells);
-  }
-
-  template <int dim>
-  unsigned int ThermalConditions<dim>::n_conditions() const
-  {
-    return static_cast<unsigned int>(implementation->conditions.size());
-  }
-
-  template <int dim>
-  const std::string &ThermalConditions<dim>::name(const unsigned int condition) const
-  {
-    AssertIndexRange(condition, n_conditions());
-    return implementation->conditions[condition].name;
-  }
-
-  template <int dim>
-  bool ThermalConditions<dim>::has_surface_heat() const
-  {
-    return implementation->has_type(&crosses_surface);
-  }
-
-  template <int dim>
-  bool ThermalConditions<dim>::has_sources() const
-  {
-    return implementation->has_type([](const ThermalConditionType type)
-                                    { return type == ThermalConditionType::heat_source; });
-  }
-
-  template <int dim>
-  bool ThermalConditions<dim>::has_films() const
-  {
-    return implementation->has_type(&is_film);
-  }
-
-  template <int dim>
-  bool ThermalConditions<dim>::has_constraints() const
-  {
-    return implementation->has_type([](const ThermalConditionType type)
-                                    { return type == ThermalConditionType::temperature; });
-  }
-
-  template <int dim>
-  const std::vector<std::uint8_t> &ThermalConditions<dim>::constrained_components() const
-  {
-    return implementation->constrained;
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &ThermalConditions<dim>::constrained_nodes() const
-  {
-    return implementation->constraint_nodes;
-  }
-
-  template <int dim>
-  std::vector<unsigned int>
-  ThermalConditions<dim>::surface_nodes(const std::shared_ptr<const NodePartition> &partition) const
-  {
-    return implementation->areas.owned_nodes(partition);
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::update_areas(const NodalVector &position)
-  {
-    implementation->areas.update(position);
   }
 
   template <int dim>
@@ -482,7 +331,7 @@ namespace tombolo
                                                 NodalVector &heat_rate,
                                                 std::vector<double> &of_condition) const
   {
-    AssertDimension(of_condition.size(), n_conditions());
+    AssertDimension(of_condition.size(), this->n_conditions());
     const auto add = [&](const unsigned int condition, const unsigned int node, const double area,
                          const SurfaceHeat &heat)
     {
@@ -490,10 +339,8 @@ namespace tombolo
       heat_rate.node(node)[0] += rate;
       of_condition[condition] += rate;
     };
-    implementation->evaluate(
-        [&]() {
-          implementation->for_each_surface_node(initial_position, temperature, time, false, add);
-        });
+    this->evaluate([&]()
+                   { for_each_surface_node(initial_position, temperature, time, false, add); });
   }
 
   template <int dim>
@@ -504,9 +351,8 @@ namespace tombolo
     const auto add =
         [&](const unsigned int, const unsigned int node, const double area, const SurfaceHeat &heat)
     { result.node(node)[0] += heat.film * area * field.node(node)[0]; };
-    implementation->evaluate(
-        [&]()
-        { implementation->for_each_surface_node(initial_position, temperature, time, true, add); });
+    this->evaluate([&]()
+                   { for_each_surface_node(initial_position, temperature, time, true, add); });
   }
 
   template <int dim>
@@ -515,16 +361,15 @@ namespace tombolo
                                            NodalVector &heat_rate,
                                            std::vector<double> &of_condition) const
   {
-    AssertDimension(of_condition.size(), n_conditions());
-    const Implementation &data = *implementation;
+    AssertDimension(of_condition.size(), this->n_conditions());
     const auto add = [&]()
     {
-      for (unsigned int c = 0; c < data.conditions.size(); ++c)
+      for (unsigned int c = 0; c < conditions.size(); ++c)
       {
-        if (data.conditions[c].type != ThermalConditionType::heat_source)
+        if (conditions[c].type != ThermalConditionType::heat_source)
           continue;
-        ValuesAtNodes<dim> source(*data.conditions[c].function, initial_position, time);
-        for (const unsigned int node : data.source_nodes[c])
+        ValuesAtNodes<dim> source(*conditions[c].function, initial_position, time);
+        for (const unsigned int node : source_nodes[c])
         {
           const double rate = source(node) * *initial_volume.node(node);
           heat_rate.node(node)[0] += rate;
@@ -532,42 +377,28 @@ namespace tombolo
         }
       }
     };
-    implementation->evaluate(add);
+    this->evaluate(add);
   }
 
   template <int dim>
   void ThermalConditions<dim>::prescribe(const NodalVector &initial_position, const double time,
                                          NodalVector &temperature) const
   {
-    const Implementation &data = *implementation;
     const auto set = [&]()
     {
-      std::vector<std::optional<ValuesAtNodes<dim>>> values(data.conditions.size());
-      for (std::size_t k = 0; k < data.constraints.size(); ++k)
+      std::vector<std::optional<ValuesAtNodes<dim>>> values(conditions.size());
+      for (std::size_t k = 0; k < constraints.size(); ++k)
       {
-        const unsigned int c = data.constraints[k].condition;
+        const unsigned int c = static_cast<unsigned int>(constraints[k].condition[0]);
         if (!values[c])
-          values[c].emplace(*data.conditions[c].function, initial_position, time);
-        const unsigned int node = data.constraint_nodes[k];
+          values[c].emplace(*conditions[c].function, initial_position, time);
+        const unsigned int node = constraint_nodes[k];
         temperature.node(node)[0] = (*values[c])(node);
       }
     };
-    implementation->evaluate(set);
-  }
-
-  template <int dim>
-  unsigned int ThermalConditions<dim>::condition_of_constraint(const std::size_t k) const
-  {
-    return implementation->constraints[k].condition;
-  }
-
-  template <int dim>
-  const std::string &ThermalConditions<dim>::failure() const
-  {
-    return implementation->failure;
+    this->evaluate(set);
   }
 
   template class ThermalConditions<2>;
-
   template class ThermalConditions<3>;
 } // namespace tombolo

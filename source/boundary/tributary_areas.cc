@@ -128,25 +128,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::vector<unsigned int> &TributaryAreas<dim>::nodes(const unsigned int group) const
-  {
-    return groups[group].nodes;
-  }
-
-  template <int dim>
-  const std::vector<double> &TributaryAreas<dim>::areas(const unsigned int group) const
-  {
-    return groups[group].areas;
-  }
-
-  template <int dim>
-  const std::vector<Tensor<1, dim>> &
-  TributaryAreas<dim>::outward_areas(const unsigned int group) const
-  {
-    return groups[group].outward_areas;
-  }
-
-  template <int dim>
   std::vector<unsigned int>
   TributaryAreas<dim>::owned_nodes(const std::shared_ptr<const NodePartition> &partition) const
   {

@@ -41,8 +41,7 @@ namespace tombolo
     std::vector<Section> mechanical_sections, thermal_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
       if (!makes_images(section))
-        (ThermalConditions<dim>::is_thermal(section) ? thermal_sections : mechanical_sections)
-            .push_back(section);
+        (is_thermal(section) ? thermal_sections : mechanical_sections).push_back(section);
     nodes->set_images(find_images(parameters, mesh, *nodes));
     conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
 

@@ -262,8 +262,8 @@ namespace tombolo
       declare_material(e.subsection("Material: " + name));
     for (const std::string &name : section_names(parameters, "Conditions"))
     {
-      MechanicalConditions<dim>::declare_parameters(e.subsection("Condition: " + name));
-      ThermalConditions<dim>::declare_parameters(e.subsection("Condition: " + name));
+      MechanicalCondition<dim>::declare_parameters(e.subsection("Condition: " + name));
+      ThermalCondition<dim>::declare_parameters(e.subsection("Condition: " + name));
     }
     for (const std::string &name : section_names(parameters, "Initial conditions"))
       declare<InitialCondition<dim>>(e.subsection("Initial condition: " + name));
@@ -285,12 +285,12 @@ namespace tombolo
     {
       if (makes_images(section))
         validate_images<dim>(section);
-      else if (ThermalConditions<dim>::is_thermal(section))
+      else if (is_thermal(section))
       {
         if (!physics.has_heat)
           section.fail("Type", "the scene has no heat: a thermal condition needs materials with a "
                                "section \"Heat\".");
-        ThermalConditions<dim>::validate(section, section.all().section("Heat"));
+        ThermalCondition<dim>::read(section, section.all().section("Heat"));
         return section.get("Type") == "radiation";
       }
       else
@@ -298,7 +298,7 @@ namespace tombolo
         if (!physics.has_mechanics)
           section.fail("Type", "the scene has no mechanics, since its materials have no stresses; "
                                "nothing moves.");
-        MechanicalConditions<dim>::validate(section);
+        MechanicalCondition<dim>::read(section);
       }
       return false;
     }

@@ -227,7 +227,8 @@ namespace tombolo
     {
       const unsigned int node = constrained[k];
       const double held = nodal_enthalpy.enthalpy(node, *unsmoothed.node(node));
-      of_condition[conditions.condition_of_constraint(k)] += held - *enthalpy.node(node);
+      of_condition[static_cast<unsigned int>(conditions.prescribing_condition(k, 0))] +=
+          held - *enthalpy.node(node);
       *enthalpy.node(node) = held;
     }
   }

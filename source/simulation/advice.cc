@@ -274,7 +274,7 @@ namespace tombolo
       bool is_driven = model.heat != nullptr || model.conditions->has_loads() ||
                        std::any_of(conditions.begin(), conditions.end(),
                                    [](const MechanicalCondition<dim> &condition) {
-                                     return prescribes_motion(condition.type) &&
+                                     return prescribes(condition.type) &&
                                             condition.type != MechanicalConditionType::clamp;
                                    });
       std::vector<std::pair<const SurfaceContact<dim> *, Approach>> idle;

@@ -3,21 +3,64 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/boundary/conditions.h>
 #include <tombolo/boundary/load_sum.h>
-#include <tombolo/boundary/mechanical_condition.h>
-#include <tombolo/boundary/tributary_areas.h>
-#include <tombolo/mesh/nodes.h>
+#include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>
-#include <cstdint>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
+  enum class MechanicalConditionType
+  {
+    traction,   ///< force per current area, in a given direction
+    pressure,   ///< force per current area against the outward normal of the current face
+    body_force, ///< force per mass
+    gravity,    ///< the same, of everything unless a region is given
+    velocity,
+    displacement,
+    clamp
+  };
+
+  /** Whether conditions of this type prescribe components of the motion. */
+  bool prescribes(MechanicalConditionType type);
+
+  /** Whether they act on faces of the boundary. */
+  bool is_on_faces(MechanicalConditionType type);
+
+  /** What one section "Condition: NAME" of mechanics says. */
+  template <int dim>
+  struct MechanicalCondition
+  {
+    std::string name;
+    MechanicalConditionType type;
+    Place<dim> place;
+    /** Of place and time: dim components, one of a pressure, none of a clamp. */
+    std::optional<Expression<dim>> function;
+
+    /** Declares the section of one condition; the handler is in it. */
+    static void declare_parameters(const Entries &e);
+
+    /** Throws InputError. */
+    static MechanicalCondition read(const Section &section);
+
+    /** The prescribed velocity of the interval from @p time to @p time + @p time_step of a node
+     * that is at @p position [L/T]; that of a displacement reaches the prescribed place at its end.
+     * Throws RunError where the function has no finite value. */
+    double prescribed_velocity(const dealii::Point<dim> &initial, const double *position,
+                               unsigned int component, double time, double time_step) const;
+
+    /** The prescribed velocity at @p time; that of a displacement is its rate over the short @p
+     * interval after it. Throws likewise. */
+    double initial_velocity(const dealii::Point<dim> &initial, const double *position,
+                            unsigned int component, double time, double interval) const;
+  };
+
   /**
    * The mechanical conditions of a model, one section "Condition: NAME" each: tractions, pressures,
    * body forces and gravity, which give loads that act at positions, and velocities, displacements
@@ -25,38 +68,15 @@ namespace tombolo
    * initial position select nodes and faces. Functions are of the initial position and of time.
    */
   template <int dim>
-  class MechanicalConditions
+  class MechanicalConditions : public Conditions<dim, MechanicalCondition<dim>, dim>
   {
   public:
-    /** Declares the section of one condition; the handler is in it. */
-    static void declare_parameters(const Entries &e);
-
-    /** Reads the section of one condition, and refuses what can be seen to be wrong without a mesh.
-     */
-    static void validate(const Section &section);
-
     /** Reads the sections "Condition: NAME" and finds their nodes and faces. Throws InputError, for
      * example where a condition selects nothing. Collective. */
     MechanicalConditions(const std::vector<Section> &sections, const Mesh<dim> &mesh,
                          const Nodes<dim> &nodes);
-    ~MechanicalConditions();
-
-    /** Nodes whose values this rank needs: those of its loaded faces. */
-    dealii::IndexSet required_nodes() const;
-
-    /** Translates node numbers to those of @p partition. */
-    void set_partition(const NodePartition &partition);
-
-    /** Tractions no longer act on the faces of these cells, each given by its nodes.
-     * set_partition() must follow. */
-    void
-    remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
-
-    /** A bit per component of each owned node that is prescribed; empty where nothing is. */
-    const std::vector<std::uint8_t> &constrained_components() const;
 
     bool has_loads() const;
-    bool has_constraints() const;
 
     /** Owned nodes at which loads can act. Collective. */
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
@@ -84,22 +104,8 @@ namespace tombolo
      * Collective. */
     void prescribe_initial_velocity(NodalState &state, double time, double interval) const;
 
-    /** The first failure on this rank, empty for none: a function without a finite
-     * value. Loads and prescribed values are not complete then. Not agreed among ranks. */
-    const std::string &failure() const;
-
     /** Owned nodes with prescribed components (global numbers); known from the beginning. */
     dealii::IndexSet prescribed_nodes() const;
-
-    /** Owned constrained nodes (local numbers). */
-    const std::vector<unsigned int> &constrained_nodes() const;
-
-    /** The number of the condition that prescribes a component of a node, by its place in
-     * constrained_nodes(); -1: none. */
-    int prescribing_condition(std::size_t constrained_node, unsigned int component) const;
-
-    /** All conditions, by their number. */
-    const std::vector<MechanicalCondition<dim>> &all() const;
 
     /** A component of an owned node that two conditions prescribe; the later one acts. */
     struct Overlap
@@ -108,43 +114,30 @@ namespace tombolo
       unsigned int component;
       dealii::Point<dim> point; ///< the initial position
     };
-    const std::vector<Overlap> &overlaps() const;
+
+    const std::vector<Overlap> &overlaps() const
+    {
+      return overlapping;
+    }
 
   private:
-    struct Constraint
-    {
-      dealii::types::global_dof_index global_node;
-      unsigned int node;
-      std::array<int, dim> condition; ///< which prescribes the component, or -1
-    };
+    using Base = Conditions<dim, MechanicalCondition<dim>, dim>;
+    using Base::areas;
+    using Base::conditions;
+    using Base::constraint_nodes;
+    using Base::constraints;
 
-    struct Selection;
-    using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
-
-    /** Adds the nodes and faces of a cell that conditions select, tractions to `areas`. */
-    void select(const Nodes<dim> &nodes, const Cell &cell, Selection &selection);
-    void select_node(dealii::types::global_dof_index node, const dealii::Point<dim> &point,
-                     unsigned int c, Selection &selection) const;
-    /** Makes condition @p c that of a component, unless a later one has it. */
-    static void prescribe(unsigned int c, unsigned int component, const dealii::Point<dim> &point,
-                          Constraint &constraint, Selection &selection);
     void add_surface_forces(unsigned int c, const NodalState &state, double time,
                             const NodalVector &places, NodalVector &loads, LoadSum &sum,
                             NodalVector *alone) const;
     void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
                          const NodalVector &mass, double time, const NodalVector &places,
                          NodalVector &loads, LoadSum &sum, NodalVector *alone) const;
-    /** Does @p action; a RunError of it becomes the failure() of this rank. */
-    void evaluate(const std::function<void()> &action) const;
+    /** Sets the prescribed components of a vector: value(condition, node, component). */
+    template <typename Value>
+    void prescribe(NodalVector &vector, const Value &value) const;
 
-    std::vector<MechanicalCondition<dim>> conditions;
-    mutable std::string local_failure;
-    mutable NodalVector loads_alone;   ///< of one condition; only where they are asked for
-    mutable TributaryAreas<dim> areas; ///< by condition, of tractions
-    std::vector<Constraint> constraints;
+    mutable NodalVector loads_alone; ///< of one condition; only where they are asked for
     std::vector<Overlap> overlapping;
-    std::vector<unsigned int> constraint_nodes;
-    std::vector<std::uint8_t> constrained;
-    dealii::IndexSet owned;
   };
 } // namespace tombolo

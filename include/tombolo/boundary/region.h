@@ -37,17 +37,29 @@ namespace tombolo
     void find_boundaries(const Mesh<dim> &mesh, const Section &section);
 
     /** Whether there are names of boundaries. */
-    bool has_boundaries() const;
+    bool has_boundaries() const
+    {
+      return !boundaries.empty();
+    }
 
     /** Whether this is one of the boundaries named. */
-    bool has_boundary(dealii::types::boundary_id id) const;
+    bool has_boundary(const dealii::types::boundary_id id) const
+    {
+      return boundaries.count(id) > 0;
+    }
 
     /** Whether the predicate holds. Throws InputError, on one rank, where it has no value. */
-    bool contains(const dealii::Point<dim> &point) const;
+    bool contains(const dealii::Point<dim> &point) const
+    {
+      return !where || (*where)(point);
+    }
 
     /** Whether a face of the boundary is one of those named, if there are names, and has its centre
      * where the predicate holds. Throws likewise. */
-    bool contains_face(dealii::types::boundary_id id, const dealii::Point<dim> &centre) const;
+    bool contains_face(const dealii::types::boundary_id id, const dealii::Point<dim> &centre) const
+    {
+      return (boundaries.empty() || has_boundary(id)) && contains(centre);
+    }
 
     /** Throws the InputError that nothing is selected; @p what is "node", for example. */
     [[noreturn]] void fail_empty(const Section &section, const std::string &what) const;

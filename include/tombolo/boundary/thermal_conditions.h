@@ -1,18 +1,92 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/mesh/nodes.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/boundary/conditions.h>
+#include <tombolo/boundary/limited_function.h>
+#include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_vector.h>
 
-#include <cstdint>
+#include <deal.II/base/point.h>
+
+#include <limits>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
+  enum class ThermalConditionType
+  {
+    temperature,
+    heat_flux,
+    convection,
+    radiation,
+    adiabatic,
+    heat_source
+  };
+
+  /** Whether a section "Condition: NAME" is one of these, by its entry `Type`. */
+  bool is_thermal(const Section &section);
+
+  /** Whether it prescribes temperatures. */
+  inline bool prescribes(const ThermalConditionType type)
+  {
+    return type == ThermalConditionType::temperature;
+  }
+
+  /** Whether what enters depends on the temperature of the surface. */
+  bool is_film(ThermalConditionType type);
+
+  /** Whether it gives heat to the surface. */
+  bool crosses_surface(ThermalConditionType type);
+
+  /** Whether it acts on faces of the boundary, not on nodes. */
+  bool is_on_faces(ThermalConditionType type);
+
+  /** Whether both can be on one face. */
+  bool are_compatible(ThermalConditionType a, ThermalConditionType b);
+
+  /** What enters the body through a surface. */
+  struct SurfaceHeat
+  {
+    double flux; ///< per area and time [M/T^3]
+    double film; ///< the derivative of minus that by the temperature, not less than zero
+  };
+
+  /** What one section "Condition: NAME" of heat says. */
+  template <int dim>
+  struct ThermalCondition
+  {
+    std::string name;
+    ThermalConditionType type;
+    Place<dim> place;
+    std::optional<LimitedFunction<dim>> function;    ///< temperature, flux or source
+    std::optional<LimitedFunction<dim>> coefficient; ///< film coefficient or emissivity
+    std::optional<LimitedFunction<dim>> ambient;     ///< temperature
+    double stefan_boltzmann = 0;
+    double absolute_zero = 0;
+
+    /** Declares, in the section of one condition, the entries that MechanicalCondition does not. */
+    static void declare_parameters(const Entries &e);
+
+    /** Reads what the type needs and nothing else. @p heat has the absolute zero. Throws
+     * InputError. */
+    static ThermalCondition read(const Section &section, const Section &heat);
+
+    /** Of convection, h (θ_a - θ), and radiation, ε σ ((θ_a - θ_0)^4 - (θ - θ_0)^4), where @p
+     * coefficient is h or ε. */
+    SurfaceHeat film_heat(double coefficient, double ambient, double temperature) const;
+
+  private:
+    void read_radiation(const Section &section, const Section &heat);
+  };
+
   /**
    * The thermal conditions of a scene, sections "Condition: NAME": temperature, heat flux,
    * convection, radiation and adiabatic surfaces, and heat sources in the volume. Where is said by
@@ -27,58 +101,48 @@ namespace tombolo
    * in their current positions, so that the total of a uniform flux is exact (eqs 32, 33).
    */
   template <int dim>
-  class ThermalConditions
+  class ThermalConditions : public Conditions<dim, ThermalCondition<dim>, 1>
   {
   public:
-    /** Whether a section "Condition: NAME" is one of these, by its type. */
-    static bool is_thermal(const Section &section);
-
-    /** Declares, in the section of one condition, the entries that MechanicalConditions does not.
-     */
-    static void declare_parameters(const Entries &e);
-
-    /** Reads the section of one condition, and refuses what can be seen to be wrong without a mesh.
-     * @p heat is the section "Heat", which has the absolute zero. */
-    static void validate(const Section &section, const Section &heat);
-
-    /** Reads the sections and finds their nodes and faces. Throws InputError. Collective. */
+    /** Reads the sections and finds their nodes and faces. @p heat is the section "Heat", which has
+     * the absolute zero. Throws InputError where a condition selects nothing, or two on one face
+     * exclude each other. Collective. */
     ThermalConditions(const std::vector<Section> &sections, const Section &heat,
                       const Mesh<dim> &mesh, const Nodes<dim> &nodes);
-    ~ThermalConditions();
-
-    /** Nodes whose values this rank must see: nodes of faces with conditions. */
-    dealii::IndexSet required_nodes() const;
 
     /** Translates node numbers to those of @p partition. */
     void set_partition(const NodePartition &partition);
 
-    /** No heat passes any more through the faces of these cells, each given by its nodes.
-     * set_partition() must follow. */
-    void
-    remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
-
-    unsigned int n_conditions() const;
-    const std::string &name(unsigned int condition) const;
-
     /** Whether heat crosses surfaces at nodes: flux, convection, radiation. */
-    bool has_surface_heat() const;
-    bool has_sources() const;
-    /** Whether what crosses surfaces depends on the temperature there. */
-    bool has_films() const;
-    /** Whether temperatures are prescribed, on this rank or on another. */
-    bool has_constraints() const;
+    bool has_surface_heat() const
+    {
+      return this->has_type(&crosses_surface);
+    }
 
-    /** All bits set at owned nodes whose temperature is prescribed, for Bridge::reinit(); empty
-     * where none is on any rank. Owned nodes with them, ascending. */
-    const std::vector<std::uint8_t> &constrained_components() const;
-    const std::vector<unsigned int> &constrained_nodes() const;
+    bool has_sources() const
+    {
+      return this->has_type([](const ThermalConditionType type)
+                            { return type == ThermalConditionType::heat_source; });
+    }
+
+    /** Whether what crosses surfaces depends on the temperature there. */
+    bool has_films() const
+    {
+      return this->has_type(&is_film);
+    }
 
     /** Owned nodes through which heat can cross the surface. Collective. */
     std::vector<unsigned int>
-    surface_nodes(const std::shared_ptr<const NodePartition> &partition) const;
+    surface_nodes(const std::shared_ptr<const NodePartition> &partition) const
+    {
+      return areas.owned_nodes(partition);
+    }
 
     /** Finds s_k in these positions (ghosts current). */
-    void update_areas(const NodalVector &position);
+    void update_areas(const NodalVector &position)
+    {
+      areas.update(position);
+    }
 
     /** Adds the heat per unit time that enters through surfaces at @p time, with the temperature of
      * the surface in slot 0 of @p temperature (ghosts current), to slot 0 of @p heat_rate, ghosts
@@ -101,15 +165,29 @@ namespace tombolo
     void prescribe(const NodalVector &initial_position, double time,
                    NodalVector &temperature) const;
 
-    /** The condition that prescribes the temperature of entry @p k of constrained_nodes(). */
-    unsigned int condition_of_constraint(std::size_t k) const;
-
-    /** What went wrong on this rank since it was made: a function without a finite value. Not
-     * agreed among ranks. */
-    const std::string &failure() const;
-
   private:
-    struct Implementation;
-    std::unique_ptr<Implementation> implementation;
+    using Base = Conditions<dim, ThermalCondition<dim>, 1>;
+    using Base::areas;
+    using Base::conditions;
+    using Base::constraint_nodes;
+    using Base::constraints;
+
+    /** Adds faces that heat crosses to the areas of their conditions, none of which crosses planes
+     * of symmetry. Returns the numbers of faces of this rank with two conditions that exclude each
+     * other: [later][earlier]. */
+    std::vector<unsigned int> find_faces(const Nodes<dim> &nodes);
+
+    void refuse_conflicts(const std::vector<Section> &sections,
+                          const std::vector<unsigned int> &n_conflicts) const;
+
+    /** Calls action(condition, node, area, SurfaceHeat) for the nodes of its faces. */
+    template <typename Action>
+    void for_each_surface_node(const NodalVector &initial_position, const NodalVector &temperature,
+                               double time, bool only_films, const Action &action) const;
+
+    /** By condition: nodes of a temperature, owned ones and, until faces are found, ghosts, or of a
+     * source; ascending. */
+    std::vector<std::vector<dealii::types::global_dof_index>> selected_nodes;
+    std::vector<std::vector<unsigned int>> source_nodes; ///< by condition, local, owned
   };
 } // namespace tombolo

@@ -47,13 +47,22 @@ namespace tombolo
     void update(const NodalVector &position);
 
     /** Nodes of this rank's faces of a group, each once (local numbers, ghosts too). */
-    const std::vector<unsigned int> &nodes(unsigned int group) const;
+    const std::vector<unsigned int> &nodes(const unsigned int group) const
+    {
+      return groups[group].nodes;
+    }
 
     /** The area of each of nodes() [L^(dim-1)]. */
-    const std::vector<double> &areas(unsigned int group) const;
+    const std::vector<double> &areas(const unsigned int group) const
+    {
+      return groups[group].areas;
+    }
 
     /** The outward area of each of nodes() [L^(dim-1)]; zero in groups without orientation. */
-    const std::vector<dealii::Tensor<1, dim>> &outward_areas(unsigned int group) const;
+    const std::vector<dealii::Tensor<1, dim>> &outward_areas(const unsigned int group) const
+    {
+      return groups[group].outward_areas;
+    }
 
     /** Owned nodes of the faces of all groups and ranks, ascending. Collective. */
     std::vector<unsigned int>

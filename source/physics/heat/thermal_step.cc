@@ -161,8 +161,8 @@ namespace tombolo
     EnergyAccounts &heat = result.heat;
     heat.add("enthalpy", EnergyKind::stored, enthalpy);
     for (std::size_t c = 0; c < entered.size(); ++c)
-      heat.add("heat through " + model.heat->conditions.name(static_cast<unsigned int>(c)),
-               EnergyKind::external, entered[c] + s * entering[c]);
+      heat.add("heat through " + model.heat->conditions.all()[c].name, EnergyKind::external,
+               entered[c] + s * entering[c]);
     if (model.has_heat_sources())
     {
       double pending = 0, plastic = 0;

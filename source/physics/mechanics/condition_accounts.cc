@@ -15,7 +15,7 @@ namespace tombolo
       : model(model), of_prescribed_motion(of_prescribed_motion)
   {
     for (const MechanicalCondition<dim> &condition : model.conditions->all())
-      accounts.push_back({prescribes_motion(condition.type) == of_prescribed_motion, {}, 0.});
+      accounts.push_back({prescribes(condition.type) == of_prescribed_motion, {}, 0.});
   }
 
   template <int dim>

@@ -27,7 +27,7 @@ namespace tombolo
         [this](OutputView<dim> &view)
         { view.condition_balances.push_back([this] { return balances(); }); });
     for (unsigned int c = 0; c < conditions.all().size(); ++c)
-      if (!prescribes_motion(conditions.all()[c].type))
+      if (!prescribes(conditions.all()[c].type))
         single.push_back({c, {}, {}});
     if (single.size() == 1)
       single.clear();

@@ -45,8 +45,8 @@ namespace
       for (const NamedCondition &condition : list)
       {
         handler.enter_subsection("Condition: " + condition.name);
-        MechanicalConditions<dim>::declare_parameters(handler);
-        ThermalConditions<dim>::declare_parameters(handler);
+        MechanicalCondition<dim>::declare_parameters(handler);
+        ThermalCondition<dim>::declare_parameters(handler);
         handler.leave_subsection();
       }
       parameters.assign();
@@ -55,8 +55,8 @@ namespace
       const Section heat_section = parameters.section("Heat");
       for (const Section &section : sections)
       {
-        EXPECT_TRUE(ThermalConditions<dim>::is_thermal(section));
-        ThermalConditions<dim>::validate(section, heat_section);
+        EXPECT_TRUE(is_thermal(section));
+        ThermalCondition<dim>::read(section, heat_section);
       }
       mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<dim>>(*mesh, degree);
@@ -322,7 +322,9 @@ TEST(ThermalConditions, prescribe_the_temperature_of_their_nodes)
       continue;
     ASSERT_LT(n, list.size());
     EXPECT_EQ(list[n], i);
-    EXPECT_EQ(body.conditions->name(body.conditions->condition_of_constraint(n)),
+    EXPECT_EQ(body.conditions
+                  ->all()[static_cast<std::size_t>(body.conditions->prescribing_condition(n, 0))]
+                  .name,
               is_hot ? "hot" : "cold");
     ++n;
   }
@@ -513,11 +515,11 @@ TEST(ThermalConditions, are_told_from_others_by_their_type)
   for (const std::string name : {"a", "b"})
   {
     parameters.handler().enter_subsection("Condition: " + name);
-    MechanicalConditions<2>::declare_parameters(parameters.handler());
-    ThermalConditions<2>::declare_parameters(parameters.handler());
+    MechanicalCondition<2>::declare_parameters(parameters.handler());
+    ThermalCondition<2>::declare_parameters(parameters.handler());
     parameters.handler().leave_subsection();
   }
   parameters.assign();
-  EXPECT_FALSE(ThermalConditions<2>::is_thermal(parameters.section("Condition: a")));
-  EXPECT_TRUE(ThermalConditions<2>::is_thermal(parameters.section("Condition: b")));
+  EXPECT_FALSE(is_thermal(parameters.section("Condition: a")));
+  EXPECT_TRUE(is_thermal(parameters.section("Condition: b")));
 }
