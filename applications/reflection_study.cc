@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/command_line.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/plugin_library.h>
 #include <tombolo/base/input/program.h>

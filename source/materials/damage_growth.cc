@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/materials/damage_growth.h>
+#include <tombolo/materials/ductile_damage.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/materials/energy_pressure.h>
+#include <tombolo/materials/equation_of_state.h>
 
 #include <algorithm>
 #include <utility>

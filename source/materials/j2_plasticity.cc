@@ -3,7 +3,7 @@
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/adiabatic_heating.h>
-#include <tombolo/materials/damage_growth.h>
+#include <tombolo/materials/ductile_damage.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
 #include <tombolo/materials/radial_return_tangent.h>

@@ -98,29 +98,9 @@ namespace tombolo
             false,          OnDivision::held};
   }
 
-  double LinearElastic::density() const
-  {
-    return initial_density;
-  }
-
   double LinearElastic::bulk_modulus() const
   {
     return pressure ? pressure->bulk_modulus() : bulk;
-  }
-
-  double LinearElastic::shear_modulus() const
-  {
-    return shear;
-  }
-
-  bool LinearElastic::has_tables() const
-  {
-    return moduli_are_tables;
-  }
-
-  bool LinearElastic::is_thermoelastic() const
-  {
-    return moduli_are_tables || expands;
   }
 
   void LinearElastic::evaluate_moduli(const unsigned int n, const double *const temperature,

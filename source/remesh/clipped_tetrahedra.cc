@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/remesh/clipped_tetrahedra.h>
+#include <tombolo/remesh/simplex_overlaps.h>
 
 #include <algorithm>
 

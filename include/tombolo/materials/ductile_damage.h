@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/materials/material.h>
+
+#include <memory>
+#include <string>
 
 namespace tombolo
 {
@@ -33,5 +38,37 @@ namespace tombolo
   struct PluginKind<DuctileDamage>
   {
     static constexpr const char *name = "damage";
+  };
+
+  /** The damage of points, D = Σ Δε_p/ε_f with the ε_f of a DuctileDamage at the end of each step.
+   * It changes no stress: criteria of bonds, erosion and conversion compare it with their limits.
+   */
+  class DamageGrowth
+  {
+  public:
+    /** The field of the damage. */
+    static const std::string field_name;
+
+    /** That of `Damage` in the section of a material; null for `none`. */
+    static std::unique_ptr<const DamageGrowth> create(const Entries &e);
+
+    explicit DamageGrowth(std::unique_ptr<const DuctileDamage> law);
+
+    bool depends_on_temperature() const
+    {
+      return law->depends_on_temperature();
+    }
+
+    FieldDescription field() const;
+
+    /** Adds to @p damage of @p n points from @p begin on: their stress in @p batch and @p
+     * plastic_strain are those at the end of the step, @p old_plastic_strain that at its start;
+     * @p temperature is null if not needed. */
+    void advance(const MaterialBatch &batch, unsigned int begin, unsigned int n,
+                 const double *old_plastic_strain, const double *plastic_strain,
+                 const double *temperature, double *damage) const;
+
+  private:
+    std::unique_ptr<const DuctileDamage> law;
   };
 } // namespace tombolo

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/materials/energy_pressure.h>
+#include <tombolo/materials/equation_of_state.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/temperature_table.h>
 #include <tombolo/materials/thermal_properties.h>
@@ -24,11 +24,20 @@ namespace tombolo
     /** "thermal work" where a change of the temperature changes the elastic energy. */
     std::vector<FieldDescription> internal_variables() const override;
 
-    double density() const override;
+    double density() const override
+    {
+      return initial_density;
+    }
+
     /** The largest over all temperatures; with an equation of state that of its initial state. */
     double bulk_modulus() const override;
+
     /** The largest over all temperatures. */
-    double shear_modulus() const override;
+    double shear_modulus() const override
+    {
+      return shear;
+    }
+
     void update_stress(MaterialBatch &batch) const override;
     void update_stress_and_tangent(MaterialBatch &batch,
                                    const MaterialTangent &tangent) const override;
@@ -43,9 +52,17 @@ namespace tombolo
     void advance_stress(MaterialBatch &batch, double *thermal_work) const;
 
     /** Whether the moduli depend on the temperature. */
-    bool has_tables() const;
+    bool has_tables() const
+    {
+      return moduli_are_tables;
+    }
+
     /** Whether the temperature acts on the stress at all: there is a "thermal work". */
-    bool is_thermoelastic() const;
+    bool is_thermoelastic() const
+    {
+      return moduli_are_tables || expands;
+    }
+
     /** Bulk and shear modulus at @p n temperatures, where has_tables(). */
     void evaluate_moduli(unsigned int n, const double *temperature, double *bulk_at,
                          double *shear_at) const;

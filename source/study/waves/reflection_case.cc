@@ -373,16 +373,6 @@ namespace tombolo
     }
   } // namespace
 
-  double ReflectionCase::left_spacing() const
-  {
-    return spacing_ratio > 1. ? 1. / spacing_ratio : 1.;
-  }
-
-  double ReflectionCase::right_spacing() const
-  {
-    return spacing_ratio > 1. ? 1. : spacing_ratio;
-  }
-
   double ReflectionCase::wave_speed(const WaveType type) const
   {
     return type == WaveType::P ? 1.
@@ -482,11 +472,6 @@ namespace tombolo
   const LinearizedOperators &ReflectionModel::update_operator() const
   {
     return *operators;
-  }
-
-  double ReflectionModel::stable_step() const
-  {
-    return largest_step;
   }
 
   ReflectionResult ReflectionModel::run(const ReflectionCase &of_case) const

@@ -3,7 +3,6 @@
 #include <tombolo/remesh/cell_cutting.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/simplex_overlaps.h>
-#include <tombolo/remesh/simplex_pairs.h>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/coupling/bridge.h>
-#include <tombolo/study/waves/bloch_motion.h>
+#include <tombolo/study/waves/bloch_operator.h>
 #include <tombolo/study/waves/lattice_waves.h>
 #include <tombolo/study/waves/linearized_operators.h>
 
@@ -51,8 +51,16 @@ namespace tombolo
     double angle = 0;       ///< between the wave's direction and the normal, in radians
     double cycles = 8;      ///< wavelengths in the Hann burst, counted along the normal
 
-    double left_spacing() const;
-    double right_spacing() const;
+    double left_spacing() const
+    {
+      return spacing_ratio > 1. ? 1. / spacing_ratio : 1.;
+    }
+
+    double right_spacing() const
+    {
+      return spacing_ratio > 1. ? 1. : spacing_ratio;
+    }
+
     /** Speed of a type of wave in the continuum. */
     double wave_speed(WaveType type) const;
     /** The parameter file of the strip that the operators are probed in. */
@@ -116,8 +124,12 @@ namespace tombolo
     bool fits(const ReflectionCase &other) const;
 
     const LinearizedOperators &update_operator() const;
+
     /** The stable step of the strip, by its spectrum [T]. */
-    double stable_step() const;
+    double stable_step() const
+    {
+      return largest_step;
+    }
 
     /** Sends the burst. */
     ReflectionResult run(const ReflectionCase &of_case) const;
