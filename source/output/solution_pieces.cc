@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/solution_pieces.h>
 
-#include <tombolo/output/point_data.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -68,10 +66,10 @@ namespace tombolo
         penetrations.push_back(balance.penetration);
       }
     }
-    piece.add_cell_data("contact", std::move(numbers));
-    piece.add_cell_data("force on the bodies", "M L/T^2", 3, std::move(forces));
-    piece.add_cell_data("penetration", "L", 1, std::move(penetrations));
-    piece.add_names("contact names", names);
+    piece.cell_data.add("contact", std::move(numbers));
+    piece.cell_data.add("force on the bodies", "M L/T^2", 3, std::move(forces));
+    piece.cell_data.add("penetration", "L", 1, std::move(penetrations));
+    piece.names.emplace_back("contact names", names);
     return piece;
   }
 
@@ -88,7 +86,7 @@ namespace tombolo
       std::vector<std::string> names;
       for (const OutputPart<dim> &part : view.parts)
         names.push_back(part.name);
-      piece.add_names("part names", names);
+      piece.names.emplace_back("part names", names);
     }
 
     /** Positions, motion, temperatures and forces of nodes. */
@@ -154,20 +152,20 @@ namespace tombolo
       {
         if (view.has_mechanics)
         {
-          piece.add_point_data("initial position", "L", 3, std::move(initial_positions));
-          piece.add_point_data("displacement", "L", 3, std::move(displacements));
-          piece.add_point_data("velocity", "L/T", 3, std::move(velocities));
+          piece.point_data.add("initial position", "L", 3, std::move(initial_positions));
+          piece.point_data.add("displacement", "L", 3, std::move(displacements));
+          piece.point_data.add("velocity", "L/T", 3, std::move(velocities));
           if (view.has_contacts())
-            piece.add_point_data("contact force", "M L/T^2", 3, std::move(contact_forces));
+            piece.point_data.add("contact force", "M L/T^2", 3, std::move(contact_forces));
           if (view.reaction)
-            piece.add_point_data("reaction", "M L/T^2", 3, std::move(reactions));
+            piece.point_data.add("reaction", "M L/T^2", 3, std::move(reactions));
         }
         // With mechanics, material points have a "temperature" of their own.
         const std::string name = view.has_mechanics ? "nodal temperature" : "temperature";
         if (view.heat != nullptr)
-          piece.add_point_data(name, "temperature", 1, std::move(temperatures));
+          piece.point_data.add(name, "temperature", 1, std::move(temperatures));
         if (view.exact_temperature)
-          piece.add_point_data("exact " + name, "temperature", 1, std::move(exact_temperatures));
+          piece.point_data.add("exact " + name, "temperature", 1, std::move(exact_temperatures));
       }
 
     private:
@@ -378,9 +376,9 @@ namespace tombolo
     node_data.write_to(piece);
     point_data.write_to(false, [&](const std::string &name, const std::string &unit,
                                    const unsigned int n, std::vector<double> values)
-                        { piece.add_cell_data(name, unit, n, std::move(values)); });
-    piece.add_cell_data("part", std::move(point_data.parts));
-    piece.add_cell_data("owner rank",
+                        { piece.cell_data.add(name, unit, n, std::move(values)); });
+    piece.cell_data.add("part", std::move(point_data.parts));
+    piece.cell_data.add("owner rank",
                         std::vector<std::int64_t>(piece.n_cells(), Utilities::MPI::this_mpi_process(
                                                                        partition.communicator())));
     add_part_names(view, piece);
@@ -427,18 +425,18 @@ namespace tombolo
       }
     }
 
-    piece.add_point_data("persistent id", std::move(ids));
+    piece.point_data.add("persistent id", std::move(ids));
     node_data.write_to(piece);
     if (view.has_mechanics)
-      piece.add_point_data("unsmoothed velocity", "L/T", 3, std::move(unsmoothed_velocities));
+      piece.point_data.add("unsmoothed velocity", "L/T", 3, std::move(unsmoothed_velocities));
     point_data.write_to(true, [&](const std::string &name, const std::string &unit,
                                   const unsigned int n, std::vector<double> values)
-                        { piece.add_point_data(name, unit, n, std::move(values)); });
-    piece.add_point_data("support", "L", 3, std::move(supports));
-    piece.add_point_data("mass", "M", 1, std::move(masses));
-    piece.add_point_data("part", std::move(point_data.parts));
-    piece.add_point_data("shared node", std::move(is_shared));
-    piece.add_point_data(
+                        { piece.point_data.add(name, unit, n, std::move(values)); });
+    piece.point_data.add("support", "L", 3, std::move(supports));
+    piece.point_data.add("mass", "M", 1, std::move(masses));
+    piece.point_data.add("part", std::move(point_data.parts));
+    piece.point_data.add("shared node", std::move(is_shared));
+    piece.point_data.add(
         "owner rank", std::vector<std::int64_t>(piece.n_points(), Utilities::MPI::this_mpi_process(
                                                                       partition.communicator())));
     add_part_names(view, piece);

@@ -48,12 +48,6 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string Visualization<dim>::report() const
-  {
-    return remark;
-  }
-
-  template <int dim>
   void Visualization<dim>::write(const OutputView<dim> &view, TimeTable & /*statistics*/)
   {
     if (remark_is_told)

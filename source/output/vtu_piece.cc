@@ -114,92 +114,19 @@ namespace tombolo
 
   VtuPiece::VtuPiece(const unsigned int vtk_cell_type, const unsigned int n_vertices_per_cell,
                      const bool double_precision)
-      : cell_type(vtk_cell_type), n_vertices_per_cell(n_vertices_per_cell),
+      : vtk_cell_type(vtk_cell_type), n_vertices_per_cell(n_vertices_per_cell),
         double_precision(double_precision)
   {}
 
-  std::size_t VtuPiece::n_points() const
-  {
-    return points.size() / 3;
-  }
-
-  std::size_t VtuPiece::n_cells() const
-  {
-    return connectivity.size() / n_vertices_per_cell;
-  }
-
-  unsigned int VtuPiece::vtk_cell_type() const
-  {
-    return cell_type;
-  }
-
-  unsigned int VtuPiece::n_vertices_of_cell() const
-  {
-    return n_vertices_per_cell;
-  }
-
-  bool VtuPiece::is_double_precision() const
-  {
-    return double_precision;
-  }
-
-  const std::vector<VtuPiece::Array> &VtuPiece::data_at_points() const
-  {
-    return point_data;
-  }
-
-  const std::vector<VtuPiece::Array> &VtuPiece::data_on_cells() const
-  {
-    return cell_data;
-  }
-
-  const std::vector<std::pair<std::string, std::vector<std::string>>> &
-  VtuPiece::names_of_grid() const
-  {
-    return names;
-  }
-
-  VtuPiece::Array VtuPiece::real_array(const std::string &name, const std::string &unit,
-                                       const unsigned int n_components, std::vector<double> values)
+  void VtuPiece::Arrays::add(const std::string &name, const std::string &unit,
+                             const unsigned int n_components, std::vector<double> values)
   {
     if (n_components == 6) // yz, xz, xy become xy, yz, xz
       for (std::size_t first = 3; first + 3 <= values.size(); first += 6)
         std::rotate(values.begin() + std::ptrdiff_t(first),
                     values.begin() + std::ptrdiff_t(first) + 2,
                     values.begin() + std::ptrdiff_t(first) + 3);
-    return {name, n_components, std::move(values), unit};
-  }
-
-  void VtuPiece::add_point_data(const std::string &name, const std::string &unit,
-                                const unsigned int n_components, std::vector<double> values)
-  {
-    point_data.push_back(real_array(name, unit, n_components, std::move(values)));
-  }
-
-  void VtuPiece::add_point_data(const std::string &name, std::vector<std::int64_t> values)
-  {
-    point_data.push_back({name, 1, std::move(values)});
-  }
-
-  void VtuPiece::add_point_data(const std::string &name, std::vector<std::uint64_t> values)
-  {
-    point_data.push_back({name, 1, std::move(values)});
-  }
-
-  void VtuPiece::add_cell_data(const std::string &name, const std::string &unit,
-                               const unsigned int n_components, std::vector<double> values)
-  {
-    cell_data.push_back(real_array(name, unit, n_components, std::move(values)));
-  }
-
-  void VtuPiece::add_cell_data(const std::string &name, std::vector<std::int64_t> values)
-  {
-    cell_data.push_back({name, 1, std::move(values)});
-  }
-
-  void VtuPiece::add_names(const std::string &name, const std::vector<std::string> &names)
-  {
-    this->names.emplace_back(name, names);
+    push_back({name, n_components, std::move(values), unit});
   }
 
   std::string VtuPiece::attributes(const Array &array) const
@@ -271,6 +198,7 @@ namespace tombolo
 
   void VtuPiece::write(std::ostream &out, const double time, const UnitLabels &unit_labels) const
   {
+    check_sizes();
     write_head(out, "UnstructuredGrid");
     out << "<UnstructuredGrid>\n";
     write_field_data(out, time, unit_labels);
@@ -285,19 +213,14 @@ namespace tombolo
       offsets[i] = static_cast<std::int64_t>((i + 1) * n_vertices_per_cell);
     write_array(out, {"offsets", 1, offsets});
     out << "<DataArray type=\"UInt8\" Name=\"types\" NumberOfComponents=\"1\" format=\"binary\">";
-    write_binary(out, std::vector<unsigned char>(n_cells(), static_cast<unsigned char>(cell_type)));
+    write_binary(out,
+                 std::vector<unsigned char>(n_cells(), static_cast<unsigned char>(vtk_cell_type)));
     out << "</DataArray>\n</Cells>\n<PointData>\n";
     for (const Array &array : point_data)
-    {
-      check_size(array, n_points());
       write_array(out, array);
-    }
     out << "</PointData>\n<CellData>\n";
     for (const Array &array : cell_data)
-    {
-      check_size(array, n_cells());
       write_array(out, array);
-    }
     out << "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   }
 

@@ -247,16 +247,16 @@ namespace tombolo
         point += first_point;
       std::ostringstream text;
       text << "<Grid Name=\"" << name << "\" GridType=\"Uniform\">\n<Time Value=\""
-           << format_number(time) << "\"/>\n<Topology " << topology_of(piece.vtk_cell_type())
+           << format_number(time) << "\"/>\n<Topology " << topology_of(piece.vtk_cell_type)
            << " NumberOfElements=\"" << n_cells << "\">"
-           << group.write("connectivity", connectivity, piece.n_vertices_of_cell())
+           << group.write("connectivity", connectivity, piece.n_vertices_per_cell)
            << "</Topology>\n<Geometry GeometryType=\"XYZ\">"
-           << group.write("points", VtuPiece::Values(piece.points), 3, piece.is_double_precision())
+           << group.write("points", VtuPiece::Values(piece.points), 3, piece.double_precision)
            << "</Geometry>\n";
       for (const bool is_on_cells : {false, true})
       {
         const std::vector<VtuPiece::Array> &arrays =
-            is_on_cells ? piece.data_on_cells() : piece.data_at_points();
+            is_on_cells ? piece.cell_data : piece.point_data;
         for (std::size_t i = 0; i < arrays.size(); ++i)
         {
           const VtuPiece::Array &array = arrays[i];
@@ -264,14 +264,14 @@ namespace tombolo
                << type_of_attribute(array.n_components) << "\" Center=\""
                << (is_on_cells ? "Cell" : "Node") << "\">"
                << group.write(dataset_name(is_on_cells ? 'c' : 'p', i, array.name), array.values,
-                              array.n_components, piece.is_double_precision());
+                              array.n_components, piece.double_precision);
           if (array.unit != "1")
             text << "<Information Name=\"unit\" Value=\""
                  << xml_escaped(unit_labels.heading(array.name, array.unit)) << "\"/>";
           text << "</Attribute>\n";
         }
       }
-      for (const auto &[title, list] : piece.names_of_grid())
+      for (const auto &[title, list] : piece.names)
         for (const std::string &entry : list)
           text << "<Information Name=\"" << xml_escaped(title) << "\" Value=\""
                << xml_escaped(entry) << "\"/>\n";

@@ -172,38 +172,4 @@ namespace tombolo
     Summary summary;
     std::vector<Balance> at_output;
   };
-
-  /**
-   * A history of balances that know until when their impulses go, `time_of_impulse`: mean force and
-   * mean moment since the row before, impulse since the start.
-   */
-  template <int dim, typename Balance>
-  class ImpulseHistory : public BalanceHistory<dim, Balance>
-  {
-  public:
-    ImpulseHistory(const std::string &file_name, const unsigned int steps_between,
-                   const typename BalanceHistory<dim, Balance>::Summary &summary)
-        : BalanceHistory<dim, Balance>(file_name, steps_between,
-                                       {"times of row", &Balance::time_of_impulse}, summary)
-    {}
-
-  protected:
-    void begin(const OutputView<dim> &view) override
-    {
-      BalanceHistory<dim, Balance>::begin(view);
-      if (!this->table.is_continued())
-        for (Balance &balance : this->last)
-          balance.time_of_impulse = view.time;
-    }
-
-    void add_balance(const OutputView<dim> & /*view*/, std::size_t /*k*/, const Balance &now,
-                     const Balance &before) override
-    {
-      const double elapsed = now.time_of_impulse - before.time_of_impulse;
-      this->add_mean(now.name + " mean force", "M L/T^2", now.impulse, before.impulse, elapsed);
-      this->add_mean(now.name + " mean moment", "M L^2/T^2", now.angular_impulse,
-                     before.angular_impulse, elapsed, true);
-      this->add_vector(now.name + " impulse", "M L/T", now.impulse);
-    }
-  };
 } // namespace tombolo

@@ -3,7 +3,7 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/output/output.h>
-#include <tombolo/output/picture_fields.h>
+#include <tombolo/output/solution_pieces.h>
 #include <tombolo/output/vtu_piece.h>
 #include <tombolo/output/xdmf_series.h>
 
@@ -51,7 +51,10 @@ namespace tombolo
 
     void write(const OutputView<dim> &view, TimeTable &statistics) override;
 
-    std::string report() const override;
+    std::string report() const override
+    {
+      return remark;
+    }
 
   private:
     void write_bodies(const OutputView<dim> &view, bool are_particles);

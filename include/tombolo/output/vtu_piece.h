@@ -37,40 +37,48 @@ namespace tombolo
       std::string unit = "1";
     };
 
+    /** Data at points or on cells. */
+    class Arrays : public std::vector<Array>
+    {
+    public:
+      /** Adds real numbers, @p n_components each, contiguous; @p unit in terms of L, M, T and K,
+       * "1" for none. The sizes are checked by write(). */
+      void add(const std::string &name, const std::string &unit, unsigned int n_components,
+               std::vector<double> values);
+
+      /** Adds whole numbers. */
+      template <typename Number>
+      void add(const std::string &name, std::vector<Number> values)
+      {
+        this->push_back({name, 1, std::move(values)});
+      }
+    };
+
     /** @p vtk_cell_type: 1 vertex, 3 line, 5 triangle, 9 quadrilateral, 12 hexahedron. Real numbers
      * are written in double precision or in single. */
     VtuPiece(unsigned int vtk_cell_type, unsigned int n_vertices_per_cell, bool double_precision);
 
+    unsigned int vtk_cell_type, n_vertices_per_cell;
+    bool double_precision;
     std::vector<double> points;             ///< 3 a point
     std::vector<std::int64_t> connectivity; ///< points of the cells, in the order of VTK
+    Arrays point_data, cell_data;           ///< Array::values are in the order of VTK
+    /** Lists of names for the whole grid, for example those of the parts, by number. */
+    std::vector<std::pair<std::string, std::vector<std::string>>> names;
 
-    std::size_t n_points() const;
-    std::size_t n_cells() const;
+    std::size_t n_points() const
+    {
+      return points.size() / 3;
+    }
 
-    /** Data at points or on cells, @p n_components each, contiguous; @p unit in terms of L, M, T
-     * and K, "1" for none. The sizes are checked by write(). */
-    void add_point_data(const std::string &name, const std::string &unit, unsigned int n_components,
-                        std::vector<double> values);
-    void add_point_data(const std::string &name, std::vector<std::int64_t> values);
-    void add_point_data(const std::string &name, std::vector<std::uint64_t> values);
-    void add_cell_data(const std::string &name, const std::string &unit, unsigned int n_components,
-                       std::vector<double> values);
-    void add_cell_data(const std::string &name, std::vector<std::int64_t> values);
-
-    /** Names for the whole grid, for example those of the parts, by number. */
-    void add_names(const std::string &name, const std::vector<std::string> &names);
+    std::size_t n_cells() const
+    {
+      return connectivity.size() / n_vertices_per_cell;
+    }
 
     /** The .vtu file of this rank. Its field data "units" names the arrays that have a unit, as
      * headings of tables do: "stress [MPa]". */
     void write(std::ostream &out, double time, const UnitLabels &unit_labels = {}) const;
-
-    /** The same for other writers; Array::values are in the order of VTK. */
-    unsigned int vtk_cell_type() const;
-    unsigned int n_vertices_of_cell() const;
-    bool is_double_precision() const;
-    const std::vector<Array> &data_at_points() const;
-    const std::vector<Array> &data_on_cells() const;
-    const std::vector<std::pair<std::string, std::vector<std::string>>> &names_of_grid() const;
 
     /** Checks the sizes of all data. */
     void check_sizes() const;
@@ -79,19 +87,10 @@ namespace tombolo
     void write_parallel(std::ostream &out, const std::vector<std::string> &piece_files) const;
 
   private:
-    static Array real_array(const std::string &name, const std::string &unit,
-                            unsigned int n_components, std::vector<double> values);
     std::string attributes(const Array &array) const;
     void write_array(std::ostream &out, const Array &array) const;
     void write_field_data(std::ostream &out, double time, const UnitLabels &unit_labels) const;
     void check_size(const Array &array, std::size_t n_entities) const;
-
-    unsigned int cell_type;
-    unsigned int n_vertices_per_cell;
-    bool double_precision;
-    std::vector<Array> point_data;
-    std::vector<Array> cell_data;
-    std::vector<std::pair<std::string, std::vector<std::string>>> names;
   };
 
   /** The .pvd file: which file belongs to which time. */

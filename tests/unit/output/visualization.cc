@@ -132,7 +132,7 @@ TEST(VtuPiece, array_of_wrong_size_is_refused)
   VtuPiece piece(1, 1, false);
   piece.points = {0, 0, 0};
   piece.connectivity = {0};
-  piece.add_point_data("short", "1", 3, {1., 2.});
+  piece.point_data.add("short", "1", 3, {1., 2.});
   std::ostringstream out;
   EXPECT_ANY_THROW(piece.write(out, 0.));
 }
@@ -140,7 +140,7 @@ TEST(VtuPiece, array_of_wrong_size_is_refused)
 TEST(VtuPiece, empty_piece_names_its_arrays_and_holds_no_values)
 {
   VtuPiece piece(12, 8, false);
-  piece.add_cell_data("stress", "M/(L T^2)", 6, {});
+  piece.cell_data.add("stress", "M/(L T^2)", 6, {});
   std::ostringstream out;
   piece.write(out, 0.);
   EXPECT_EQ(count_of(out.str(), "NumberOfPoints=\"0\" NumberOfCells=\"0\""), 1u);

@@ -3,10 +3,43 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/moment.h>
-#include <tombolo/contact/read_vector.h>
 
 namespace tombolo
 {
+  /**
+   * A history of balances that know until when their impulses go, `time_of_impulse`: mean force and
+   * mean moment since the row before, impulse since the start.
+   */
+  template <int dim, typename Balance>
+  class ImpulseHistory : public BalanceHistory<dim, Balance>
+  {
+  public:
+    ImpulseHistory(const std::string &file_name, const unsigned int steps_between,
+                   const typename BalanceHistory<dim, Balance>::Summary &summary)
+        : BalanceHistory<dim, Balance>(file_name, steps_between,
+                                       {"times of row", &Balance::time_of_impulse}, summary)
+    {}
+
+  protected:
+    void begin(const OutputView<dim> &view) override
+    {
+      BalanceHistory<dim, Balance>::begin(view);
+      if (!this->table.is_continued())
+        for (Balance &balance : this->last)
+          balance.time_of_impulse = view.time;
+    }
+
+    void add_balance(const OutputView<dim> & /*view*/, std::size_t /*k*/, const Balance &now,
+                     const Balance &before) override
+    {
+      const double elapsed = now.time_of_impulse - before.time_of_impulse;
+      this->add_mean(now.name + " mean force", "M L/T^2", now.impulse, before.impulse, elapsed);
+      this->add_mean(now.name + " mean moment", "M L^2/T^2", now.angular_impulse,
+                     before.angular_impulse, elapsed, true);
+      this->add_vector(now.name + " impulse", "M L/T", now.impulse);
+    }
+  };
+
   /**
    * What holds, drives and loads the bodies: `conditions.csv`, with the mean force and the mean
    * moment on the bodies since the row before, the impulse and the work since the start of each
@@ -68,4 +101,31 @@ namespace tombolo
       Output, ConditionHistory, "condition history",
       "Forces, moments, impulses and works of mechanical conditions, displacements of those that "
       "prescribe motion (conditions.csv); in every scene that has such.")
+
+  /**
+   * What passes through sections of the bodies: `sections.csv`, with the mean force and the mean
+   * moment since the row before and the impulse since the start of each section, in the order of
+   * `Sections`. Impulses are those until t_{n-1/2}, as the momenta of `statistics.csv`. Part of
+   * every scene that has sections.
+   */
+  template <int dim>
+  class SectionHistory : public ImpulseHistory<dim, SectionBalance>
+  {
+  public:
+    explicit SectionHistory(const Entries &e)
+        : ImpulseHistory<dim, SectionBalance>(
+              "sections.csv", History<dim>::interval(e, "sections.csv"), {"sections", {}})
+    {}
+
+  private:
+    std::vector<SectionBalance> balances(const OutputView<dim> &view) const override
+    {
+      return view.section_balances();
+    }
+  };
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Output, SectionHistory, "section history",
+      "Forces, moments and impulses through sections and interfaces of parts (sections.csv); in "
+      "every scene that has `Sections`.")
 } // namespace tombolo
