@@ -199,7 +199,8 @@ namespace tombolo
       n_conflicts = find_faces(nodes);
     };
     this->find(sections, nodes, select);
-    refuse_conflicts(sections, Utilities::MPI::sum(n_conflicts, nodes.communicator()));
+    Utilities::MPI::sum(n_conflicts, nodes.communicator(), n_conflicts);
+    refuse_conflicts(sections, n_conflicts);
 
     std::map<types::global_dof_index, typename Base::Constraint> of_nodes;
     for (unsigned int c = 0; c < conditions.size(); ++c)
