@@ -133,6 +133,8 @@ class Scene:
 
     def box_of(self, nodes):
         """A predicate of a box that has these nodes alone, if there is one."""
+        if not nodes:
+            raise NotUnderstood("none of its nodes is one of a cell")
         mesh, dimension = self.mesh, self.mesh.dimension
         points = [mesh.points[node] for node in nodes]
         low, high = ([end(point[d] for point in points) for d in range(dimension)] for end in (min, max))

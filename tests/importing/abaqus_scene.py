@@ -44,6 +44,8 @@ class AbaqusScene(DeckTest):
                    "set Flow stresses = 300, 400, 400; 200, 225, 250", "set Conductivity = 50",
                    "set Conditions = support 1, drive 3, temperature 4, load 5", "no heat goes from one side",
                    "*CONTROLS (1 time")
+        self.check(TIED + "*STEP, NAME=Fly\n*DYNAMIC, EXPLICIT\n , 1E-7\n*BOUNDARY, OP=NEW\n*DSLOAD, OP=NEW\n*END STEP\n",
+                   "set Time integration = explicit set Conditions = end")
 
     def test_loads_contact_and_a_rigid_body(self):
         text = replaced(

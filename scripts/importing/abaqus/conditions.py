@@ -51,6 +51,7 @@ class Conditions:
             self.amplitudes[key(one.name)] = one
         self.held = {}     # by target: values by degree of freedom, as text, with the kind
         self.loads = {}    # entries of loads by what they act on
+        self.begun = set()    # keywords whose OP=NEW a step has seen
         self.last_texts = {}  # of their functions, and those of their last values
 
     # Functions of time.
@@ -81,8 +82,6 @@ class Conditions:
         kind = {"": "displacement", "DISPLACEMENT": "displacement", "VELOCITY": "velocity"}.get(key(section.get("TYPE")))
         if kind is None:
             raise NotUnderstood(f"TYPE={section.get('TYPE')} is not understood (DISPLACEMENT and VELOCITY are)")
-        if key(section.get("OP", "MOD")) == "NEW":
-            self.held = {target: values for target, values in self.held.items() if False}
         fixed = section.has("FIXED")
         for row in section.rows():
             target = row.text(0)
@@ -181,8 +180,6 @@ class Conditions:
     # Loads. Each is a word, entries and a place, by what it acts on.
 
     def keep(self, section, target, what, word, entries, place):
-        if key(section.get("OP", "MOD")) == "NEW":
-            self.loads = {loaded: load for loaded, load in self.loads.items() if loaded[0] != section.name}
         self.loads[section.name, key(target), what] = (word, entries, place)
 
     def last_of(self, section, target, what):
@@ -338,7 +335,22 @@ class Conditions:
             raise NotUnderstood(f'the nodes of "{target}" are neither those of parts nor those of a box')
         return {"Where": predicate}
 
+    def begin_anew(self, section):
+        """OP=NEW ends what was prescribed by the keyword before this step."""
+        if key(section.get("OP", "MOD")) != "NEW" or (section.name, self.converter.step) in self.begun:
+            return
+        self.begun.add((section.name, self.converter.step))
+        if section.name == "BOUNDARY":
+            self.held = {}
+        self.loads = {loaded: load for loaded, load in self.loads.items() if loaded[0] != section.name}
+
     def readers(self):
+        """By keyword; each says first what ends."""
+        def after(read):
+            return lambda section: (self.begin_anew(section), read(section))
+        return {keyword: after(read) for keyword, read in self.all_readers().items()}
+
+    def all_readers(self):
         return {"BOUNDARY": self.boundary, "CLOAD": self.concentrated, "DLOAD": self.distributed,
                 "DSLOAD": self.on_surfaces, "DSFLUX": self.flux, "DFLUX": self.flux, "SFILM": self.film,
                 "FILM": self.film}

@@ -72,7 +72,7 @@ class Converter:
 
     def readers(self):
         return {**self.conditions.readers(), **self.contacts.readers(), "INITIAL CONDITIONS": self.conditions.initial,
-                "PHYSICAL CONSTANTS": self.constants, "AMPLITUDE": lambda section: section.rows()}
+                "AMPLITUDE": lambda section: section.rows()}
 
     def read_sections(self, sections):
         readers = self.readers()
@@ -87,14 +87,8 @@ class Converter:
                     self.report.leave_out(section, section.lines, f"{reason}, so that this is left out "
                                           f"({section.line.place})")
 
-    def constants(self, section):
-        section.is_read = True
-        if section.get("ABSOLUTE ZERO") and any(step.has_heat for step in self.steps):
-            self.scene.sections.setdefault("Heat", {})["Absolute zero"] = section.get("ABSOLUTE ZERO")
-
     def make_steps(self):
-        names_of_contacts = None
-        for k, step in enumerate(self.steps):
+        for step in self.steps:
             self.step = step
             self.conditions.begin_step()
             for section in step.sections:
@@ -110,19 +104,14 @@ class Converter:
                 entries.pop("End time")
                 for name, value in entries.items():
                     (self.scene.sections if isinstance(value, dict) else self.scene.head)[name] = value
-                if "Heat" in entries and "Heat" in self.scene.sections:
-                    self.scene.sections["Heat"].update(entries["Heat"])
-                names_of_contacts = True
             else:
-                if names:
-                    entries["Conditions"] = ", ".join(names)
+                entries["Conditions"] = ", ".join(names)
                 self.scene.stages[step.name] = entries
                 self.scene.end_time = self.scene.end_time or step.time
             if len(self.steps) > 1 and self.parts.rigid:
                 for part in self.scene.parts:
                     if part.formulation == "rigid":
                         self.scene.stages[step.name][f"Part: {part.name}"] = {"rigid": dict(part.entries)}
-        return names_of_contacts
 
     def report_what_is_left_out(self):
         for k, amplitude in self.conditions.amplitudes.items():
@@ -147,7 +136,7 @@ class Converter:
         if entry.name and not entry.instance and not any(key(entry.name) in body.content.element_sets for body in bodies):
             bodies = [body for body in self.mesh.bodies if key(entry.name) in body.content.element_sets] or bodies
         return list(dict.fromkeys(member for body in bodies
-                                  for member in self.mesh.members(body, entry, f'*{"ELSET"}', False)))
+                                  for member in self.mesh.members(body, entry, "a keyword", False)))
 
     def cells_of(self, scope, line, text):
         return sorted(index for kind, index in self.elements_of(line, text, scope) if kind == "cell")
