@@ -18,6 +18,7 @@ namespace tombolo
   void Process<dim>::act(const Model<dim> &model, const Clock &clock, NodalVector &force)
   {
     actions.begin();
+    failure.clear();
     add_forces(model, clock, force);
     actions.collect(*model.bridge, force);
     collect_heat(model, false);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/statics/rest_entries.h>
 
+#include <tombolo/contact/contact_settings.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/model/process.h>
 #include <tombolo/physics/statics/static_solver.h>
 
 namespace tombolo
@@ -52,4 +55,55 @@ namespace tombolo
                                       const std::string &, const std::string &);
   template void refuse_switch_at_rest(const Parameters &, const std::vector<Part<3>> &,
                                       const std::string &, const std::string &);
+
+  namespace
+  {
+    template <int dim>
+    void refuse_damping(const Section &section)
+    {
+      if (section.is_set("Damping") && section.get_double("Damping") > 0.)
+        refuse_at_rest<dim>(section, "Damping", "it resists the speed of approach",
+                            "0, or no such entry");
+    }
+
+    template <int dim>
+    void refuse_acceleration(const Section &section)
+    {
+      if (section.get("Method") == "kinematic")
+        refuse_at_rest<dim>(section, "Method", "nodes are put onto the surface by accelerations",
+                            "penalty or surface");
+      const std::string surface = section.get("Surface");
+      if (surface == surface_of_part)
+        refuse_at_rest<dim>(section, "Surface",
+                            "springs between nodes and a part act on several nodes of it, and "
+                            "need a stiffness",
+                            "another surface, or a body contact");
+      if (const Section of_surface = section.subsection(surface);
+          of_surface.is_set("Mass") && !of_surface.get("Mass").empty())
+        refuse_at_rest<dim>(of_surface, "Mass", "a surface with a mass is moved by accelerations",
+                            "a `Displacement`");
+    }
+
+    /** No process of its own: refuses entries of contacts that need a velocity or an acceleration.
+     */
+    template <int dim>
+    class ContactsAtRest : public ProcessKind<dim>
+    {
+    public:
+      void validate(const Parameters &parameters, const std::vector<Part<dim>> &) const override
+      {
+        if (!has_bodies_at_rest<dim>(parameters))
+          return;
+        for (const Section &section : named_sections(parameters, "Body contacts", "Body contact"))
+          parameters.attempt([&] { refuse_damping<dim>(section); });
+        for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
+        {
+          parameters.attempt([&] { refuse_damping<dim>(section); });
+          parameters.attempt([&] { refuse_acceleration<dim>(section); });
+        }
+      }
+    };
+  } // namespace
+
+  TOMBOLO_REGISTER_PROCESS_KIND(ContactsAtRest, process_order::contact)
 } // namespace tombolo
