@@ -6,6 +6,9 @@
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/kinematics.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/tensor.h>
 
 #include <cstddef>
 
@@ -117,6 +120,45 @@ namespace tombolo
       if constexpr (dim == 2)
         deformation(2, 2) = 1.;
       velocity_gradient = load_columns(of_motion[0][0]);
+    }
+
+    /** Conduction at a point with this row: subtracts c (F⁻ᵀ∇θ) · (F⁻ᵀ∇φ_J) from slot 0 of @p
+     * heat_rate at each neighbour J, c = V k by @p factor, a function of det F; F is the identity
+     * where the point @p is_undeformed. */
+    template <int dim, typename Factor>
+    void conduct(const Stencils &stencils, const unsigned int number, const bool is_undeformed,
+                 const NodalVector &position, const NodalVector &temperature, const Factor &factor,
+                 NodalVector &heat_rate)
+    {
+      const Stencils::Row row = stencils.row(number);
+      const unsigned int own = stencils.particle_node[number];
+      NodeLanes gradient = 0.;
+      NodeLanes columns[3] = {0., 0., 0.};
+      add_row(row, position.data(), load_node(position.node(own)), columns);
+      for (unsigned int k = 0; k < row.size; ++k)
+        gradient += load_node(row.gradient + k * Stencils::n_gradient) *
+                    (*temperature.node(row.neighbour[k]) - *temperature.node(own));
+      dealii::Tensor<2, dim> deformation;
+      dealii::Tensor<1, dim> of_reference;
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        of_reference[a] = gradient[a];
+        for (unsigned int b = 0; b < dim; ++b)
+          deformation[a][b] = is_undeformed ? (a == b ? 1. : 0.) : columns[b][a];
+      }
+      // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
+      const dealii::Tensor<2, dim> inverse_deformation = invert(deformation);
+      const dealii::Tensor<1, dim> flux =
+          factor(determinant(deformation)) *
+          (inverse_deformation * (transpose(inverse_deformation) * of_reference));
+      NodeLanes padded = 0.;
+      for (unsigned int a = 0; a < dim; ++a)
+        padded[a] = flux[a];
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        const NodeLanes product = padded * load_node(row.gradient + k * Stencils::n_gradient);
+        *heat_rate.node(row.neighbour[k]) -= product[0] + product[1] + product[2];
+      }
     }
 
     /** Subtracts K ∇φ at the neighbours of a row, K given by its columns. */

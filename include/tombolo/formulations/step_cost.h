@@ -3,6 +3,8 @@
 
 #include <tombolo/materials/material.h>
 
+#include <deal.II/base/utilities.h>
+
 namespace tombolo
 {
   /** The parts of Formulation::cost_per_cell() in relative cost units: only their ratios matter,
@@ -15,7 +17,12 @@ namespace tombolo
         17.; ///< strain and force of an element's point, without its stress
 
     /** Of a cell with nodes of this degree and @p n_points points. */
-    double of_element(unsigned int dim, unsigned int degree, unsigned int n_points,
-                      double cost_per_point, const Material &material);
+    inline double of_element(const unsigned int dim, const unsigned int degree,
+                             const unsigned int n_points, const double cost_per_point,
+                             const Material &material)
+    {
+      return per_node * dealii::Utilities::pow(degree, static_cast<int>(dim)) + per_cell +
+             n_points * (cost_per_point + material.cost_per_point());
+    }
   } // namespace StepCost
 } // namespace tombolo

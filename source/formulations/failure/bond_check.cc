@@ -27,18 +27,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::string &BondCheck<dim>::criterion_name() const
-  {
-    return name;
-  }
-
-  template <int dim>
-  bool BondCheck<dim>::needs_deformation() const
-  {
-    return criterion->needs_deformation();
-  }
-
-  template <int dim>
   void BondCheck<dim>::start(const MaterialPoints &points)
   {
     criterion->check(points);

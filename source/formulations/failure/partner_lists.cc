@@ -53,47 +53,12 @@ namespace tombolo
     is_found = true;
   }
 
-  template <int dim>
-  bool NeighbourPartners<dim>::are_current() const
-  {
-    return is_found;
-  }
-
-  template <int dim>
-  void NeighbourPartners<dim>::forget()
-  {
-    is_found = false;
-  }
-
-  template <int dim>
-  const BondPartner &NeighbourPartners<dim>::partner(const unsigned int place) const
-  {
-    return partners[place];
-  }
-
-  template <int dim>
-  bool NeighbourPartners<dim>::is_damaged(const unsigned int place) const
-  {
-    return damaged[place];
-  }
-
-  template <int dim>
-  ParticleGrowth NeighbourPartners<dim>::growth(const unsigned int place) const
-  {
-    return growths[place];
-  }
-
   template class NeighbourPartners<2>;
   template class NeighbourPartners<3>;
 
   void PartnerLists::reset(const std::size_t n)
   {
     lists.assign(n, {});
-  }
-
-  void PartnerLists::resize(const std::size_t n)
-  {
-    lists.resize(n);
   }
 
   void PartnerLists::rearrange(const std::vector<unsigned int> &old_index)
@@ -103,11 +68,6 @@ namespace tombolo
     for (std::size_t i = 0; i < old_index.size(); ++i)
       if (old_index[i] < old.size())
         lists[i] = std::move(old[old_index[i]]);
-  }
-
-  std::size_t PartnerLists::size() const
-  {
-    return lists.size();
   }
 
   const PartnerLists::List &PartnerLists::operator[](const std::size_t i) const

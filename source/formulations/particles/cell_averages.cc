@@ -186,12 +186,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool CellAverages<dim>::is_on() const
-  {
-    return is_chosen;
-  }
-
-  template <int dim>
   std::string CellAverages<dim>::description() const
   {
     if (is_chosen)

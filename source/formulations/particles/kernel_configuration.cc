@@ -50,18 +50,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool KernelConfiguration<dim>::is_total_lagrangian() const
-  {
-    return kind == Kind::total_lagrangian;
-  }
-
-  template <int dim>
-  bool KernelConfiguration<dim>::is_current() const
-  {
-    return kind == Kind::current;
-  }
-
-  template <int dim>
   void KernelConfiguration<dim>::reset(const ParticleSet<dim> &particles)
   {
     half_widths = particles.initial_supports();
@@ -135,19 +123,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void KernelConfiguration<dim>::set_deformation(const unsigned int i,
-                                                 const Tensor<2, dim> &of_reference)
-  {
-    reference_deformation[i] = of_reference;
-  }
-
-  template <int dim>
-  std::vector<Tensor<2, dim>> *KernelConfiguration<dim>::deformation_of_motion()
-  {
-    return follows_motion() ? &reference_deformation : nullptr;
-  }
-
-  template <int dim>
   void KernelConfiguration<dim>::stretch_supports(const ParticleSet<dim> &particles)
   {
     for (unsigned int i = 0; i < particles.size(); ++i)
@@ -202,24 +177,6 @@ namespace tombolo
       for (unsigned int b = 0; b < dim; ++b)
         inverse_deformation[a][b] = rows[a * node_stride + b];
     return invert(inverse_deformation);
-  }
-
-  template <int dim>
-  const std::vector<Tensor<2, dim>> &KernelConfiguration<dim>::deformation() const
-  {
-    return reference_deformation;
-  }
-
-  template <int dim>
-  const std::vector<double> &KernelConfiguration<dim>::supports() const
-  {
-    return half_widths;
-  }
-
-  template <int dim>
-  const std::vector<double> &KernelConfiguration<dim>::positions() const
-  {
-    return reference_position;
   }
 
   template <int dim>

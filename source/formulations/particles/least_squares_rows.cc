@@ -69,13 +69,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void LeastSquaresRows<dim>::restrict_neighbours()
-  {
-    if (averages.is_on())
-      averages.restrict(neighbours, shape);
-  }
-
-  template <int dim>
   std::string LeastSquaresRows<dim>::describe_defects(const double *position,
                                                       const double *support) const
   {
@@ -98,12 +91,6 @@ namespace tombolo
     else
       text << " No dilation up to eight times that one would do: are its cells a single layer?";
     return text.str();
-  }
-
-  template <int dim>
-  std::string LeastSquaresRows<dim>::functions() const
-  {
-    return averages.description();
   }
 
   template <int dim>
@@ -131,24 +118,6 @@ namespace tombolo
     if (!averages.is_on() && averages.obstacle(setup).empty())
       result.cure = "Shape functions = cell averages";
     return result;
-  }
-
-  template <int dim>
-  const Kernel &LeastSquaresRows<dim>::kernel() const
-  {
-    return least_squares.kernel();
-  }
-
-  template <int dim>
-  double LeastSquaresRows<dim>::dilation() const
-  {
-    return support_dilation;
-  }
-
-  template <int dim>
-  const char *LeastSquaresRows<dim>::support_entry() const
-  {
-    return "Dilation";
   }
 
   template class LeastSquaresRows<2>;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/least_squares_rows.h>
-#include <tombolo/formulations/particles/particle_cost.h>
 #include <tombolo/formulations/particles/particle_method.h>
-#include <tombolo/materials/strain_measure.h>
 
 #include <string>
 
@@ -11,33 +9,23 @@ namespace tombolo
 {
   using namespace dealii;
 
-  /** Declares `Strain measure` of particles, whose default follows `Smoothing`. */
-  void declare_particle_strain_measure(const Entries &e);
-
-  /** Reads it. Throws the InputError of a logarithmic measure with a smoothing by which positions
-   * do not move with the velocity that strains. */
-  StrainMeasure read_particle_strain_measure(const Section &section);
-
-  void declare_particle_strain_measure(const Entries &e)
+  /** `Strain measure` of particles, whose default follows `Smoothing`. Throws the InputError of a
+   * logarithmic measure with a smoothing by which positions do not move with the velocity that
+   * strains. */
+  StrainMeasure particle_strain_measure(const Entries &e)
   {
-    e.choice(
+    const std::string measure = e.choice(
         "Strain measure", "automatic", "automatic|logarithmic|rate",
         "What the stress follows: the elastic logarithmic strain, from whose energy the forces "
         "derive, or the rate of deformation with an objective rate of the Cauchy stress. The first "
         "needs positions that move with the velocity that strains: `automatic` is `logarithmic` "
         "with the smoothings affine and none, and `rate` with others.");
-  }
-
-  StrainMeasure read_particle_strain_measure(const Section &section)
-  {
-    const std::string measure = section.get("Strain measure"), smoothing = section.get("Smoothing");
+    const std::string smoothing = e.given("Smoothing");
     const bool positions_follow = smoothing == "affine" || smoothing == "none";
-    if (measure == "logarithmic" && !positions_follow)
-      section.fail(
-          "Strain measure",
-          "the logarithmic strain is that of the positions, and with `Smoothing = " + smoothing +
-              "` these do not move with the velocity that strains; allowed is rate, or "
-              "the smoothing affine or none");
+    e.refuse(measure == "logarithmic" && !positions_follow, "Strain measure",
+             "the logarithmic strain is that of the positions, and with `Smoothing = " + smoothing +
+                 "` these do not move with the velocity that strains; allowed is rate, or "
+                 "the smoothing affine or none");
     return measure != "rate" && positions_follow ? StrainMeasure::logarithmic : StrainMeasure::rate;
   }
 
@@ -52,7 +40,7 @@ namespace tombolo
   public:
     explicit MomentumConsistentParticle(const Section &section)
         : ParticleMethod<dim>(section, std::make_unique<LeastSquaresRows<dim>>(section),
-                              read_particle_strain_measure(section))
+                              particle_strain_measure(section))
     {
       const auto &of_method = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
       const Kernel &kernel_function = of_method.kernel();
@@ -65,14 +53,7 @@ namespace tombolo
       ParticleMethod<dim>::declare_shared_parameters(e, "total Lagrangian");
       LeastSquaresRows<dim>::declare_parameters(e);
       SmoothingSettings::declare_parameters(e);
-      declare_particle_strain_measure(e);
-    }
-
-    double cost_per_cell(const Material &material, const double box_ratio) const override
-    {
-      return particle_cost_per_cell<dim>(this->smoothing_settings, this->kernel,
-                                         this->rows->dilation(), box_ratio) +
-             material.cost_per_point();
+      particle_strain_measure(e);
     }
   };
 

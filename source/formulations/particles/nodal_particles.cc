@@ -53,13 +53,6 @@ namespace tombolo
   }
 
   template <int dim>
-  Tensor<2, dim> NodalParticles<dim>::deformation(const unsigned int i,
-                                                  const NodalVector &position) const
-  {
-    return kernel.total_deformation(i, this->stencils(), position);
-  }
-
-  template <int dim>
   void NodalParticles<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
   {
     ParticleForce::add_internal_force(part_points, this->stencils(), set.initial_volumes(), input,

@@ -363,46 +363,14 @@ namespace tombolo
       {
         if (shape.is_rigid(row))
           continue; // without ∇φ it conducts nothing
-        const Stencils::Row of_row = shape.row(row);
-        const NodeLanes centre = load_node(position.node(shape.particle_node[row]));
-        const double own_temperature = *temperature.node(shape.particle_node[row]);
-        NodeLanes gradient = 0.;
-        NodeLanes columns[3] = {0., 0., 0.};
-        for (unsigned int k = 0; k < of_row.size; ++k)
-        {
-          const unsigned int neighbour = of_row.neighbour[k];
-          const double *const of_entry = of_row.gradient + k * Stencils::n_gradient;
-          gradient += load_node(of_entry) * (*temperature.node(neighbour) - own_temperature);
-          const NodeLanes offset = load_node(position.node(neighbour)) - centre;
-          for (unsigned int d = 0; d < 3; ++d)
-            columns[d] += offset * of_entry[d];
-        }
-        // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
-        const bool is_undeformed = shape.is_undeformed(row);
-        dealii::Tensor<2, dim> deformation;
-        dealii::Tensor<1, dim> of_reference;
-        for (unsigned int a = 0; a < dim; ++a)
-        {
-          of_reference[a] = gradient[a];
-          for (unsigned int b = 0; b < dim; ++b)
-            deformation[a][b] = is_undeformed ? (a == b ? 1. : 0.) : columns[b][a];
-        }
-        const dealii::Tensor<2, dim> inverse_deformation = invert(deformation);
-        const double of_row_conductivity =
-            conductivity.is_constant()
-                ? conductivity.largest()
-                : conductivity.value(*of_conductivity.node(shape.particle_node[row]));
-        const dealii::Tensor<1, dim> flux =
-            volume[row] * of_row_conductivity *
-            (inverse_deformation * (transpose(inverse_deformation) * of_reference));
-        NodeLanes padded = 0.;
-        for (unsigned int a = 0; a < dim; ++a)
-          padded[a] = flux[a];
-        for (unsigned int k = 0; k < of_row.size; ++k)
-        {
-          const NodeLanes product = padded * load_node(of_row.gradient + k * Stencils::n_gradient);
-          *heat_rate.node(of_row.neighbour[k]) -= product[0] + product[1] + product[2];
-        }
+        const double conducted =
+            volume[row] *
+            (conductivity.is_constant()
+                 ? conductivity.largest()
+                 : conductivity.value(*of_conductivity.node(shape.particle_node[row])));
+        RowBlock::conduct<dim>(
+            shape, row, shape.is_undeformed(row), position, temperature,
+            [conducted](const double /*det*/) { return conducted; }, heat_rate);
       }
     }
 

@@ -10,49 +10,12 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  ParticleFracture<dim>::ParticleFracture(const ParticleSet<dim> &particles,
+  ParticleFracture<dim>::ParticleFracture(const Section &section, const ParticleSet<dim> &particles,
                                           const KernelConfiguration<dim> &kernel,
                                           ParticleRows<dim> &rows, PartPoints &points)
-      : particles(particles), kernel(kernel), rows(rows), points(points)
+      : particles(particles), kernel(kernel), rows(rows), points(points),
+        bonds(Bonds<dim>::create(section))
   {}
-
-  template <int dim>
-  void ParticleFracture<dim>::choose(const Section &section)
-  {
-    bonds = Bonds<dim>::create(section);
-  }
-
-  template <int dim>
-  bool ParticleFracture<dim>::is_on() const
-  {
-    return bonds != nullptr;
-  }
-
-  template <int dim>
-  bool ParticleFracture<dim>::has_broken_bonds() const
-  {
-    return bonds != nullptr && bonds->any();
-  }
-
-  template <int dim>
-  std::vector<FieldDescription> ParticleFracture<dim>::variables() const
-  {
-    return bonds ? bonds->variables() : std::vector<FieldDescription>();
-  }
-
-  template <int dim>
-  void ParticleFracture<dim>::initialize()
-  {
-    if (bonds)
-      bonds->initialize(particles.persistent_ids(), rows.stencils(), points.points(),
-                        particles.communicator());
-  }
-
-  template <int dim>
-  void ParticleFracture<dim>::set_before_change(const std::function<void()> &to_call)
-  {
-    before_change = to_call;
-  }
 
   template <int dim>
   void ParticleFracture<dim>::prepare_change()
@@ -61,13 +24,6 @@ namespace tombolo
       before_change();
     if (has_broken_bonds())
       former_rows.remember(rows.stencils());
-  }
-
-  template <int dim>
-  void ParticleFracture<dim>::prepare_search()
-  {
-    if (has_broken_bonds())
-      bonds->prepare_search(rows.partition(particles), rows.neighbourhoods(), rows.stencils());
   }
 
   template <int dim>
@@ -159,53 +115,6 @@ namespace tombolo
     if (bonds && !bonds->debris(rows.stencils()).empty())
       bonds->release_debris(rows.stencils(), points.elastic_energies(), particles.initial_volumes(),
                             points.points());
-  }
-
-  template <int dim>
-  void ParticleFracture<dim>::add_particles(const std::vector<unsigned int> &old_index,
-                                            const std::vector<bool> &gains)
-  {
-    if (bonds)
-      bonds->add_particles(particles.persistent_ids(), old_index, gains);
-  }
-
-  template <int dim>
-  void ParticleFracture<dim>::remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
-                                              Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
-  {
-    if (bonds)
-      bonds->remove_unbonded(partition, neighbourhoods, shape);
-  }
-
-  template <int dim>
-  void ParticleFracture<dim>::measure_rows(const Stencils &shape)
-  {
-    if (bonds)
-      bonds->measure_rows(shape);
-  }
-
-  template <int dim>
-  std::vector<unsigned int> ParticleFracture<dim>::debris() const
-  {
-    return bonds ? bonds->debris(rows.stencils()) : std::vector<unsigned int>();
-  }
-
-  template <int dim>
-  LeavingParticles ParticleFracture<dim>::take_leaving_particles()
-  {
-    return bonds ? former_rows.leaving(rows.stencils(), debris()) : LeavingParticles();
-  }
-
-  template <int dim>
-  BondCounts ParticleFracture<dim>::counts() const
-  {
-    return bonds ? bonds->counts(rows.stencils()) : BondCounts();
-  }
-
-  template <int dim>
-  double ParticleFracture<dim>::dissipated_energy() const
-  {
-    return bonds ? integral_over_initial_volume(points.points(), Bonds<dim>::dissipation_name) : 0.;
   }
 
   template <int dim>

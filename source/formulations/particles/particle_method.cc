@@ -2,17 +2,49 @@
 #include <tombolo/formulations/particles/particle_method.h>
 
 #include <tombolo/approximation/row_deformation.h>
+#include <tombolo/formulations/step_cost.h>
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    // Measured, for each neighbour [ns].
+    constexpr double per_neighbour = 4.;       // deformation and force
+    constexpr double per_smoothing = 4.;       // velocity and motion with Φ
+    constexpr double per_sharpening = 4.;      // Φ again, for γ
+    constexpr double per_affine_term = 2.5;    // velocity gradient and moments
+    constexpr double own_rows = 1.25;          // where rows are not shared by particles
+    constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
+  }                                            // namespace
+
+  template <int dim>
+  double ParticleMethod<dim>::cost_per_cell(const Material &material, const double box_ratio) const
+  {
+    // Neighbours on a lattice along the axes, where a support reaches over `dilation` spacings to
+    // both sides; supports around a lattice that is turned or skewed hold as many more as the box
+    // around a cell is larger.
+    const double n_neighbours = box_ratio * std::pow(2. * std::ceil(rows->dilation()) - 1., dim);
+    double cost = per_neighbour;
+    if (smoothing_settings.is_active)
+      cost += per_smoothing + (smoothing_settings.affine        ? per_affine_term
+                               : smoothing_settings.gamma != 0. ? per_sharpening
+                                                                : 0.);
+    if (!kernel.is_total_lagrangian())
+      cost *= own_rows;
+    if (kernel.is_current())
+      cost += per_shape_function;
+    return StepCost::per_node + n_neighbours * cost + material.cost_per_point();
+  }
 
   template <int dim>
   void ParticleMethod<dim>::declare_shared_parameters(const Entries &e,
@@ -29,11 +61,11 @@ namespace tombolo
   ParticleMethod<dim>::ParticleMethod(const Section &of_part,
                                       std::unique_ptr<ParticleRows<dim>> of_method,
                                       const StrainMeasure measure)
-      : section(of_part), rows(std::move(of_method)), fracture(set, kernel, *rows, part_points)
+      : section(of_part), rows(std::move(of_method)),
+        fracture(of_part, set, kernel, *rows, part_points)
   {
     part_points = PartPoints(BulkViscosity(of_part), measure);
     smoothing_settings.is_active = false;
-    fracture.choose(section);
     self_contact = SelfContact<dim>::create(section);
     kernel = KernelConfiguration<dim>(section);
   }
@@ -145,12 +177,6 @@ namespace tombolo
     }
     nodes.compress();
     return nodes;
-  }
-
-  template <int dim>
-  std::vector<ImageNode> ParticleMethod<dim>::required_image_nodes() const
-  {
-    return rows->required_image_nodes();
   }
 
   template <int dim>
@@ -360,96 +386,6 @@ namespace tombolo
     if (self_contact)
       self_contact->account(result);
     return result;
-  }
-
-  template <int dim>
-  Stencils &ParticleMethod<dim>::stencils()
-  {
-    return rows->stencils();
-  }
-
-  template <int dim>
-  SmoothingSettings ParticleMethod<dim>::smoothing() const
-  {
-    return smoothing_settings;
-  }
-
-  template <int dim>
-  PatchTest ParticleMethod<dim>::patch_test(const NodalVector &position) const
-  {
-    return rows->patch_test(setup, set, kernel, smoothing_settings.is_active, position);
-  }
-
-  template <int dim>
-  std::string ParticleMethod<dim>::shape_functions() const
-  {
-    return rows->functions();
-  }
-
-  template <int dim>
-  const std::vector<SurfaceFibre> &ParticleMethod<dim>::surface_fibres() const
-  {
-    return fibres;
-  }
-
-  template <int dim>
-  BondCounts ParticleMethod<dim>::bond_counts() const
-  {
-    return fracture.counts();
-  }
-
-  template <int dim>
-  FragmentCounts ParticleMethod<dim>::fragment_counts() const
-  {
-    return self_contact ? self_contact->counts() : FragmentCounts();
-  }
-
-  template <int dim>
-  void ParticleMethod<dim>::forget_fragments()
-  {
-    if (self_contact)
-      self_contact->forget_fragments();
-  }
-
-  template <int dim>
-  void ParticleMethod<dim>::add_self_contact(const MechanicalInput &input,
-                                             const NodalVector &element_mass, NodalVector &loads,
-                                             std::vector<unsigned int> &loaded_nodes,
-                                             const FragmentHeat &heat)
-  {
-    if (self_contact)
-      self_contact->add_forces(input, element_mass, rows->stencils(), this->points(), loads,
-                               loaded_nodes, heat);
-  }
-
-  template <int dim>
-  double ParticleMethod<dim>::stable_fraction(const double stable_step) const
-  {
-    return self_contact ? self_contact->stable_fraction(stable_step) : 1.;
-  }
-
-  template <int dim>
-  bool ParticleMethod<dim>::has_broken_bonds() const
-  {
-    return fracture.has_broken_bonds();
-  }
-
-  template <int dim>
-  std::vector<unsigned int> ParticleMethod<dim>::debris() const
-  {
-    return fracture.debris();
-  }
-
-  template <int dim>
-  LeavingParticles ParticleMethod<dim>::take_leaving_particles()
-  {
-    return fracture.take_leaving_particles();
-  }
-
-  template <int dim>
-  void ParticleMethod<dim>::set_before_change(const std::function<void()> &before_change)
-  {
-    fracture.set_before_change(before_change);
   }
 
   template class ParticleMethod<2>;

@@ -26,12 +26,6 @@ namespace tombolo
   {}
 
   template <int dim>
-  void ParticleRows<dim>::set_images(const std::shared_ptr<const Images> &images)
-  {
-    neighbours.set_images(images);
-  }
-
-  template <int dim>
   void ParticleRows<dim>::reset(const std::vector<double> &masses)
   {
     shape = Stencils();
@@ -48,12 +42,6 @@ namespace tombolo
     if (bodies != nullptr)
       separate_bodies(partition(particles), neighbours, searched());
     restrict_neighbours();
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::set_bodies(const Bodies<dim> &of_mesh)
-  {
-    bodies = of_mesh.n_bodies() > 1 && !crosses_gaps ? &of_mesh : nullptr;
   }
 
   template <int dim>
@@ -74,12 +62,6 @@ namespace tombolo
     found.remove_neighbours([&](const unsigned int row, const unsigned int place)
                             { return body_at(row) != body_at(place); },
                             stencils);
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::compute_at_search()
-  {
-    compute(neighbours.position_at_search().data(), neighbours.support_at_search().data());
   }
 
   template <int dim>
@@ -142,12 +124,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleRows<dim>::finish_start()
-  {
-    has_started = true;
-  }
-
-  template <int dim>
   IndexSet ParticleRows<dim>::required_nodes(const ParticleSet<dim> &particles) const
   {
     IndexSet nodes(particles.owned_nodes().size());
@@ -155,12 +131,6 @@ namespace tombolo
     nodes.add_indices(of_rows.begin(), of_rows.end());
     nodes.compress();
     return nodes;
-  }
-
-  template <int dim>
-  const std::vector<ImageNode> &ParticleRows<dim>::required_image_nodes() const
-  {
-    return neighbours.images();
   }
 
   template <int dim>
@@ -177,19 +147,6 @@ namespace tombolo
   {
     renumber(partition);
     support_of_node.reinit(std::make_shared<const NodePartition>(partition), Quantity::scalars);
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::renumber(const NodePartition &partition)
-  {
-    neighbours.set_partition(partition, shape);
-  }
-
-  template <int dim>
-  std::shared_ptr<const NodePartition>
-  ParticleRows<dim>::partition(const ParticleSet<dim> &particles) const
-  {
-    return particles.partition(required_nodes(particles), required_image_nodes());
   }
 
   template <int dim>

@@ -163,18 +163,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SelfContact<dim>::forget_fragments()
-  {
-    pairs_are_current = false;
-  }
-
-  template <int dim>
-  const std::vector<types::global_dof_index> &SelfContact<dim>::required_nodes() const
-  {
-    return is_searched ? neighbourhoods.global_nodes() : particles.nodes;
-  }
-
-  template <int dim>
   void SelfContact<dim>::set_partition(const NodePartition &partition)
   {
     pairs_are_current = false;
@@ -399,12 +387,6 @@ namespace tombolo
     accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
     if (friction)
       accounts.add("self-contact friction", EnergyKind::dissipated, friction->dissipated());
-  }
-
-  template <int dim>
-  FragmentCounts SelfContact<dim>::counts() const
-  {
-    return {true, n_fragments, n_touching, friction != nullptr};
   }
 
   template <int dim>

@@ -2,7 +2,6 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
-#include <tombolo/formulations/particles/particle_cost.h>
 #include <tombolo/formulations/particles/particle_method.h>
 #include <tombolo/formulations/particles/smoothed_rows.h>
 
@@ -62,13 +61,6 @@ namespace tombolo
                "What the stress follows: the elastic logarithmic strain, from whose energy the "
                "forces derive, or the rate of deformation with an objective rate of the Cauchy "
                "stress. `automatic` is `rate` with `Gradient = paper`, and `logarithmic` else.");
-    }
-
-    double cost_per_cell(const Material &material, const double box_ratio) const override
-    {
-      return particle_cost_per_cell<dim>(this->smoothing_settings, this->kernel,
-                                         this->rows->dilation(), box_ratio) +
-             material.cost_per_point();
     }
 
     NeighbourCounts neighbour_counts() const override

@@ -117,12 +117,6 @@ namespace tombolo
   }
 
   template <int dim>
-  Stencils &SmoothedRows<dim>::searched()
-  {
-    return is_compact ? candidates : this->shape;
-  }
-
-  template <int dim>
   void SmoothedRows<dim>::renumber(const NodePartition &partition)
   {
     if (!is_compact)
@@ -200,18 +194,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double SmoothedRows<dim>::dilation() const
-  {
-    return 2. * relative_length;
-  }
-
-  template <int dim>
-  const char *SmoothedRows<dim>::support_entry() const
-  {
-    return "Smoothing length";
-  }
-
-  template <int dim>
   std::string SmoothedRows<dim>::functions() const
   {
     std::ostringstream text;
@@ -227,12 +209,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool SmoothedRows<dim>::depend_on_volumes() const
-  {
-    return is_current;
-  }
-
-  template <int dim>
   void SmoothedRows<dim>::set_present_volumes(const std::vector<double> &volumes)
   {
     if (!is_current)
@@ -240,18 +216,6 @@ namespace tombolo
     present_volumes = volumes;
     for (std::size_t i = 0; i < present_volumes.size(); ++i)
       present_volumes[i] *= copies[i];
-  }
-
-  template <int dim>
-  bool SmoothedRows<dim>::are_corrected() const
-  {
-    return is_corrected;
-  }
-
-  template <int dim>
-  const RadialKernel<dim> &SmoothedRows<dim>::radial_kernel() const
-  {
-    return radial_rows->kernel();
   }
 
   template class SmoothedRows<2>;

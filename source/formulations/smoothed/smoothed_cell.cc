@@ -435,12 +435,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const IndexSet &HangingMasses<dim>::required_nodes() const
-  {
-    return node_set;
-  }
-
-  template <int dim>
   void HangingMasses<dim>::set_partition(const NodePartition &partition)
   {
     local_nodes.clear();

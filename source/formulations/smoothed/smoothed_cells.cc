@@ -21,8 +21,7 @@ namespace tombolo
   }
 
   template <int dim>
-  SmoothedCells<dim>::SmoothedCells(const Section &section)
-      : Base(section), rows(section), integration(part_points, rows, cell_points), refilled(section)
+  SmoothedCells<dim>::SmoothedCells(const Section &section) : Base(section), refilled(section)
   {}
 
   template <int dim>
@@ -161,18 +160,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedCells<dim>::add_hanging_masses(NodalVector &mass) const
-  {
-    hanging_masses.add_mass(mass);
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::set_masses(const std::vector<double> &of_cells)
-  {
-    cell_points.cells().set_masses(of_cells);
-  }
-
-  template <int dim>
   void SmoothedCells<dim>::renew_reference(const NodalVector &position)
   {
     rows.initialize(refilled.setup(), &position);
@@ -188,12 +175,6 @@ namespace tombolo
     refilled.take_masses(cell_points.cells());
     // Functions of the cells that are left end where those are that have become particles.
     rows.initialize(refilled.setup(), reference.partition() != nullptr ? &reference : nullptr);
-  }
-
-  template <int dim>
-  SmoothedPointState<dim> SmoothedCells<dim>::point_state()
-  {
-    return {part_points, rows, cell_points};
   }
 
   template <int dim>

@@ -148,29 +148,11 @@ namespace tombolo
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
         {
           const unsigned int number = (batch * n_points + q) * n_lanes + lane;
-          const Stencils::Row row = rows.row(number);
-          const unsigned int origin = rows.particle_node[number];
-          NodeLanes columns[3] = {0., 0., 0.};
-          RowBlock::add_row(row, position.data(),
-                            load_node(RowBlock::node(position.data(), origin)), columns);
-          Tensor<1, dim> gradient;
-          Tensor<2, dim> deformation;
-          for (unsigned int k = 0; k < row.size; ++k)
-            for (unsigned int a = 0; a < dim; ++a)
-              gradient[a] += row.gradient[k * Stencils::n_gradient + a] *
-                             (*temperature.node(row.neighbour[k]) - *temperature.node(origin));
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int b = 0; b < dim; ++b)
-              deformation[a][b] = columns[b][a];
-          const Tensor<2, dim> inverse_deformation = invert(deformation);
-          const Tensor<1, dim> flux =
-              point_volumes[number] * determinant(deformation) *
-              conductivity.value(at_points[q * n_lanes + lane]) *
-              (inverse_deformation * (transpose(inverse_deformation) * gradient));
-          for (unsigned int k = 0; k < row.size; ++k)
-            for (unsigned int a = 0; a < dim; ++a)
-              *heat_rate.node(row.neighbour[k]) -=
-                  flux[a] * row.gradient[k * Stencils::n_gradient + a];
+          const double conducted =
+              point_volumes[number] * conductivity.value(at_points[q * n_lanes + lane]);
+          RowBlock::conduct<dim>(
+              rows, number, false, position, temperature,
+              [conducted](const double det) { return conducted * det; }, heat_rate);
         }
     }
   }

@@ -18,53 +18,15 @@
 
 namespace tombolo
 {
-  /** The places, ascending, of the cells that fulfil the criterion or whose volume is no longer
-   * positive at these positions. Only if the criterion is on. */
-  template <int dim, typename Element>
-  std::vector<unsigned int>
-  find_failed_places(const CellPoints<dim, Element> &cell_points, const MaterialPoints &points,
-                     const CellIntegration<dim, Element> &integration,
-                     const ErosionCriterion &erosion, const NodalVector &position)
-  {
-    using Points = CellPoints<dim, Element>;
-    // A point with more than this part of its initial volume does not lose it in one stable step.
-    constexpr double small_volume = 0.5;
-    std::vector<unsigned int> failed_places;
-    const double *const ratios = points.component(MaterialPoints::volume_ratio, 0);
-    for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
-    {
-      const std::size_t first = Points::first_point(batch);
-      Lanes ratio = load_lanes(ratios + first), reaches = 0.;
-      for (unsigned int i = 0; i < Points::points_per_batch; i += n_lanes)
-        ratio = min(ratio, load_lanes(ratios + first + i));
-      for (const ErosionCriterion::Limit &limit : erosion.limits())
-      {
-        const double *const values = points.component(limit.field, 0) + first;
-        Lanes mean = 0.;
-        for (unsigned int i = 0; i < Points::points_per_batch; i += n_lanes)
-          mean += load_lanes(values + i);
-        mean /= double(Points::n_points);
-        where(mean >= limit.value, reaches) = 1.;
-      }
-      if (all_of(reaches < 1. && ratio > small_volume))
-        continue;
-      for (unsigned int lane = 0; lane < cell_points.cells().n_valid(batch); ++lane)
-        if (reaches[lane] >= 1. ||
-            (!(ratio[lane] > small_volume) &&
-             !integration.is_volume_positive(batch * n_lanes + lane, position)))
-          failed_places.push_back(batch * n_lanes + lane);
-    }
-    return failed_places;
-  }
-
   /**
    * A part of finite elements: everything a Formulation does, for one element type (see
    * ElementDefaults for what an element is), in batches of n_lanes cells. The cells and their
    * material points are CellPoints, the forces of their stresses CellIntegration.
    */
   template <int dim, typename Element>
-  class CellFormulation : public LosingCells<dim, CellPoints<dim, Element>>,
-                          public ErodingCells<dim>
+  class CellFormulation
+      : public LosingCells<dim, CellPoints<dim, Element>, CellIntegration<dim, Element>>,
+        public ErodingCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -75,9 +37,7 @@ namespace tombolo
       declare<ConversionCriterion>(handler);
     }
 
-    explicit CellFormulation(const Section &section)
-        : Base(section), integration(section, part_points, cell_points), erosion(section)
-    {}
+    explicit CellFormulation(const Section &section) : Base(section), erosion(section) {}
 
     unsigned int degree() const override
     {
@@ -88,12 +48,6 @@ namespace tombolo
     {
       return MiddleNodes::means;
     }
-    bool can_be_divided() const override
-    {
-      return true;
-    }
-    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override;
-
     double cost_per_cell(const Material &material, const double /*box_ratio*/) const override
     {
       return StepCost::of_element(dim, Element::degree, Element::n_points, Element::cost_per_point,
@@ -101,33 +55,6 @@ namespace tombolo
     }
 
     void initialize(const PartSetup<dim> &setup) override;
-
-    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
-    {
-      integration.add_internal_force(input, force);
-    }
-
-    std::string failure() const override
-    {
-      return integration.failure();
-    }
-
-    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 const double time_step, NodalVector &force) const override
-    {
-      integration.apply_elastic_stiffness(position, velocity, time_step, force);
-    }
-
-    void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take) override
-    {
-      std::make_unique<CellStiffness<dim, Element>>(integration, input)->find(take);
-    }
-
-    std::optional<std::string> unfit_to_linearize() const override
-    {
-      return integration.unfit_to_linearize();
-    }
 
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
@@ -149,11 +76,7 @@ namespace tombolo
       return erosion.is_on();
     }
 
-    unsigned int find_failed_cells(const NodalVector &position) override
-    {
-      failed_places = find_failed_places(cell_points, points(), integration, erosion, position);
-      return static_cast<unsigned int>(failed_places.size());
-    }
+    unsigned int find_failed_cells(const NodalVector &position) override;
 
     RemovedCells remove_failed_cells(const NodalVector &position, const NodalVector &velocity,
                                      double time_increment) override;
@@ -177,10 +100,10 @@ namespace tombolo
 
   private:
     using Points = CellPoints<dim, Element>;
-    using Base = LosingCells<dim, Points>;
-    using Base::cell_points, Base::criterion, Base::lost_cells, Base::part_points, Base::points;
+    using Base = LosingCells<dim, Points, CellIntegration<dim, Element>>;
+    using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
+        Base::part_points, Base::points;
 
-    CellIntegration<dim, Element> integration;
     ErosionCriterion erosion;
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
   };
@@ -215,20 +138,6 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellFormulation<dim, Element>::find_volumes(const NodalVector &position,
-                                                   const std::vector<bool> &are_new)
-  {
-    typename Points::NodeValues x;
-    Lanes volume[Element::n_points];
-    for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
-    {
-      integration.find_volumes(batch, position, x, volume);
-      MeanDilatation::take_volumes(points(), Points::first_point(batch), volume,
-                                   integration.shares_volume(), are_new);
-    }
-  }
-
-  template <int dim, typename Element>
   void CellFormulation<dim, Element>::courant_limits(const NodalVector &position,
                                                      std::vector<double> &time_steps) const
   {
@@ -259,6 +168,31 @@ namespace tombolo
     EnergyAccounts result = Base::energies();
     integration.add_energies(result);
     return result;
+  }
+
+  template <int dim, typename Element>
+  unsigned int CellFormulation<dim, Element>::find_failed_cells(const NodalVector &position)
+  {
+    // A point with more than this part of its initial volume does not lose it in one stable step.
+    constexpr double small_volume = 0.5;
+    const double *const ratios = points().component(MaterialPoints::volume_ratio, 0);
+    failed_places.clear();
+    for (unsigned int place = 0; place < cell_points.cells().n_present_cells(); ++place)
+    {
+      bool fails = false, is_large = true;
+      for (const ErosionCriterion::Limit &limit : erosion.limits())
+      {
+        double sum = 0;
+        for (unsigned int q = 0; q < Element::n_points; ++q)
+          sum += points().component(limit.field, 0)[Points::point_at(place, q)];
+        fails = fails || sum / Element::n_points >= limit.value;
+      }
+      for (unsigned int q = 0; q < Element::n_points; ++q)
+        is_large = is_large && ratios[Points::point_at(place, q)] > small_volume;
+      if (fails || (!is_large && !integration.is_volume_positive(place, position)))
+        failed_places.push_back(place);
+    }
+    return static_cast<unsigned int>(failed_places.size());
   }
 
   template <int dim, typename Element>

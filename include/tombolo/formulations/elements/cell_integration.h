@@ -4,7 +4,6 @@
 #include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
-#include <tombolo/formulations/elements/unusable_cell.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/part_points.h>
 #include <tombolo/formulations/plastic_flow.h>
@@ -14,6 +13,7 @@
 #include <deal.II/base/aligned_vector.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -53,6 +53,8 @@ namespace tombolo
     void add_internal_force(const MechanicalInput &input, NodalVector &force);
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const;
+    void find_cell_equations(const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take);
     /** Of hourglass control. */
     void add_energies(EnergyAccounts &energies) const;
     std::string unfit_to_linearize() const
@@ -73,18 +75,15 @@ namespace tombolo
     double internal_power(unsigned int place, const NodalVector &position,
                           const NodalVector &velocity, double time_increment) const;
 
+    /** See Formulation::find_volumes(). */
+    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new);
+
     /** The positions of the nodes of a batch, and the volumes of its points there. */
     void find_volumes(unsigned int batch, const NodalVector &position, NodeValues &x,
                       Lanes (&volume)[n_points]) const;
 
     /** Whether all points of the cell at a place have a positive volume at these positions. */
     bool is_volume_positive(unsigned int place, const NodalVector &position) const;
-
-    /** Whether points of a cell keep their parts of its volume. */
-    bool shares_volume() const
-    {
-      return part.is_logarithmic() && Element::shares_volume;
-    }
 
   private:
     template <int, typename>
@@ -119,6 +118,11 @@ namespace tombolo
         std::copy_n(variable + first, points_per_batch, result.back());
       }
       return result;
+    }
+    /** Whether points of a cell keep their parts of its volume. */
+    bool shares_volume() const
+    {
+      return part.is_logarithmic() && Element::shares_volume;
     }
     /** Shares the motion among the points of cells. */
     void share(const typename Element::Work &work,
@@ -372,6 +376,20 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
+  void CellIntegration<dim, Element>::take_volumes(const NodalVector &position,
+                                                   const std::vector<bool> &are_new)
+  {
+    NodeValues x;
+    Lanes volume[n_points];
+    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+    {
+      find_volumes(batch, position, x, volume);
+      MeanDilatation::take_volumes(part.points(), Points::first_point(batch), volume,
+                                   shares_volume(), are_new);
+    }
+  }
+
+  template <int dim, typename Element>
   bool CellIntegration<dim, Element>::is_volume_positive(const unsigned int place,
                                                          const NodalVector &position) const
   {
@@ -393,6 +411,20 @@ namespace tombolo
       return;
     for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
       if (!is_sound[lane] && failure_message.empty())
-        failure_message = describe_unusable_cell(points, batch, lane, x, volume);
+      {
+        dealii::Point<dim> centre, initial;
+        for (const auto &of_node : x)
+          for (unsigned int d = 0; d < dim; ++d)
+            centre[d] += of_node[d][lane] / n_nodes;
+        double smallest = volume[0][lane];
+        for (unsigned int q = 0; q < n_points; ++q)
+        {
+          initial += points.initial_positions()[Points::point_at(batch * n_lanes + lane, q)] /
+                     double(n_points);
+          if (!(volume[q][lane] >= smallest))
+            smallest = volume[q][lane];
+        }
+        failure_message = describe_unusable_cell(centre, initial, smallest);
+      }
   }
 } // namespace tombolo

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -199,5 +200,12 @@ namespace tombolo
           equations.matrix[row * n_rows + column] = matrix[row][column][lane];
       take(equations);
     }
+  }
+
+  template <int dim, typename Element>
+  void CellIntegration<dim, Element>::find_cell_equations(
+      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
+  {
+    std::make_unique<CellStiffness<dim, Element>>(*this, input)->find(take);
   }
 } // namespace tombolo

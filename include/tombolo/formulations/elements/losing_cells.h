@@ -5,6 +5,9 @@
 #include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/elements/cell_part.h>
 
+#include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -61,14 +64,47 @@ namespace tombolo
     EnergyAccounts dissipated_in_lost;
   };
 
-  /** What all parts have whose cells can become particles: when they do, and which are lost. */
-  template <int dim, typename Points>
+  /** What all parts have whose cells can become particles: when they do, and which are lost.
+   * Integration is what their stresses do at the nodes. */
+  template <int dim, typename Points, typename Integration>
   class LosingCells : public CellPart<dim, Points>, public ConvertingCells<dim>
   {
   public:
-    explicit LosingCells(const Section &section) : criterion(section)
+    explicit LosingCells(const Section &section)
+        : criterion(section), integration(section, this->part_points, cell_points)
     {
       this->part_points = PartPoints(section);
+    }
+
+    bool can_be_divided() const override
+    {
+      return true;
+    }
+    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
+    {
+      integration.take_volumes(position, are_new);
+    }
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
+    {
+      integration.add_internal_force(input, force);
+    }
+    std::string failure() const override
+    {
+      return integration.failure();
+    }
+    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
+                                 const double time_step, NodalVector &force) const override
+    {
+      integration.apply_elastic_stiffness(position, velocity, time_step, force);
+    }
+    void find_cell_equations(const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take) override
+    {
+      integration.find_cell_equations(input, take);
+    }
+    std::optional<std::string> unfit_to_linearize() const override
+    {
+      return integration.unfit_to_linearize();
     }
 
     /** Those of the points, and what was dissipated in cells that are lost. */
@@ -106,11 +142,12 @@ namespace tombolo
     using CellPart<dim, Points>::cell_points;
     ConversionCriterion criterion; ///< of conversion
     LostCells lost_cells;
+    Integration integration;
   };
 
-  template <int dim, typename Points>
+  template <int dim, typename Points, typename Integration>
   std::vector<unsigned int>
-  LosingCells<dim, Points>::find_converting_cells(const NodalVector &position) const
+  LosingCells<dim, Points, Integration>::find_converting_cells(const NodalVector &position) const
   {
     const CellBatches<dim> &cells = cell_points.cells();
     std::vector<bool> converts(cells.n_present_cells(), false);

@@ -25,8 +25,14 @@ namespace tombolo
   public:
     explicit BondCheck(const Entries &e);
 
-    const std::string &criterion_name() const;
-    bool needs_deformation() const;
+    const std::string &criterion_name() const
+    {
+      return name;
+    }
+    bool needs_deformation() const
+    {
+      return criterion->needs_deformation();
+    }
 
     /** Begins to count steps. Throws InputError where @p points cannot be judged. */
     void start(const MaterialPoints &points);

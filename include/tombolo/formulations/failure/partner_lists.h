@@ -48,11 +48,17 @@ namespace tombolo
     /** @p n empty lists. */
     void reset(std::size_t n);
     /** @p n lists: those that are there stay, further ones are empty. */
-    void resize(std::size_t n);
+    void resize(const std::size_t n)
+    {
+      lists.resize(n);
+    }
     /** List i becomes the one that was number old_index[i], or is empty where there was none. */
     void rearrange(const std::vector<unsigned int> &old_index);
 
-    std::size_t size() const;
+    std::size_t size() const
+    {
+      return lists.size();
+    }
     const List &operator[](std::size_t i) const;
     bool has(std::size_t i, const BondPartner &partner) const;
     /** Returns whether it was not in the list yet. */
@@ -94,12 +100,27 @@ namespace tombolo
               const PartnerLists &broken, const std::vector<ParticleGrowth> &growth);
 
     /** Whether find() holds for the present rows. */
-    bool are_current() const;
-    void forget();
+    bool are_current() const
+    {
+      return is_found;
+    }
+    void forget()
+    {
+      is_found = false;
+    }
 
-    const BondPartner &partner(unsigned int place) const;
-    bool is_damaged(unsigned int place) const;
-    ParticleGrowth growth(unsigned int place) const;
+    const BondPartner &partner(const unsigned int place) const
+    {
+      return partners[place];
+    }
+    bool is_damaged(const unsigned int place) const
+    {
+      return damaged[place];
+    }
+    ParticleGrowth growth(const unsigned int place) const
+    {
+      return growths[place];
+    }
 
   private:
     std::vector<BondPartner> partners;

@@ -83,7 +83,10 @@ namespace tombolo
     void choose(const PartSetup<dim> &setup);
     /** Why the part cannot have these functions; empty if it can. */
     std::string obstacle(const PartSetup<dim> &setup) const;
-    bool is_on() const;
+    bool is_on() const
+    {
+      return is_chosen;
+    }
     /** What the functions are and, where they could be others, why they are not, for the audit. */
     std::string description() const;
 

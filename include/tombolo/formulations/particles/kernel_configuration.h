@@ -31,8 +31,15 @@ namespace tombolo
     /** Throws InputError where an updated Lagrangian configuration has no criterion. */
     KernelConfiguration(const Entries &e, const std::string &default_kind = "current");
 
-    bool is_total_lagrangian() const;
-    bool is_current() const; ///< renewed at each step
+    bool is_total_lagrangian() const
+    {
+      return kind == Kind::total_lagrangian;
+    }
+    /** Renewed at each step. */
+    bool is_current() const
+    {
+      return kind == Kind::current;
+    }
 
     /** Makes the initial configuration the reference of @p particles. */
     void reset(const ParticleSet<dim> &particles);
@@ -54,7 +61,10 @@ namespace tombolo
      * below the size of @p old, which holds the F of old particles. */
     void keep_deformation(const std::vector<dealii::Tensor<2, dim>> &old,
                           const std::vector<unsigned int> &old_index);
-    void set_deformation(unsigned int i, const dealii::Tensor<2, dim> &of_reference);
+    void set_deformation(const unsigned int i, const dealii::Tensor<2, dim> &of_reference)
+    {
+      reference_deformation[i] = of_reference;
+    }
     /** Stretches the initial support of all particles by F. */
     void stretch_supports(const ParticleSet<dim> &particles);
     /** Remembers where the particles are at @p position as that of the reference, and that no step
@@ -64,7 +74,10 @@ namespace tombolo
     /** Where the kernels are current and supports are fixed, nothing but outputs and bonds needs F:
      * whoever computes velocity gradients at the present positions multiplies it with what they
      * add to the deformation. Null otherwise: renew() does it. */
-    std::vector<dealii::Tensor<2, dim>> *deformation_of_motion();
+    std::vector<dealii::Tensor<2, dim>> *deformation_of_motion()
+    {
+      return follows_motion() ? &reference_deformation : nullptr;
+    }
     /** Whether F is kept so. */
     bool follows_motion() const
     {
@@ -72,11 +85,20 @@ namespace tombolo
     }
 
     /** F of each particle from the initial configuration to the reference. */
-    const std::vector<dealii::Tensor<2, dim>> &deformation() const;
+    const std::vector<dealii::Tensor<2, dim>> &deformation() const
+    {
+      return reference_deformation;
+    }
     /** Half widths of the supports in the reference, node_stride each [L]. */
-    const std::vector<double> &supports() const;
+    const std::vector<double> &supports() const
+    {
+      return half_widths;
+    }
     /** Positions in the reference, node_stride each [L]; empty until the first renewal. */
-    const std::vector<double> &positions() const;
+    const std::vector<double> &positions() const
+    {
+      return reference_position;
+    }
     /** Whether the reference was renewed on any rank. Collective. */
     bool is_renewed(MPI_Comm communicator) const;
     /** Volumes in the reference, det F times the initial ones [L^dim]. */

@@ -24,22 +24,38 @@ namespace tombolo
 
     void fill(const Neighbourhoods<dim> &found, const double *position, const double *support,
               Stencils &stencils) override;
-    double dilation() const override;
-    const char *support_entry() const override;
+    double dilation() const override
+    {
+      return support_dilation;
+    }
+    const char *support_entry() const override
+    {
+      return "Dilation";
+    }
     bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles) override;
-    std::string functions() const override;
+    std::string functions() const override
+    {
+      return averages.description();
+    }
     PatchTest patch_test(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
                          const KernelConfiguration<dim> &kernel, bool smooths,
                          const NodalVector &position) const override;
 
-    const Kernel &kernel() const;
+    const Kernel &kernel() const
+    {
+      return least_squares.kernel();
+    }
 
   private:
     using ParticleRows<dim>::section;
     using ParticleRows<dim>::shape;
     using ParticleRows<dim>::neighbours;
 
-    void restrict_neighbours() override;
+    void restrict_neighbours() override
+    {
+      if (averages.is_on())
+        averages.restrict(neighbours, shape);
+    }
     std::string describe_defects(const double *position, const double *support) const override;
 
     double support_dilation;

@@ -31,7 +31,11 @@ namespace tombolo
       return set;
     }
     dealii::Point<dim> support(unsigned int i) const override;
-    dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const override;
+    dealii::Tensor<2, dim> deformation(const unsigned int i,
+                                       const NodalVector &position) const override
+    {
+      return kernel.total_deformation(i, this->stencils(), position);
+    }
 
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,

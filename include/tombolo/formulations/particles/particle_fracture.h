@@ -24,30 +24,51 @@ namespace tombolo
   class ParticleFracture
   {
   public:
-    /** The arguments must outlive this object, which changes rows and points. */
-    ParticleFracture(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
-                     ParticleRows<dim> &rows, PartPoints &points);
+    /** Takes the criterion of the section of the formulation, or none. The other arguments must
+     * outlive this object, which changes rows and points. Throws InputError. */
+    ParticleFracture(const Section &section, const ParticleSet<dim> &particles,
+                     const KernelConfiguration<dim> &kernel, ParticleRows<dim> &rows,
+                     PartPoints &points);
 
-    /** Takes the criterion of the section of the formulation, or none. Throws InputError. */
-    void choose(const Section &section);
-
-    bool is_on() const;
-    bool has_broken_bonds() const; ///< on any rank
+    bool is_on() const
+    {
+      return bonds != nullptr;
+    }
+    /** On any rank. */
+    bool has_broken_bonds() const
+    {
+      return bonds != nullptr && bonds->any();
+    }
 
     /** What points must hold; none if off. */
-    std::vector<FieldDescription> variables() const;
+    std::vector<FieldDescription> variables() const
+    {
+      return bonds ? bonds->variables() : std::vector<FieldDescription>();
+    }
 
     /** Takes the rows of the start. Throws InputError where the points cannot be judged. */
-    void initialize();
+    void initialize()
+    {
+      if (bonds)
+        bonds->initialize(particles.persistent_ids(), rows.stencils(), points.points(),
+                          particles.communicator());
+    }
 
     /** What is called before stencils change in a run, on all ranks. */
-    void set_before_change(const std::function<void()> &to_call);
+    void set_before_change(const std::function<void()> &to_call)
+    {
+      before_change = to_call;
+    }
     /** Calls it, and remembers the rows as they are. */
     void prepare_change();
 
     /** Around a search of neighbours: particles that have lost bonds get no new ones.
      * Collective. */
-    void prepare_search();
+    void prepare_search()
+    {
+      if (has_broken_bonds())
+        bonds->prepare_search(rows.partition(particles), rows.neighbourhoods(), rows.stencils());
+    }
     void finish_search();
 
     /** Checks the bonds at @p position (current ghosts) if that is due; where any breaks, rows,
@@ -66,18 +87,44 @@ namespace tombolo
 
     /** After cells became particles: particle i was number @p old_index[i] or is new, and gains
      * mass where @p gains[i]. */
-    void add_particles(const std::vector<unsigned int> &old_index, const std::vector<bool> &gains);
+    void add_particles(const std::vector<unsigned int> &old_index, const std::vector<bool> &gains)
+    {
+      if (bonds)
+        bonds->add_particles(particles.persistent_ids(), old_index, gains);
+    }
     /** Takes unbonded pairs out of rows in the initial configuration, as
      * Bonds::remove_unbonded(). */
     void remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
-                         Neighbourhoods<dim> &neighbourhoods, Stencils &shape);
+                         Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
+    {
+      if (bonds)
+        bonds->remove_unbonded(partition, neighbourhoods, shape);
+    }
     /** Takes @p shape as the rows of the start, for particles without broken bonds. */
-    void measure_rows(const Stencils &shape);
+    void measure_rows(const Stencils &shape)
+    {
+      if (bonds)
+        bonds->measure_rows(shape);
+    }
 
-    std::vector<unsigned int> debris() const;
-    LeavingParticles take_leaving_particles();
-    BondCounts counts() const;
-    double dissipated_energy() const; ///< elastic energy of debris, over this rank
+    std::vector<unsigned int> debris() const
+    {
+      return bonds ? bonds->debris(rows.stencils()) : std::vector<unsigned int>();
+    }
+    LeavingParticles take_leaving_particles()
+    {
+      return bonds ? former_rows.leaving(rows.stencils(), debris()) : LeavingParticles();
+    }
+    BondCounts counts() const
+    {
+      return bonds ? bonds->counts(rows.stencils()) : BondCounts();
+    }
+    /** Elastic energy of debris, over this rank. */
+    double dissipated_energy() const
+    {
+      return bonds ? integral_over_initial_volume(points.points(), Bonds<dim>::dissipation_name)
+                   : 0.;
+    }
 
     void list(Records &records)
     {

@@ -23,9 +23,13 @@ namespace tombolo
   class ParticleMethod : public NodalParticles<dim>
   {
   public:
+    double cost_per_cell(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
-    std::vector<ImageNode> required_image_nodes() const override;
+    std::vector<ImageNode> required_image_nodes() const override
+    {
+      return rows->required_image_nodes();
+    }
     void set_partition(const NodePartition &partition) override;
     EnergyAccounts energies() const override;
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;
@@ -36,18 +40,51 @@ namespace tombolo
     {
       return rows->stencils();
     }
-    Stencils &stencils() override;
-    SmoothingSettings smoothing() const override;
-    PatchTest patch_test(const NodalVector &position) const override;
-    std::string shape_functions() const override;
-    const std::vector<SurfaceFibre> &surface_fibres() const override;
-    BondCounts bond_counts() const override;
-    FragmentCounts fragment_counts() const override;
-    void forget_fragments() override;
+    Stencils &stencils() override
+    {
+      return rows->stencils();
+    }
+    SmoothingSettings smoothing() const override
+    {
+      return smoothing_settings;
+    }
+    PatchTest patch_test(const NodalVector &position) const override
+    {
+      return rows->patch_test(setup, set, kernel, smoothing_settings.is_active, position);
+    }
+    std::string shape_functions() const override
+    {
+      return rows->functions();
+    }
+    const std::vector<SurfaceFibre> &surface_fibres() const override
+    {
+      return fibres;
+    }
+    BondCounts bond_counts() const override
+    {
+      return fracture.counts();
+    }
+    FragmentCounts fragment_counts() const override
+    {
+      return self_contact ? self_contact->counts() : FragmentCounts();
+    }
+    void forget_fragments() override
+    {
+      if (self_contact)
+        self_contact->forget_fragments();
+    }
     void add_self_contact(const MechanicalInput &input, const NodalVector &element_mass,
                           NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
-                          const FragmentHeat &heat) override;
-    double stable_fraction(double stable_step) const override;
+                          const FragmentHeat &heat) override
+    {
+      if (self_contact)
+        self_contact->add_forces(input, element_mass, rows->stencils(), this->points(), loads,
+                                 loaded_nodes, heat);
+    }
+    double stable_fraction(const double stable_step) const override
+    {
+      return self_contact ? self_contact->stable_fraction(stable_step) : 1.;
+    }
     void add_particles(const CellSelection<dim> &is_taken, const NodalVector &position,
                        const StateTransfer *state, const NodalVector *volumes) override;
     bool can_add_particles() const override
@@ -58,10 +95,22 @@ namespace tombolo
     {
       return rows->sees_other_bodies();
     }
-    bool has_broken_bonds() const override;
-    std::vector<unsigned int> debris() const override;
-    LeavingParticles take_leaving_particles() override;
-    void set_before_change(const std::function<void()> &before_change) override;
+    bool has_broken_bonds() const override
+    {
+      return fracture.has_broken_bonds();
+    }
+    std::vector<unsigned int> debris() const override
+    {
+      return fracture.debris();
+    }
+    LeavingParticles take_leaving_particles() override
+    {
+      return fracture.take_leaving_particles();
+    }
+    void set_before_change(const std::function<void()> &before_change) override
+    {
+      fracture.set_before_change(before_change);
+    }
 
   protected:
     /** The entries of what is shared. */

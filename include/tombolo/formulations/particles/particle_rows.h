@@ -99,11 +99,17 @@ namespace tombolo
     }
     ///@}
 
-    void set_images(const std::shared_ptr<const Images> &images);
+    void set_images(const std::shared_ptr<const Images> &images)
+    {
+      neighbours.set_images(images);
+    }
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
-     * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */
-    void set_bodies(const Bodies<dim> &bodies);
+     * entry `Kernels across gaps` asks for others. @p of_mesh must outlive this. */
+    void set_bodies(const Bodies<dim> &of_mesh)
+    {
+      bodies = of_mesh.n_bodies() > 1 && !crosses_gaps ? &of_mesh : nullptr;
+    }
     /** Takes neighbours of other bodies out of the rows of @p found, whose nodes @p partition has.
      * Collective. */
     void separate_bodies(const std::shared_ptr<const NodePartition> &partition,
@@ -121,7 +127,10 @@ namespace tombolo
     /** φ and ∇φ at the positions and with the supports of the last search. A particle without a
      * basis is refused before finish_start(), and becomes a rank-deficient row later.
      * Collective. */
-    void compute_at_search();
+    void compute_at_search()
+    {
+      compute(neighbours.position_at_search().data(), neighbours.support_at_search().data());
+    }
 
     /** The same at @p position (current ghosts, the numbers of the rows), with these supports of
      * the particles, node_stride each. Collective. */
@@ -137,17 +146,26 @@ namespace tombolo
     void note_present();
 
     /** From now on a particle without a basis is not refused. */
-    void finish_start();
+    void finish_start()
+    {
+      has_started = true;
+    }
 
     /** Ghosts and images that the rows need, as in Formulation. */
     dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
-    const std::vector<ImageNode> &required_image_nodes() const;
+    const std::vector<ImageNode> &required_image_nodes() const
+    {
+      return neighbours.images();
+    }
     void set_partition(const NodePartition &partition);
     /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */
     void store_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
                          const std::shared_ptr<const NodePartition> &partition);
     /** A partition with what the rows alone need. Collective. */
-    std::shared_ptr<const NodePartition> partition(const ParticleSet<dim> &particles) const;
+    std::shared_ptr<const NodePartition> partition(const ParticleSet<dim> &particles) const
+    {
+      return particles.partition(required_nodes(particles), required_image_nodes());
+    }
 
     /** Lists whether finish_start() was called, and which rows lost their negative values; after
      * complete_reading() they have lost them. */
@@ -174,7 +192,10 @@ namespace tombolo
       return shape;
     }
     /** Gives the rows the numbers of nodes in @p partition. */
-    virtual void renumber(const NodePartition &partition);
+    virtual void renumber(const NodePartition &partition)
+    {
+      neighbours.set_partition(partition, shape);
+    }
     /** Called after each search, for further choices among the neighbours. */
     virtual void restrict_neighbours() {}
     /** The message of a row of the last fill() of the start that has no basis; empty without one.

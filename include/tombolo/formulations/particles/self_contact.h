@@ -70,10 +70,16 @@ namespace tombolo
 
     /** Rows have lost neighbours or have other ones, or elements have gone: fragments and pairs are
      * to be found again. */
-    void forget_fragments();
+    void forget_fragments()
+    {
+      pairs_are_current = false;
+    }
 
     /** Nodes whose values this rank must see. */
-    const std::vector<dealii::types::global_dof_index> &required_nodes() const;
+    const std::vector<dealii::types::global_dof_index> &required_nodes() const
+    {
+      return is_searched ? neighbourhoods.global_nodes() : particles.nodes;
+    }
 
     /** Translates node numbers to those of a partition that has required_nodes(). */
     void set_partition(const NodePartition &partition);
@@ -95,7 +101,10 @@ namespace tombolo
     void account(EnergyAccounts &accounts) const;
 
     /** As last looked for, over this rank; each fragment is counted where its label is. */
-    FragmentCounts counts() const;
+    FragmentCounts counts() const
+    {
+      return {true, n_fragments, n_touching, friction != nullptr};
+    }
 
     /** Beside points. */
     void list(Records &records);

@@ -30,23 +30,41 @@ namespace tombolo
 
     void fill(const Neighbourhoods<dim> &found, const double *position, const double *support,
               Stencils &stencils) override;
-    double dilation() const override;
-    const char *support_entry() const override;
+    double dilation() const override
+    {
+      return 2. * relative_length;
+    }
+    const char *support_entry() const override
+    {
+      return "Smoothing length";
+    }
     bool choose_supports(const PartSetup<dim> &setup, const CellSelection<dim> &is_taken,
                          ParticleSet<dim> &particles) override;
     std::string functions() const override;
     bool are_undeformed_when_new() const override;
-    bool depend_on_volumes() const override;
+    bool depend_on_volumes() const override
+    {
+      return is_current;
+    }
     void set_present_volumes(const std::vector<double> &volumes) override;
 
-    bool are_corrected() const;
-    const RadialKernel<dim> &radial_kernel() const;
+    bool are_corrected() const
+    {
+      return is_corrected;
+    }
+    const RadialKernel<dim> &radial_kernel() const
+    {
+      return radial_rows->kernel();
+    }
 
   private:
     /** With kernels at present positions rows hold those of their candidates that are within two
      * smoothing lengths now: sweeps over rows are shorter. Not with bonds, which know neighbours by
      * their place among the candidates. */
-    Stencils &searched() override;
+    Stencils &searched() override
+    {
+      return is_compact ? candidates : this->shape;
+    }
     void renumber(const NodePartition &partition) override;
     /** Leaves those neighbours that can come within the support while candidates hold. */
     void restrict_neighbours() override;

@@ -190,7 +190,10 @@ namespace tombolo
     void initialize(const PartSetup<dim> &setup);
 
     /** The nodes that have such masses. */
-    const dealii::IndexSet &required_nodes() const;
+    const dealii::IndexSet &required_nodes() const
+    {
+      return node_set;
+    }
     void set_partition(const NodePartition &partition);
 
     /** Adds the differences to a scalar vector. */

@@ -23,7 +23,7 @@ namespace tombolo
    * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public LosingCells<dim, PointsInCells<dim>>
+  class SmoothedCells : public LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -38,32 +38,11 @@ namespace tombolo
     {
       return MiddleNodes::free;
     }
-    bool can_be_divided() const override
-    {
-      return true;
-    }
-    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
-    {
-      integration.take_volumes(position, are_new);
-    }
     double cost_per_cell(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
     void set_partition(const NodePartition &partition) override;
     void add_mass(NodalVector &mass) const override;
-    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
-    {
-      integration.add_internal_force(input, force);
-    }
-    std::string failure() const override
-    {
-      return integration.failure();
-    }
-    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 const double time_step, NodalVector &force) const override
-    {
-      integration.apply_elastic_stiffness(position, velocity, time_step, force);
-    }
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
     void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override;
@@ -84,20 +63,10 @@ namespace tombolo
     }
     void list(Records &records) override;
 
-    void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take) override
-    {
-      integration.find_cell_equations(input, take);
-    }
     void find_couplings(const NodeGroupAction &use) const override
     {
       rows.find_couplings(this->n_cells(), use);
     }
-    std::optional<std::string> unfit_to_linearize() const override
-    {
-      return part_points.unfit_to_linearize();
-    }
-
     void deactivate_cells(const std::vector<unsigned int> &converted) override
     {
       take_converted_cells(converted);
@@ -132,24 +101,33 @@ namespace tombolo
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     std::vector<double> masses_of_cells() const;
     /** Adds what hanging nodes have of cells beside them, and corners less (see HangingMasses). */
-    void add_hanging_masses(NodalVector &mass) const;
-    void set_masses(const std::vector<double> &of_cells);
+    void add_hanging_masses(NodalVector &mass) const
+    {
+      hanging_masses.add_mass(mass);
+    }
+    void set_masses(const std::vector<double> &of_cells)
+    {
+      cell_points.cells().set_masses(of_cells);
+    }
 
     /** Takes these positions as the reference configuration; required_nodes() stay. Rows must not
      * be used before set_partition(). Throws the InputError of SmoothedGradients::initialize(), and
      * stays as it is. Collective. */
     void renew_reference(const NodalVector &position);
 
-    SmoothedPointState<dim> point_state();
+    SmoothedPointState<dim> point_state()
+    {
+      return {part_points, rows, cell_points};
+    }
     ///@}
 
   private:
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
-    using Base = LosingCells<dim, PointsInCells<dim>>;
-    using Base::cell_points, Base::criterion, Base::lost_cells, Base::part_points;
+    using Base = LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>;
+    using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
+        Base::part_points;
 
-    SmoothedGradients<dim> rows;
-    SmoothedIntegration<dim> integration;
+    SmoothedGradients<dim> &rows = integration.rows;
     HangingMasses<dim> hanging_masses;
     RefilledCells<dim> refilled;
     NodalVector reference; // of the rows; empty: the initial positions, or nothing needs it

@@ -21,10 +21,11 @@ namespace tombolo
   {
   public:
     /** The arguments must outlive this object. */
-    SmoothedIntegration(PartPoints &part, const SmoothedGradients<dim> &rows,
-                        const PointsInCells<dim> &points)
-        : part(part), rows(rows), points(points)
+    SmoothedIntegration(const Section &section, PartPoints &part, const PointsInCells<dim> &points)
+        : rows(section), part(part), points(points)
     {}
+
+    SmoothedGradients<dim> rows;
 
     /** Makes the points of @p part with the volumes of the rows. With void cells there are points
      * for all cells. */
@@ -43,6 +44,10 @@ namespace tombolo
     }
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take);
+    std::string unfit_to_linearize() const
+    {
+      return part.unfit_to_linearize();
+    }
     ///@}
 
   private:
@@ -70,7 +75,6 @@ namespace tombolo
     void with_points(const Use &use) const;
 
     PartPoints &part;
-    const SmoothedGradients<dim> &rows;
     const PointsInCells<dim> &points;
     std::string failure_message;
   };
