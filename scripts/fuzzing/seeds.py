@@ -17,9 +17,11 @@ MOST_CELLS = {2: 8, 3: 5}
 ENTRY = re.compile(rb"^\s*set\s+([^=\n]*?)\s*=[ \t]*([^\n]*?)[ \t]*$")
 TIMES = {(b"", b"End time"), (b"Output", b"Times"), (b"Output", b"Interval"),
          (b"Output/specimen shape", b"Average from")}
-# Files that are no scenes by themselves, with mistakes or without their mesh, or with a slab that fewer cells make thinner
-# than supports of particles.
-NOT_VALID = ("twenty_mistakes.prm", "bodies.prm", "cut_smoothed_slice.prm")
+# Files of tests that are no scenes by themselves: with mistakes, without their mesh, or of a run that fails.
+NOT_VALID = ("twenty_mistakes.prm", "bodies.prm", "turned_particle.prm")
+# Scenes whose supports of particles need more cells than a reduced scene has.
+NOT_REDUCIBLE = ("cut_smoothed_slice.prm", "titanium_cost.prm",
+                 os.path.join("elastic_wave", "smoothed_particles.prm"))
 OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
 OF_REFLECTION_STUDY = re.compile(rb"^\s*set\s+Groups\s*=", re.M)
 INCLUDE = re.compile(rb"^\s*include\s+(\S.*?)\s*$", re.M)
@@ -239,7 +241,7 @@ def collect(project):
         for directory, _, names in sorted(os.walk(root)):
             for name in sorted(names):
                 path = os.path.relpath(os.path.join(directory, name), root)
-                if not name.endswith(".prm") or name in NOT_VALID:
+                if not name.endswith(".prm") or name in NOT_VALID or path.endswith(NOT_REDUCIBLE):
                     continue
                 files = with_its_files(root, path)
                 texts = b"\n".join(files.values())
