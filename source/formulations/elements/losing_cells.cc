@@ -4,9 +4,22 @@
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
 
 namespace tombolo
 {
+  namespace
+  {
+    /** What is dissipated in cells that are lost; particles that cells become have further
+     * accounts. */
+    constexpr std::array<std::pair<std::string_view, EnergyKind>, 3> kept = {
+        {{"plastic dissipation", EnergyKind::dissipated},
+         {"viscous dissipation", EnergyKind::artificial},
+         {"thermal work", EnergyKind::external}}};
+  } // namespace
+
   unsigned int LostCells::n_converted() const
   {
     return static_cast<unsigned int>(std::count(converted.begin(), converted.end(), true));
@@ -30,7 +43,8 @@ namespace tombolo
   void LostCells::keep_dissipated(const EnergyAccounts &of_cells)
   {
     for (const EnergyAccounts::Account &account : of_cells.accounts())
-      if (account.kind != EnergyKind::stored && account.name != "failure dissipation")
+      if (std::any_of(kept.begin(), kept.end(),
+                      [&](const auto &of_cell) { return of_cell.first == account.name; }))
         dissipated_in_lost.add(account.name, account.kind, account.value);
   }
 
@@ -42,17 +56,16 @@ namespace tombolo
       if (is_lost(cell))
         flags[cell] = is_converted(cell) ? became_particles : eroded;
     archive.rows("is removed", 1, flags);
-    double plastic = dissipated_in_lost["plastic dissipation"],
-           viscous = dissipated_in_lost["viscous dissipation"],
-           thermal_work = dissipated_in_lost["thermal work"];
-    archive.sums("dissipated in removed cells", {&plastic, &viscous, &thermal_work});
+    std::array<double, kept.size()> values;
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      values[k] = dissipated_in_lost[std::string(kept[k].first)];
+    archive.sums("dissipated in removed cells", {&values[0], &values[1], &values[2]});
     if (!archive.is_reading())
       return false;
     dissipated_in_lost = EnergyAccounts();
-    dissipated_in_lost.add("plastic dissipation", EnergyKind::dissipated, plastic);
-    dissipated_in_lost.add("viscous dissipation", EnergyKind::artificial, viscous);
-    if (has_heat)
-      dissipated_in_lost.add("thermal work", EnergyKind::external, thermal_work);
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      if (has_heat || kept[k].second != EnergyKind::external)
+        dissipated_in_lost.add(std::string(kept[k].first), kept[k].second, values[k]);
     lost.clear();
     converted.clear();
     if (std::all_of(flags.begin(), flags.end(), [](const double flag) { return flag == present; }))

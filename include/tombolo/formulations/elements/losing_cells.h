@@ -45,8 +45,8 @@ namespace tombolo
     /** ... and that they become particles. */
     void convert(const std::vector<unsigned int> &cells, unsigned int n_cells);
 
-    /** Keeps what is not stored of the energies that went with cells, but for what failure
-     * dissipated. */
+    /** Keeps of the energies that went with cells what these dissipate, but no account that
+     * particles have alone. */
     void keep_dissipated(const EnergyAccounts &of_cells);
 
     const EnergyAccounts &dissipated() const
