@@ -31,12 +31,12 @@ namespace tombolo
 
   template <int dim>
   Model<dim>::Model(const Parameters &parameters, MPI_Comm communicator,
-                    const CellDivisions &divisions)
+                    const MeshChange &change_mesh)
       : communicator(communicator), mesh(communicator), parts(create_parts<dim>(parameters))
   {
     const std::vector<Section> part_sections = named_sections(parameters, "Parts", "Part");
     degree = common_degree(parts, part_sections);
-    create_mesh(parameters, part_sections, divisions);
+    create_mesh(parameters, part_sections, change_mesh);
 
     std::vector<Section> mechanical_sections, thermal_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
@@ -77,7 +77,7 @@ namespace tombolo
             [this]
             {
               // Once a step, before the first part changes: S is then that of all rows before.
-              if (!std::exchange(rows_are_changing, true))
+              if (!std::exchange(change_has_begun, true))
                 begin_change();
               signals.rows_change();
             });
@@ -87,10 +87,11 @@ namespace tombolo
   template <int dim>
   void Model<dim>::create_mesh(const Parameters &parameters,
                                const std::vector<Section> &part_sections,
-                               const CellDivisions &divisions)
+                               const MeshChange &change_mesh)
   {
     read_mesh(parameters.section("Mesh"), mesh, communicator);
-    divide(mesh, divisions);
+    if (change_mesh)
+      change_mesh(mesh);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
     refuse_unfit_gradings(mesh, *part_cells, parts, part_sections);
@@ -337,7 +338,7 @@ namespace tombolo
   {
     NeighbourhoodChange found = NeighbourhoodChange::none;
     bool needs_ghosts = false;
-    rows_are_changing = false;
+    change_has_begun = false;
     for (const Part<dim> &part : parts)
     {
       const NeighbourhoodChange of_part = part.formulation->update_neighbourhoods(state.position);

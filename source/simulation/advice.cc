@@ -396,7 +396,7 @@ namespace tombolo
     double limit = estimator.estimate(model).time_step;
     double fraction = 1.;
     for (const auto &process : model.processes)
-      fraction = std::min(fraction, process->stable_fraction(limit));
+      process->observed.step_limits(limit, fraction);
     return fraction * limit;
   }
 

@@ -6,7 +6,6 @@
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
-#include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/state/state_archive.h>
 
 #include <string>
@@ -48,16 +47,18 @@ namespace tombolo
                                   "state\" keeps its cells.");
   }
 
-  CellDivisions divisions_of_initial_state(const Parameters &parameters,
-                                           const unsigned int dimension,
-                                           const MPI_Comm communicator)
+  CheckpointHeader header_at_start(const Parameters &parameters, const unsigned int dimension,
+                                   const MPI_Comm communicator)
   {
-    const Section root = parameters.section("");
-    if (root.get(initial_state_entry).empty())
-      return {};
-    StateArchive archive(Checkpoints::find_state(root, initial_state_entry, communicator),
-                         StateArchive::Mode::read, communicator);
-    return read_header(archive, dimension, parameters).divisions;
+    CheckpointHeader result;
+    if (const Section root = parameters.section(""); !root.get(initial_state_entry).empty())
+    {
+      StateArchive archive(Checkpoints::find_state(root, initial_state_entry, communicator),
+                           StateArchive::Mode::read, communicator);
+      result = read_header(archive, dimension, parameters);
+    }
+    result.entries = text_of_entries(parameters);
+    return result;
   }
 
   template <int dim>

@@ -66,7 +66,7 @@ namespace tombolo
   template <int dim>
   void adapt_mesh(std::optional<Model<dim>> &model, MechanicalStep<dim> &step, const Clock &clock,
                   const OutputDirectory &directory, Log &log,
-                  const std::function<void(const CellDivisions &)> &rebuild)
+                  const std::function<void(CheckpointHeader)> &rebuild)
   {
     using Refinement = AdaptiveRefinement<dim>;
     auto *const refinement = model->template find_process<Refinement>();
@@ -88,7 +88,7 @@ namespace tombolo
       const double eroded = model->heat ? model->heat->eroded_heat : 0.,
                    eroding = model->heat ? model->heat->eroding_heat : 0.;
       write_state(*model, clock, file);
-      rebuild(*wanted);
+      rebuild({"", *wanted});
       log.change_nodes(model->state.partition()->n_global(), clock.step);
       read_state(*model, clock, file);
       if (model->heat)
@@ -111,24 +111,35 @@ namespace tombolo
   }
 
   template <int dim>
-  CellDivisions rebuild_model(const Parameters &parameters, const CellDivisions &divisions,
-                              std::optional<Model<dim>> &model)
+  typename Model<dim>::MeshChange mesh_of(const CheckpointHeader &header)
+  {
+    return [&header](DividedMesh<dim> &mesh) { divide(mesh, header.divisions); };
+  }
+
+  bool have_same_mesh(const CheckpointHeader &one, const CheckpointHeader &other)
+  {
+    return one.divisions == other.divisions;
+  }
+
+  template <int dim>
+  void rebuild_model(const Parameters &parameters, CheckpointHeader &header,
+                     std::optional<Model<dim>> &model)
   {
     const MPI_Comm communicator = model->communicator;
     const ExchangeCost cost = model->state.partition()->exchange_cost();
-    model.emplace(parameters, communicator, divisions);
+    model.emplace(parameters, communicator, mesh_of<dim>(header));
     model->state.partition()->exchange_cost() = cost;
-    return divided_cells(model->mesh);
+    header.divisions = divided_cells(model->mesh);
   }
 
   template void adapt_mesh(std::optional<Model<2>> &, MechanicalStep<2> &, const Clock &,
                            const OutputDirectory &, Log &,
-                           const std::function<void(const CellDivisions &)> &);
+                           const std::function<void(CheckpointHeader)> &);
   template void adapt_mesh(std::optional<Model<3>> &, MechanicalStep<3> &, const Clock &,
                            const OutputDirectory &, Log &,
-                           const std::function<void(const CellDivisions &)> &);
-  template CellDivisions rebuild_model(const Parameters &, const CellDivisions &,
-                                       std::optional<Model<2>> &);
-  template CellDivisions rebuild_model(const Parameters &, const CellDivisions &,
-                                       std::optional<Model<3>> &);
+                           const std::function<void(CheckpointHeader)> &);
+  template Model<2>::MeshChange mesh_of<2>(const CheckpointHeader &);
+  template Model<3>::MeshChange mesh_of<3>(const CheckpointHeader &);
+  template void rebuild_model(const Parameters &, CheckpointHeader &, std::optional<Model<2>> &);
+  template void rebuild_model(const Parameters &, CheckpointHeader &, std::optional<Model<3>> &);
 } // namespace tombolo

@@ -29,15 +29,14 @@ namespace tombolo
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
   try : parameters(parameters), log(log), end_time(parameters.section("").get_positive("End time")),
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
-      header{"", (validate_run<dim>(parameters, communicator),
-                  divisions_of_initial_state(parameters, dim, communicator))},
-      model(std::in_place, parameters, communicator, header.divisions),
+      header((validate_run<dim>(parameters, communicator),
+              header_at_start(parameters, dim, communicator))),
+      model(std::in_place, parameters, communicator, mesh_of<dim>(header)),
       step_size(parameters.section("Time step")), step(*model),
       schedule(parameters.section("Output"), 0., end_time), outputs(parameters.section("Output")),
       exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
-    header.entries = text_of_entries(parameters);
     const bool is_continued = InitialState<dim>::read(parameters, *model, run_clock, log);
     if (model->heat)
     {
@@ -228,14 +227,16 @@ namespace tombolo
       seconds.output.add_since(start);
     }
     adapt_mesh<dim>(model, step, run_clock, *directory, log,
-                    [this](const CellDivisions &divisions) { rebuild_model(divisions); });
+                    [this](CheckpointHeader of_mesh) { rebuild_model(std::move(of_mesh)); });
     return requests.signal();
   }
 
   template <int dim>
-  void Simulation<dim>::rebuild_model(const CellDivisions &divisions)
+  void Simulation<dim>::rebuild_model(CheckpointHeader of_mesh)
   {
-    header.divisions = tombolo::rebuild_model(parameters, divisions, model);
+    of_mesh.entries = header.entries;
+    header = std::move(of_mesh);
+    tombolo::rebuild_model(parameters, header, model);
     step_size.mesh_has_changed(parameters);
     if (thermal_step)
       thermal_step->mesh_has_changed();

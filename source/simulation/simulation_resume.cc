@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/model/model_checkpoint.h>
-#include <tombolo/simulation/checkpoint_header.h>
+#include <tombolo/simulation/mesh_division.h>
 #include <tombolo/simulation/results_owner.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -68,8 +68,8 @@ namespace tombolo
 
     const bool is_new =
         Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);
-    if (earlier.divisions != header.divisions)
-      rebuild_model(earlier.divisions);
+    if (!have_same_mesh(earlier, header))
+      rebuild_model(earlier);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
     resumption.continues_files = is_of_directory(file, path, communicator);

@@ -64,6 +64,12 @@ namespace tombolo
             table.add("length of " + name, "L",
                       dealii::Utilities::MPI::sum(here, model.communicator));
           });
+      // By the largest frequency of the bodies, 2 over the step, and of the spring.
+      this->observed.step_limits.connect(
+          [this](const double step, double &fraction) {
+            fraction =
+                std::min(fraction, 1. / std::sqrt(1. + 0.25 * step * step * stiffness / lightest));
+          });
       find_node(model);
       // A node between others gives its force to them; none is lighter than the lightest.
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
@@ -82,12 +88,6 @@ namespace tombolo
     {
       if (is_here)
         tangent.add_spring(node, stiffness);
-    }
-
-    /** By the largest frequency of the bodies, 2 over the step, and of the spring. */
-    double stable_fraction(const double step) const override
-    {
-      return 1. / std::sqrt(1. + 0.25 * step * step * stiffness / lightest);
     }
 
   private:

@@ -51,8 +51,11 @@ namespace tombolo
      * there is of mechanics and heat. */
     static Physics<dim> validate(const Parameters &parameters);
 
-    /** Builds, with these cells of the mesh divided further. Throws InputError. Collective. */
-    Model(const Parameters &parameters, MPI_Comm communicator, const CellDivisions &divisions = {});
+    /** Changes the mesh of the file before the model is built on it. */
+    using MeshChange = std::function<void(DividedMesh<dim> &)>;
+
+    /** Throws InputError. Collective. */
+    Model(const Parameters &parameters, MPI_Comm communicator, const MeshChange &change_mesh = {});
     ~Model() = default;
 
     /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
@@ -151,7 +154,7 @@ namespace tombolo
 
   private:
     void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections,
-                     const CellDivisions &divisions);
+                     const MeshChange &change_mesh);
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
      */
@@ -163,7 +166,7 @@ namespace tombolo
                                        bool trace);
     void set_initial_positions();
 
-    bool rows_are_changing = false; // in this step
+    bool change_has_begun = false; // in this step
     std::shared_ptr<const NodePartition> partition;
     NodalVector mass_of_bodies; // where inertia is not that of the mass
   };

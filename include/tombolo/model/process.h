@@ -121,13 +121,6 @@ namespace tombolo
     };
     Roles roles;
 
-    /** The fraction of @p stable_step, the limit of the step of the bodies [T], at which they are
-     * stable together with the process. The same on all ranks. */
-    virtual double stable_fraction(double /*stable_step*/) const
-    {
-      return 1.;
-    }
-
     /** Gives its sources of heat (Actions::add_heat()) that of a thermal step from @p begin to @p
      * end, where it does not come with the steps of the mechanics. */
     virtual void add_heat(const Model<dim> &, double /*begin*/, double /*end*/) {}
@@ -166,6 +159,9 @@ namespace tombolo
       Signal<const Clock &, Occasion, std::vector<std::string> &> warnings;
       /** Add what outputs may show. Not collective. */
       Signal<OutputView<dim> &> views;
+      /** Lower the fraction of the limit of the step of the bodies [T] at which they are stable
+       * together with the process. The same on all ranks. */
+      Signal<double /*stable_step*/, double & /*fraction*/> step_limits;
     };
     Observed observed;
 

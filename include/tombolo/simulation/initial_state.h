@@ -6,6 +6,7 @@
 #include <tombolo/base/log.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/statics/static_steps.h>
+#include <tombolo/simulation/checkpoint_header.h>
 
 #include <memory>
 #include <string>
@@ -28,10 +29,10 @@ namespace tombolo
     static bool read(const Parameters &parameters, Model<dim> &model, Clock &clock, Log &log);
   };
 
-  /** The cells that are divided in the mesh of the state that the entry names; none where it names
-   * none, or where the mesh is that of the file. Collective. */
-  CellDivisions divisions_of_initial_state(const Parameters &parameters, unsigned int dimension,
-                                           MPI_Comm communicator);
+  /** The header of a run that begins: on the mesh of the state that the entry names, or on that of
+   * the file. Collective. */
+  CheckpointHeader header_at_start(const Parameters &parameters, unsigned int dimension,
+                                   MPI_Comm communicator);
 
   /** The static steps of a scene that has such, null otherwise; for a model that has its initial
    * state, which @p is_continued from another run. Throws InputError. Collective. */

@@ -4,7 +4,6 @@
 #include <tombolo/base/log.h>
 #include <tombolo/base/memory.h>
 #include <tombolo/base/output_directory.h>
-#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output_schedule.h>
@@ -101,8 +100,8 @@ namespace tombolo
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
-    /** The model on another division of the mesh, in its initial state. Collective. */
-    void rebuild_model(const CellDivisions &divisions);
+    /** The model on the mesh of another run, in its initial state. Collective. */
+    void rebuild_model(CheckpointHeader of_mesh);
     /** The state at the end of the run, or one to resume from. */
     void write_checkpoint(bool is_end_state);
 

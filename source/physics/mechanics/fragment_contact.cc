@@ -56,6 +56,12 @@ namespace tombolo
   {
     if (!rubs)
       forces.stays_on_rank();
+    this->observed.step_limits.connect(
+        [&](const double stable_step, double &fraction)
+        {
+          for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+            fraction = std::min(fraction, particles->stable_fraction(stable_step));
+        });
     this->observed.column("fragments", "1",
                           [&] { return static_cast<double>(sum_of_counts(model).n_fragments); });
     this->observed.column("particles in self-contact", "1",
@@ -84,15 +90,6 @@ namespace tombolo
                                   of_nodes);
     }
     revision_of_cells = model.revisions.cells;
-  }
-
-  template <int dim>
-  double FragmentContact<dim>::stable_fraction(const double stable_step) const
-  {
-    double fraction = 1.;
-    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-      fraction = std::min(fraction, particles->stable_fraction(stable_step));
-    return fraction;
   }
 
   namespace

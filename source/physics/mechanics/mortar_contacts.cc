@@ -195,6 +195,12 @@ namespace tombolo
           if (clock.step == 0)
             last_position.copy_from(model.state.position);
         });
+    this->observed.step_limits.connect(
+        [this](double, double &fraction)
+        {
+          for (const auto &contact : members)
+            fraction = std::min(fraction, contact->stable_fraction());
+        });
     this->observed.energies.connect(
         [this](EnergyAccounts &accounts)
         {
@@ -298,15 +304,6 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->complete_step(clock);
-  }
-
-  template <int dim>
-  double MortarContacts<dim>::stable_fraction(const double) const
-  {
-    double fraction = 1.;
-    for (const auto &contact : members)
-      fraction = std::min(fraction, contact->stable_fraction());
-    return fraction;
   }
 
   template <int dim>

@@ -64,6 +64,9 @@ namespace tombolo
         law.frequency =
             std::sqrt(law.stiffness) * part.material->longitudinal_wave_speed() / spacing;
       }
+      this->observed.step_limits.connect(
+          [this](const double stable_step, double &fraction)
+          { fraction = std::min(fraction, stable_fraction(stable_step)); });
       this->observed.energy("self-contact energy", EnergyKind::stored, stored);
       this->observed.energy("self-contact damping", EnergyKind::dissipated, dissipated);
       this->records.group("contact between parts")
@@ -114,7 +117,7 @@ namespace tombolo
       stored = elastic;
     }
 
-    double stable_fraction(const double stable_step) const override
+    double stable_fraction(const double stable_step) const
     {
       // As within a part, with springs that are 2μ/m times those between two equal masses m.
       constexpr double of_pair = 2.42, on_free_side = 5.;

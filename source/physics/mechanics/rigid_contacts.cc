@@ -99,6 +99,12 @@ namespace tombolo
       create_contact(section, model, can_be_exposed, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
     create_heat(has_heat);
+    this->observed.step_limits.connect(
+        [this](double, double &fraction)
+        {
+          for (const auto &contact : members)
+            fraction = std::min(fraction, contact->stable_fraction());
+        });
     observe(model);
     if (std::any_of(members.begin(), members.end(),
                     [](const auto &contact) { return contact->is_with_part(); }))
@@ -336,15 +342,6 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->advance(clock);
-  }
-
-  template <int dim>
-  double RigidContacts<dim>::stable_fraction(const double) const
-  {
-    double fraction = 1.;
-    for (const auto &contact : members)
-      fraction = std::min(fraction, contact->stable_fraction());
-    return fraction;
   }
 
   template <int dim>

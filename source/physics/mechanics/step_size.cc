@@ -173,7 +173,7 @@ namespace tombolo
     }
     if (fixed == 0.)
       for (const auto &process : model.processes)
-        stable_fraction = std::min(stable_fraction, process->stable_fraction(present.time_step));
+        process->observed.step_limits(present.time_step, stable_fraction);
     double step = allowed();
     // Where the step grows from Δt to Δt' central differences take ¼ (Δt' - Δt) f²/m Δt: of pieces
     // that oscillate fast it must not grow at once.

@@ -91,6 +91,10 @@ namespace tombolo
     all.sums("lost", lost, interleaved(lost_momentum, lost_angular_momentum));
     if (model.heat)
       model.heat->can_lose_heat = true;
+    this->observed.step_limits.connect(
+        [this](double, double &fraction) {
+          fraction = std::min(fraction, is_announced ? 0.4 : 1.);
+        }); // half the size, half the limit
     this->observed.energy("refinement loss", EnergyKind::artificial, lost);
     this->observed.energies.connect(
         [this](EnergyAccounts &accounts)
@@ -163,12 +167,6 @@ namespace tombolo
     if (!wanted || waits)
       return std::nullopt;
     return wanted->divisions;
-  }
-
-  template <int dim>
-  double AdaptiveRefinement<dim>::stable_fraction(const double) const
-  {
-    return is_announced ? 0.4 : 1.; // cells half as large have half the limit
   }
 
   template <int dim>

@@ -13,7 +13,6 @@ namespace tombolo
   {
   public:
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
-    double stable_fraction(double stable_step) const override;
 
     explicit FragmentContact(const Model<dim> &model);
 

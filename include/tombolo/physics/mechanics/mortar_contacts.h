@@ -25,7 +25,6 @@ namespace tombolo
     void model_changed(const Model<dim> &model) override;
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void after_acceleration(const Model<dim> &model, const Clock &clock) override;
-    double stable_fraction(double stable_step) const override;
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
     const std::vector<std::unique_ptr<MortarContact<dim>>> &contacts() const

@@ -33,7 +33,6 @@ namespace tombolo
                                 NodalState &state) override;
     void after_acceleration(const Model<dim> &model, const Clock &clock) override;
     void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override;
-    double stable_fraction(double stable_step) const override;
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
     /** On an owned node [M L/T^2]. */

@@ -42,8 +42,6 @@ namespace tombolo
      * InputError where the mesh does not fit into memory. Collective. */
     std::optional<CellDivisions> next_divisions(const Model<dim> &model, unsigned long step);
 
-    double stable_fraction(double stable_step) const override;
-
     /** Books that a new mesh has @p after of what the one before had. */
     void book(const ModelContent &before, const ModelContent &after, const Model<dim> &model);
 
