@@ -24,6 +24,12 @@ namespace tombolo
     interval = e.integer("Steps between bond checks", "5", between(1, 1000000),
                          "Bond failure: bonds are checked every so many steps.");
     e.plugins<BondFailure>();
+    isolates_without_broken =
+        e.choice("Isolate distorted", "with broken bonds", "with broken bonds|all",
+                 "Bond failure: which particles lose all their bonds where they are turned inside "
+                 "out, or where their gradients grow to three times those of the start: `with "
+                 "broken bonds`, or `all`, in flows that tear the neighbours of a particle away. A "
+                 "particle that is turned inside out otherwise ends the run.") == "all";
   }
 
   template <int dim>

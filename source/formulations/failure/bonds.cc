@@ -5,6 +5,7 @@
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,48 +22,48 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  std::unique_ptr<Bonds<dim>> Bonds<dim>::create(const Entries &e)
+  Bonds<dim>::Bonds(const Section &section, const ParticleSet<dim> &particles,
+                    const KernelConfiguration<dim> &kernel, ParticleRows<dim> &rows,
+                    PartPoints &points)
+      : particles(particles), kernel(kernel), rows(rows), points(points)
   {
-    if (e.given("Bond failure") == "none")
-      return nullptr;
-    return std::unique_ptr<Bonds<dim>>(new Bonds<dim>(e));
-  }
-
-  template <int dim>
-  Bonds<dim>::Bonds(const Entries &e) : check(e)
-  {
-    isolates_all =
-        e.choice("Isolate distorted", "with broken bonds", "with broken bonds|all",
-                 "Bond failure: which particles lose all their bonds where they are turned inside "
-                 "out, or where their gradients grow to three times those of the start: `with "
-                 "broken bonds`, or `all`, in flows that tear the neighbours of a particle away. A "
-                 "particle that is turned inside out otherwise ends the run.") == "all";
+    if (section.get("Bond failure") != "none")
+      check = std::make_unique<BondCheck<dim>>(section);
   }
 
   template <int dim>
   std::vector<FieldDescription> Bonds<dim>::variables() const
   {
+    if (!is_on())
+      return {};
     return {{fraction_name, "1", FieldLocation::material_point, 1, true},
             {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
              OnDivision::held}};
   }
 
   template <int dim>
-  void Bonds<dim>::initialize(const std::vector<std::uint64_t> &ids, const Stencils &shape,
-                              const MaterialPoints &points, const MPI_Comm mpi_communicator)
+  void Bonds<dim>::initialize()
   {
-    check.start(points);
-    communicator = mpi_communicator;
-    fraction_field = points.find_field(fraction_name);
-    dissipation_field = points.find_field(dissipation_name);
-    own_ids = ids;
-    broken.reset(ids.size());
-    refused.reset(ids.size());
-    n_initial_bonds.assign(ids.size(), 0);
-    initial_gradient.assign(ids.size(), 0.);
-    measure_rows(shape);
-    is_broken_anywhere = false;
-    partners.forget();
+    if (!is_on())
+      return;
+    check->start(points.points());
+    fraction_field = points.points().find_field(fraction_name);
+    dissipation_field = points.points().find_field(dissipation_name);
+    own_ids = particles.persistent_ids();
+    broken.reset(own_ids.size());
+    refused.reset(own_ids.size());
+    n_initial_bonds.assign(own_ids.size(), 0);
+    initial_gradient.assign(own_ids.size(), 0.);
+    measure_rows(rows.stencils());
+  }
+
+  template <int dim>
+  void Bonds<dim>::prepare_change()
+  {
+    if (before_change)
+      before_change();
+    if (is_broken_anywhere)
+      former_rows.remember(rows.stencils());
   }
 
   template <int dim>
@@ -88,199 +89,208 @@ namespace tombolo
   }
 
   template <int dim>
-  void Bonds<dim>::find_partners(const std::shared_ptr<const NodePartition> &partition,
-                                 const Neighbourhoods<dim> &neighbourhoods)
+  bool Bonds<dim>::update(const NodalVector &position)
   {
-    partners.find(partition, neighbourhoods, own_ids, broken, growth);
+    const bool has_broken = is_on() && check->is_due() && break_bonds(position);
+    return isolate_distorted(position) || has_broken;
   }
 
   template <int dim>
-  bool Bonds<dim>::break_bonds(const NodalVector &position,
-                               const std::vector<types::global_dof_index> &particles,
-                               const std::vector<Point<dim>> &initial_positions,
-                               const std::vector<Tensor<2, 3>> &deformation,
-                               const Neighbourhoods<dim> &neighbourhoods, const Stencils &shape,
-                               MaterialPoints &points)
+  bool Bonds<dim>::break_bonds(const NodalVector &position)
   {
-    if (!check.measure(points, deformation, communicator))
+    const Stencils &shape = rows.stencils();
+    std::vector<Tensor<2, 3>> deformation;
+    for (unsigned int i = 0; i < shape.n_particles() && check->needs_deformation(); ++i)
+    {
+      const Tensor<2, dim> total = kernel.total_deformation(i, shape, position);
+      deformation.emplace_back(unit_symmetric_tensor<3>());
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          deformation.back()[a][b] = total[a][b];
+    }
+    if (!check->measure(points.points(), deformation, particles.communicator()))
       return false;
     const auto &partition = position.partition();
-    check.exchange(partition, initial_positions, shape);
+    check->exchange(partition, particles.initial_positions(), shape);
     if (!partners.are_current())
-      find_partners(partition, neighbourhoods);
+      partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
     std::vector<PartnerMessage> messages;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      for (const unsigned int k : check.find_breaking(i, position, shape))
-        break_entry(i, shape.row_start[i] + k, neighbourhoods, messages);
-    return complete_breaking(*partition, particles, messages, points);
+      for (const unsigned int k : check->find_breaking(i, position, shape))
+        break_entry(i, shape.row_start[i] + k, messages);
+    return complete_breaking(partition, messages);
   }
 
   template <int dim>
-  bool Bonds<dim>::isolate_distorted(const NodalVector &position,
-                                     const std::vector<types::global_dof_index> &particles,
-                                     const Neighbourhoods<dim> &neighbourhoods,
-                                     const Stencils &shape, MaterialPoints &points)
+  bool Bonds<dim>::isolate_distorted(const NodalVector &position)
+  {
+    const auto &partition = position.partition();
+    const Stencils &shape = rows.stencils();
+    bool has_changed = false;
+    // What one loses, others lose too; each time there is one particle less that can.
+    for (; can_isolate(); has_changed = true)
+    {
+      std::vector<unsigned int> distorted;
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        if ((check->isolates_all() || !broken[i].empty()) && !shape.is_undeformed(i) &&
+            !(present_gradient<dim>(shape, i, position) / initial_gradient[i] <=
+              largest_gradient_growth))
+          distorted.push_back(shape.particle_node[i]);
+      if (Utilities::MPI::max(distorted.empty() ? 0 : 1, particles.communicator()) == 0)
+        break;
+
+      // Also from the rows of others, who may have such a particle without being in its row.
+      if (!partners.are_current())
+        partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+      const NodalVector mark =
+          marked_nodes(partition, [&](const auto &mark_node)
+                       { std::for_each(distorted.begin(), distorted.end(), mark_node); });
+      std::vector<PartnerMessage> messages;
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      {
+        const unsigned int own = shape.particle_node[i];
+        for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+          if (shape.neighbour[entry] != own &&
+              (*mark.node(own) > 0. || *mark.node(shape.neighbour[entry]) > 0.))
+            break_entry(i, entry, messages);
+      }
+      if (!complete_breaking(partition, messages))
+        break;
+    }
+    return has_changed;
+  }
+
+  template <int dim>
+  void Bonds<dim>::isolate_distorted_in_reference()
   {
     if (!can_isolate())
-      return false;
-    std::vector<unsigned int> distorted;
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      if ((isolates_all || !broken[i].empty()) && !shape.is_undeformed(i) &&
-          !(present_gradient<dim>(shape, i, position) / initial_gradient[i] <=
-            largest_gradient_growth))
-        distorted.push_back(i);
-    if (Utilities::MPI::max(distorted.empty() ? 0 : 1, communicator) == 0)
-      return false;
-
-    // Also from the rows of others, who may have such a particle without being in its row.
-    const auto &partition = position.partition();
-    if (!partners.are_current())
-      find_partners(partition, neighbourhoods);
-    const NodalVector mark = marked_nodes(partition,
-                                          [&](const auto &mark_node)
-                                          {
-                                            for (const unsigned int i : distorted)
-                                              mark_node(shape.particle_node[i]);
-                                          });
-    std::vector<PartnerMessage> messages;
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const unsigned int own = shape.particle_node[i];
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-        if (shape.neighbour[entry] != own &&
-            (*mark.node(own) > 0. || *mark.node(shape.neighbour[entry]) > 0.))
-          break_entry(i, entry, neighbourhoods, messages);
-    }
-    return complete_breaking(*partition, particles, messages, points);
+      return;
+    const auto partition = rows.partition(particles);
+    rows.set_partition(*partition);
+    isolate_distorted(
+        nodal_field(partition, Quantity::position, rows.stencils().particle_node,
+                    [&](const std::size_t i, double *const place)
+                    { std::copy_n(&kernel.positions()[i * node_stride], node_stride, place); }));
   }
 
   template <int dim>
   void Bonds<dim>::break_entry(const unsigned int row, const std::size_t entry,
-                               const Neighbourhoods<dim> &neighbourhoods,
                                std::vector<PartnerMessage> &messages)
   {
-    const auto &nodes = neighbourhoods.global_nodes();
-    const unsigned int place = neighbourhoods.places()[entry];
+    const auto &nodes = rows.neighbourhoods().global_nodes();
+    const auto &images = rows.neighbourhoods().images();
+    const unsigned int place = rows.neighbourhoods().places()[entry];
     const BondPartner partner = partners.partner(place);
-    if (!broken.add(row, partner))
-      return;
     // The mirror image of the bond of I to an image of J is that of J to the image of I.
-    messages.push_back(
-        {place < nodes.size() ? nodes[place] : neighbourhoods.images()[place - nodes.size()].source,
-         {own_ids[row], partner.planes}});
+    if (broken.add(row, partner))
+      messages.push_back({place < nodes.size() ? nodes[place] : images[place - nodes.size()].source,
+                          {own_ids[row], partner.planes}});
   }
 
   template <int dim>
-  bool Bonds<dim>::complete_breaking(const NodePartition &partition,
-                                     const std::vector<types::global_dof_index> &particles,
-                                     const std::vector<PartnerMessage> &messages,
-                                     MaterialPoints &points)
+  bool Bonds<dim>::complete_breaking(const std::shared_ptr<const NodePartition> &partition,
+                                     const std::vector<PartnerMessage> &messages)
   {
-    if (Utilities::MPI::max(messages.empty() ? 0 : 1, communicator) == 0)
+    if (Utilities::MPI::max(messages.empty() ? 0 : 1, particles.communicator()) == 0)
       return false;
-    broken.add_at_owners(partition, particles, messages);
+    broken.add_at_owners(*partition, particles.nodes(), messages);
     is_broken_anywhere = true;
-    double *const fraction = points.component(fraction_field, 0);
+    double *const fraction = points.points().component(fraction_field, 0);
     for (unsigned int i = 0; i < broken.size(); ++i)
       if (!broken[i].empty())
         fraction[i] =
             std::min(1., static_cast<double>(broken[i].size()) / std::max(n_initial_bonds[i], 1u));
+    prepare_change();
+    // Of particles with broken bonds, neighbours that the last search found out of the support
+    // (φ = 0) stay without a bond, wherever they move. Who is damaged has changed.
+    const Stencils &shape = rows.stencils();
+    partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+    add_pairs(
+        [&](const unsigned int i, const unsigned int place, const std::size_t entry)
+        {
+          return is_damaged(i, place) && !broken.has(i, partners.partner(place)) &&
+                 !shape.row(i).is_within_support(
+                     static_cast<unsigned int>(entry - shape.row_start[i]));
+        },
+        refused);
+    remove_broken(partition);
+    NodalVector reference(partition, Quantity::position);
+    rows.compute_in_reference(particles, kernel, reference);
+    release_debris();
     return true;
   }
 
   template <int dim>
-  void Bonds<dim>::remove_broken(const std::shared_ptr<const NodePartition> &partition,
-                                 Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
+  void Bonds<dim>::remove_broken(const std::shared_ptr<const NodePartition> &partition)
   {
     if (!partners.are_current())
-      find_partners(partition, neighbourhoods);
-    neighbourhoods.remove_neighbours(
+      partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+    rows.neighbourhoods().remove_neighbours(
         [&](const unsigned int row, const unsigned int place) {
           return broken.has(row, partners.partner(place)) ||
                  refused.has(row, partners.partner(place));
         },
-        shape);
+        rows.stencils());
   }
 
   template <int dim>
-  void Bonds<dim>::refuse_unbonded(const std::shared_ptr<const NodePartition> &partition,
-                                   const Neighbourhoods<dim> &neighbourhoods, const Stencils &shape)
+  template <typename IsSuch>
+  void Bonds<dim>::add_pairs(const IsSuch &is_such, PartnerLists &lists) const
   {
-    find_partners(partition, neighbourhoods); // who is damaged has changed
+    const Stencils &shape = rows.stencils();
     for (unsigned int i = 0; i < own_ids.size(); ++i)
-    {
-      const Stencils::Row row = shape.row(i);
-      for (unsigned int k = 0; k < row.size; ++k)
-      {
-        const unsigned int place = neighbourhoods.places()[shape.row_start[i] + k];
-        if (!row.is_within_support(k) && (!broken[i].empty() || partners.is_damaged(place)) &&
-            !broken.has(i, partners.partner(place)))
-          refused.add(i, partners.partner(place));
-      }
-    }
+      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+        if (const unsigned int place = rows.neighbourhoods().places()[entry];
+            is_such(i, place, entry))
+          lists.add(i, partners.partner(place));
   }
 
   template <int dim>
-  void Bonds<dim>::prepare_search(const std::shared_ptr<const NodePartition> &partition,
-                                  const Neighbourhoods<dim> &neighbourhoods, const Stencils &shape)
+  void Bonds<dim>::prepare_search()
   {
     if (!is_broken_anywhere)
       return;
-    find_partners(partition, neighbourhoods); // who is damaged may have changed since
+    // Who is damaged may have changed since.
+    partners.find(rows.partition(particles), rows.neighbourhoods(), own_ids, broken, growth);
     previous.reset(own_ids.size());
-    for (unsigned int i = 0; i < own_ids.size(); ++i)
-    {
-      PartnerLists::List list;
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-      {
-        const unsigned int place = neighbourhoods.places()[entry];
-        if (!broken[i].empty() || partners.is_damaged(place))
-          list.push_back(partners.partner(place));
-      }
-      previous.set(i, std::move(list));
-    }
+    add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
+              { return is_damaged(i, place); },
+              previous);
   }
 
   template <int dim>
-  void Bonds<dim>::finish_search(const std::shared_ptr<const NodePartition> &partition,
-                                 Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
+  void Bonds<dim>::finish_search()
   {
     partners.forget();
-    if (!is_broken_anywhere)
+    if (is_broken_anywhere)
     {
-      growth.clear();
-      return;
+      const auto partition = rows.partition(particles);
+      partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+      previous.resize(own_ids.size());
+      refused.reset(own_ids.size());
+      add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
+                { return is_refused(i, place) && !broken.has(i, partners.partner(place)); },
+                refused);
+      previous.reset(0);
+      remove_broken(partition);
     }
-    find_partners(partition, neighbourhoods);
-    previous.resize(own_ids.size());
-    refused.reset(own_ids.size());
-    for (unsigned int i = 0; i < own_ids.size(); ++i)
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-      {
-        const unsigned int place = neighbourhoods.places()[entry];
-        if (is_refused(i, place) && !broken.has(i, partners.partner(place)))
-          refused.add(i, partners.partner(place));
-      }
-    previous.reset(0);
     growth.clear();
-    remove_broken(partition, neighbourhoods, shape);
   }
 
   template <int dim>
-  std::vector<unsigned int> Bonds<dim>::debris(const Stencils &shape) const
+  std::vector<unsigned int> Bonds<dim>::debris() const
   {
-    std::vector<unsigned int> rows;
-    for (const unsigned int row : shape.rank_deficient_rows)
-      if (!broken[row].empty())
-        rows.push_back(row);
-    return rows;
+    std::vector<unsigned int> result;
+    for (const unsigned int row : rows.stencils().rank_deficient_rows)
+      if (is_broken_anywhere && !broken[row].empty())
+        result.push_back(row);
+    return result;
   }
 
   template <int dim>
   bool Bonds<dim>::is_refused(const unsigned int row, const unsigned int place) const
   {
-    if (place == row || (broken[row].empty() && !partners.is_damaged(place)) ||
-        previous.has(row, partners.partner(place)))
+    if (place == row || !is_damaged(row, place) || previous.has(row, partners.partner(place)))
       return false;
     const ParticleGrowth a = partners.growth(row), b = partners.growth(place);
     return a == ParticleGrowth::none || b == ParticleGrowth::none ||
@@ -288,53 +298,49 @@ namespace tombolo
   }
 
   template <int dim>
-  void Bonds<dim>::release_debris(const Stencils &shape,
-                                  const std::vector<double> &elastic_energies,
-                                  const std::vector<double> &initial_volume,
-                                  MaterialPoints &points) const
+  void Bonds<dim>::release_debris()
   {
-    double *const dissipation = points.component(dissipation_field, 0);
-    const unsigned int work_field = points.find_field("pressure work"); // stored, too
-    for (const unsigned int row : debris(shape))
+    const std::vector<unsigned int> released = debris();
+    if (released.empty())
+      return;
+    MaterialPoints &of_part = points.points();
+    const std::vector<double> elastic_energies = points.elastic_energies();
+    const unsigned int work_field = of_part.find_field("pressure work"); // stored, too
+    for (const unsigned int row : released)
     {
-      if (work_field < points.fields().size())
-        points.component(work_field, 0)[row] = 0.;
-      dissipation[row] += elastic_energies[row] / initial_volume[row];
+      if (work_field < of_part.fields().size())
+        of_part.component(work_field, 0)[row] = 0.;
+      of_part.component(dissipation_field, 0)[row] +=
+          elastic_energies[row] / particles.initial_volumes()[row];
       for (unsigned int c = 0; c < 6; ++c)
-        points.component(MaterialPoints::stress, c)[row] = 0.;
+        of_part.component(MaterialPoints::stress, c)[row] = 0.;
     }
   }
 
   template <int dim>
-  BondCounts Bonds<dim>::counts(const Stencils &shape) const
+  BondCounts Bonds<dim>::counts() const
   {
     BondCounts result;
-    result.criterion = check.criterion_name();
+    result.criterion = is_on() ? check->criterion_name() : "";
     for (std::size_t i = 0; i < broken.size(); ++i)
       for (const BondPartner &partner : broken[i])
         result.n_broken += partner.id == own_ids[i] ? 1. : 0.5;
-    result.n_debris = debris(shape).size();
+    result.n_debris = debris().size();
     return result;
   }
 
   template <int dim>
-  void Bonds<dim>::add_particles(const std::vector<std::uint64_t> &ids,
-                                 const std::vector<unsigned int> &old_place,
+  void Bonds<dim>::add_particles(const std::vector<unsigned int> &old_place,
                                  const std::vector<bool> &gains)
   {
+    if (!is_on())
+      return;
+    const std::vector<std::uint64_t> ids = particles.persistent_ids();
     const std::size_t n_old = own_ids.size();
-    const auto rearrange = [&](auto &values)
-    {
-      const auto old = std::exchange(values, {});
-      values.resize(ids.size());
-      for (std::size_t i = 0; i < ids.size(); ++i)
-        if (old_place[i] < old.size())
-          values[i] = old[old_place[i]];
-    };
     for (PartnerLists *const lists : {&broken, &refused, &previous})
       lists->rearrange(old_place);
-    rearrange(n_initial_bonds);
-    rearrange(initial_gradient);
+    rearrange(old_place, n_initial_bonds);
+    rearrange(old_place, initial_gradient);
     own_ids = ids;
     growth.clear();
     for (std::size_t i = 0; i < ids.size(); ++i)
@@ -351,7 +357,7 @@ namespace tombolo
   {
     if (!is_broken_anywhere)
       return;
-    find_partners(partition, neighbourhoods);
+    partners.find(partition, neighbourhoods, own_ids, broken, growth);
     neighbourhoods.remove_neighbours(
         [&](const unsigned int row, const unsigned int place)
         { return broken.has(row, partners.partner(place)) || is_refused(row, place); },
@@ -362,7 +368,9 @@ namespace tombolo
   template <int dim>
   void Bonds<dim>::list(Records &records)
   {
-    check.list(records);
+    if (!is_on())
+      return;
+    check->list(records);
     records.archived(
         [this](StateArchive &archive)
         {
@@ -385,8 +393,17 @@ namespace tombolo
           bool is_broken = false;
           for (std::size_t i = 0; i < broken.size(); ++i)
             is_broken = is_broken || !broken[i].empty();
-          is_broken_anywhere = Utilities::MPI::max(is_broken ? 1 : 0, communicator) == 1;
+          is_broken_anywhere =
+              Utilities::MPI::max(is_broken ? 1 : 0, particles.communicator()) == 1;
         });
+  }
+
+  template <int dim>
+  bool Bonds<dim>::complete_reading(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (is_broken_anywhere)
+      remove_broken(partition);
+    return is_broken_anywhere;
   }
 
   template class Bonds<2>;

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <utility>
 
 namespace tombolo
 {
@@ -56,25 +55,6 @@ namespace tombolo
   template class NeighbourPartners<2>;
   template class NeighbourPartners<3>;
 
-  void PartnerLists::reset(const std::size_t n)
-  {
-    lists.assign(n, {});
-  }
-
-  void PartnerLists::rearrange(const std::vector<unsigned int> &old_index)
-  {
-    std::vector<List> old = std::exchange(lists, {});
-    lists.resize(old_index.size());
-    for (std::size_t i = 0; i < old_index.size(); ++i)
-      if (old_index[i] < old.size())
-        lists[i] = std::move(old[old_index[i]]);
-  }
-
-  const PartnerLists::List &PartnerLists::operator[](const std::size_t i) const
-  {
-    return lists[i];
-  }
-
   bool PartnerLists::has(const std::size_t i, const BondPartner &partner) const
   {
     return !lists[i].empty() && std::binary_search(lists[i].begin(), lists[i].end(), partner);
@@ -88,12 +68,6 @@ namespace tombolo
       return false;
     list.insert(position, partner);
     return true;
-  }
-
-  void PartnerLists::set(const std::size_t i, List list)
-  {
-    std::sort(list.begin(), list.end());
-    lists[i] = std::move(list);
   }
 
   void PartnerLists::add_at_owners(const NodePartition &partition,

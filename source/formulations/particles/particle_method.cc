@@ -53,7 +53,7 @@ namespace tombolo
     ParticleRows<dim>::declare_parameters(e);
     declare<KernelConfiguration<dim>>(e, default_configuration);
     declare<BulkViscosity>(e);
-    Bonds<dim>::create(e);
+    declare<BondCheck<dim>>(e);
     SelfContact<dim>::create(e);
   }
 
@@ -62,7 +62,7 @@ namespace tombolo
                                       std::unique_ptr<ParticleRows<dim>> of_method,
                                       const StrainMeasure measure)
       : section(of_part), rows(std::move(of_method)),
-        fracture(of_part, set, kernel, *rows, part_points)
+        bonds(of_part, set, kernel, *rows, part_points)
   {
     part_points = PartPoints(BulkViscosity(of_part), measure);
     smoothing_settings.is_active = false;
@@ -85,7 +85,7 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::create_points()
   {
-    std::vector<FieldDescription> further = fracture.variables();
+    std::vector<FieldDescription> further = bonds.variables();
     if (self_contact)
       for (const FieldDescription &field : self_contact->variables())
         further.push_back(field);
@@ -95,7 +95,7 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::check_setup() const
   {
-    if (!setup.has_mechanics && fracture.is_on())
+    if (!setup.has_mechanics && bonds.is_on())
       section.fail("Bond failure", "the scene has heat alone, and no stresses that could break "
                                    "a bond");
     if (!setup.has_mechanics && self_contact)
@@ -137,7 +137,7 @@ namespace tombolo
     }
     create_points();
     find_neighbours(set.padded_initial_positions());
-    fracture.initialize();
+    bonds.initialize();
     if (!setup.source)
       smallest_spacing_at_start = set.smallest_spacing();
     if (tell_self_contact() > 1 && !kernel.is_total_lagrangian())
@@ -192,9 +192,9 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::find_neighbours(const std::vector<double> &positions)
   {
-    fracture.prepare_search();
+    bonds.prepare_search();
     rows->search(set, positions, kernel.supports());
-    fracture.finish_search();
+    bonds.finish_search();
     rows->compute_at_search();
   }
 
@@ -216,10 +216,10 @@ namespace tombolo
   NeighbourhoodChange ParticleMethod<dim>::update_rows(const NodalVector &position)
   {
     rows->finish_start();
-    const bool has_broken = fracture.update(position);
+    const bool has_broken = bonds.update(position);
     if (!kernel.is_renewal_due(position, set, rows->stencils()))
       return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
-    fracture.prepare_change();
+    bonds.prepare_change();
     kernel.renew(position, set, rows->stencils());
     tell_volumes();
     kernel.set_positions(position, rows->stencils());
@@ -230,14 +230,14 @@ namespace tombolo
       if (smoothing_settings.affine)
         rows->store_reference(set, kernel, position.partition());
       rows->note_present();
-      fracture.release_debris();
-      fracture.isolate_distorted(position);
+      bonds.release_debris();
+      bonds.isolate_distorted(position);
       return NeighbourhoodChange::values;
     }
     find_neighbours(kernel.positions());
     rows->note_present();
-    fracture.release_debris();
-    fracture.isolate_distorted_in_reference();
+    bonds.release_debris();
+    bonds.isolate_distorted_in_reference();
     return NeighbourhoodChange::neighbours;
   }
 
@@ -261,7 +261,7 @@ namespace tombolo
   {
     rows->finish_start();
     const bool renews = !kernel.is_total_lagrangian() && state != nullptr;
-    fracture.prepare_search();
+    bonds.prepare_search();
     if (renews)
       kernel.renew(position, set, rows->stencils());
     const ParticleSet<dim> old_set = set;
@@ -286,17 +286,17 @@ namespace tombolo
     if (state != nullptr)
       state->merge(part_points, own_nodes, set.initial_volumes(), old_points,
                    old_set.initial_volumes(), old_index);
-    fracture.add_particles(old_index, gains);
+    bonds.add_particles(old_index, gains);
     if (renews)
       renew_reference(position, old_index);
     tell_volumes();
     rows->search(set, renews ? kernel.positions() : set.padded_initial_positions(),
                  kernel.supports());
-    fracture.finish_search();
+    bonds.finish_search();
     rows->compute_at_search();
     if (!renews)
-      fracture.measure_rows(rows->stencils());
-    fracture.release_debris();
+      bonds.measure_rows(rows->stencils());
+    bonds.release_debris();
     tell_self_contact();
   }
 
@@ -314,10 +314,10 @@ namespace tombolo
     required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
     const auto partition = set.partition(required, at_start.images());
     rows->separate_bodies(partition, at_start, initial);
-    fracture.remove_unbonded(partition, at_start, initial);
+    bonds.remove_unbonded(partition, at_start, initial);
     rows->fill(at_start, at_start.position_at_search().data(), at_start.support_at_search().data(),
                initial);
-    fracture.measure_rows(initial);
+    bonds.measure_rows(initial);
 
     at_start.set_partition(*partition, initial);
     kernel.set_positions(position, initial); // owned nodes have the same numbers in all partitions
@@ -341,7 +341,7 @@ namespace tombolo
   {
     kernel.list(records);
     rows->list(records);
-    fracture.list(records);
+    bonds.list(records);
     if (self_contact)
       self_contact->list(records.group("self-contact"));
     records.archived(
@@ -366,7 +366,7 @@ namespace tombolo
   {
     // Whoever looked at the model since it was built may have left one of its initial positions.
     rows->stencils().inverse_deformation_is_current = false;
-    const bool has_broken = fracture.complete_reading(position.partition());
+    const bool has_broken = bonds.complete_reading(position.partition());
     if (kernel.is_renewed(setup.communicator) || has_broken)
     {
       tell_volumes();
@@ -381,8 +381,8 @@ namespace tombolo
   EnergyAccounts ParticleMethod<dim>::energies() const
   {
     EnergyAccounts result = part_points.energies();
-    if (fracture.is_on())
-      result.add("failure dissipation", EnergyKind::dissipated, fracture.dissipated_energy());
+    if (bonds.is_on())
+      result.add("failure dissipation", EnergyKind::dissipated, bonds.dissipated_energy());
     if (self_contact)
       self_contact->account(result);
     return result;

@@ -17,7 +17,6 @@
 
 namespace tombolo
 {
-
   /** When bonds are checked, and which of them the chosen BondFailure breaks. */
   template <int dim>
   class BondCheck
@@ -32,6 +31,12 @@ namespace tombolo
     bool needs_deformation() const
     {
       return criterion->needs_deformation();
+    }
+
+    /** Whether also particles without broken bonds are isolated where they are distorted. */
+    bool isolates_all() const
+    {
+      return isolates_without_broken;
     }
 
     /** Begins to count steps. Throws InputError where @p points cannot be judged. */
@@ -63,6 +68,7 @@ namespace tombolo
     std::string name;
     std::unique_ptr<BondFailure> criterion;
     unsigned int interval;
+    bool isolates_without_broken;
     unsigned int steps_since_check = 0;
     std::vector<double> measures;
     NodalVector pair_data; // initial position, and the measure in the pad

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -39,6 +40,17 @@ namespace tombolo
     BondPartner other;
   };
 
+  /** Value i becomes the one that was number old_index[i], or a new one where there was none. */
+  template <typename Value>
+  void rearrange(const std::vector<unsigned int> &old_index, std::vector<Value> &values)
+  {
+    std::vector<Value> old = std::exchange(values, {});
+    values.resize(old_index.size());
+    for (std::size_t i = 0; i < old_index.size(); ++i)
+      if (old_index[i] < old.size())
+        values[i] = std::move(old[old_index[i]]);
+  }
+
   /** For each particle of this rank a set of partners, kept as an ascending list. */
   class PartnerLists
   {
@@ -46,24 +58,32 @@ namespace tombolo
     using List = std::vector<BondPartner>;
 
     /** @p n empty lists. */
-    void reset(std::size_t n);
+    void reset(const std::size_t n)
+    {
+      lists.assign(n, {});
+    }
     /** @p n lists: those that are there stay, further ones are empty. */
     void resize(const std::size_t n)
     {
       lists.resize(n);
     }
     /** List i becomes the one that was number old_index[i], or is empty where there was none. */
-    void rearrange(const std::vector<unsigned int> &old_index);
+    void rearrange(const std::vector<unsigned int> &old_index)
+    {
+      tombolo::rearrange(old_index, lists);
+    }
 
     std::size_t size() const
     {
       return lists.size();
     }
-    const List &operator[](std::size_t i) const;
+    const List &operator[](const std::size_t i) const
+    {
+      return lists[i];
+    }
     bool has(std::size_t i, const BondPartner &partner) const;
     /** Returns whether it was not in the list yet. */
     bool add(std::size_t i, const BondPartner &partner);
-    void set(std::size_t i, List list);
 
     /** Adds each of @p messages to the list of its particle, on the rank of this particle. @p
      * particles are the global numbers of this rank's particles, ascending; all ends are nodes of

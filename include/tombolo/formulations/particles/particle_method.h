@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/particles/nodal_particles.h>
-#include <tombolo/formulations/particles/particle_fracture.h>
 #include <tombolo/formulations/particles/particle_rows.h>
 #include <tombolo/formulations/particles/self_contact.h>
 
@@ -62,7 +62,7 @@ namespace tombolo
     }
     BondCounts bond_counts() const override
     {
-      return fracture.counts();
+      return bonds.counts();
     }
     FragmentCounts fragment_counts() const override
     {
@@ -97,19 +97,19 @@ namespace tombolo
     }
     bool has_broken_bonds() const override
     {
-      return fracture.has_broken_bonds();
+      return bonds.any();
     }
     std::vector<unsigned int> debris() const override
     {
-      return fracture.debris();
+      return bonds.debris();
     }
     LeavingParticles take_leaving_particles() override
     {
-      return fracture.take_leaving_particles();
+      return bonds.take_leaving_particles();
     }
     void set_before_change(const std::function<void()> &before_change) override
     {
-      fracture.set_before_change(before_change);
+      bonds.set_before_change(before_change);
     }
 
   protected:
@@ -150,7 +150,7 @@ namespace tombolo
     void tell_volumes();
 
     PartSetup<dim> setup;
-    ParticleFracture<dim> fracture;
+    Bonds<dim> bonds;
     std::vector<SurfaceFibre> fibres;
     std::unique_ptr<SelfContact<dim>> self_contact; // null: fragments do not feel each other
     double smallest_spacing_at_start = 0;           // of all that can be particles of the part [L]
