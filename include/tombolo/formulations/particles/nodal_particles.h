@@ -12,9 +12,9 @@
 namespace tombolo
 {
   /**
-   * Particles of one part that are integrated at their nodes (ParticleForce), whatever their φ and
-   * ∇φ are: a particle method that derives from this class fills its stencils, names the nodes that
-   * they need and translates their numbers. Everything else follows from the stencils.
+   * Particles of one part that are integrated at their nodes, whatever their φ and ∇φ are: a
+   * particle method that derives from this class fills its stencils, names the nodes that they need
+   * and translates their numbers. Everything else follows from the stencils.
    */
   template <int dim>
   class NodalParticles : public ParticleFormulation<dim>
