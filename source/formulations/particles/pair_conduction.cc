@@ -65,14 +65,9 @@ namespace tombolo
   {
     if (method == Method::paper)
       return 1.;
-    const unsigned int particle = rows.shape->particle_node[row];
-    Lanes own[dim], sum = 0.;
-    spread_node(position, particle, own);
-    for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
-    {
-      const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-      sum += pairs.weight * pairs.squared;
-    }
+    Lanes sum = 0.;
+    for_pairs_of_row<dim>(rows, row, position,
+                          [&](const RowPairs<dim> &pairs) { sum += pairs.weight * pairs.squared; });
     const double trace = sum_of_lanes(sum);
     return trace * largest_factor > dim ? dim / trace : largest_factor;
   }
@@ -89,7 +84,6 @@ namespace tombolo
                  ? conductivity.largest()
                  : conductivity.value(of_conductivity[std::size_t(node) * node_stride]);
     };
-    Lanes own[dim];
     for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
     {
       const unsigned int particle = rows.shape->particle_node[row];
@@ -97,17 +91,17 @@ namespace tombolo
       const double scale = 2. * rows.volume[row] * factor(rows, row, position) * own_conductivity;
       if (scale == 0.)
         continue;
-      spread_node(position, particle, own);
-      for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
-      {
-        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-        for (unsigned int lane = 0; lane < pairs.n; ++lane)
-          if (const double weight = pairs.weight[lane]; weight > 0.)
-          {
-            const double other = conductivity_at(pairs.node[lane]);
-            visit(particle, pairs.node[lane], scale * weight * other / (own_conductivity + other));
-          }
-      }
+      for_pairs_of_row<dim>(rows, row, position,
+                            [&](const RowPairs<dim> &pairs)
+                            {
+                              for (unsigned int lane = 0; lane < pairs.n; ++lane)
+                                if (const double weight = pairs.weight[lane]; weight > 0.)
+                                {
+                                  const double other = conductivity_at(pairs.node[lane]);
+                                  visit(particle, pairs.node[lane],
+                                        scale * weight * other / (own_conductivity + other));
+                                }
+                            });
     }
   }
 
@@ -141,11 +135,9 @@ namespace tombolo
   double PairConduction<dim>::decay(const PairRows &rows, const unsigned int row,
                                     const double *position) const
   {
-    const unsigned int particle = rows.shape->particle_node[row];
-    Lanes own[dim], sum = 0.;
-    spread_node(position, particle, own);
-    for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
-      sum += RowPairs<dim>(rows, row, first, particle, own, position).weight;
+    Lanes sum = 0.;
+    for_pairs_of_row<dim>(rows, row, position,
+                          [&](const RowPairs<dim> &pairs) { sum += pairs.weight; });
     return factor(rows, row, position) * sum_of_lanes(sum);
   }
 

@@ -54,13 +54,35 @@ namespace tombolo
       return is_tensile;
     }
 
-    /** Takes the sums of what row @p particle gave to its neighbours from its own value. */
-    template <int dim>
-    void subtract_from_own(const Lanes (&sum)[dim], const unsigned int particle, double *target)
+    /** For all pairs of a row: set_action(pairs, action) sets what acts on the neighbours, which is
+     * added to @p target, and the opposite to the particle. */
+    template <int dim, typename SetAction>
+    TOMBOLO_ALWAYS_INLINE void add_actions(const PairRows &rows, const unsigned int row,
+                                           const double *position, double *target,
+                                           const SetAction &set_action)
     {
-      double *const own = target + static_cast<std::size_t>(particle) * node_stride;
+      Lanes action[dim], sum[dim] = {};
+      for_pairs_of_row<dim>(rows, row, position,
+                            [&](const RowPairs<dim> &pairs)
+                            {
+                              set_action(pairs, action);
+                              for (unsigned int d = 0; d < dim; ++d)
+                                sum[d] += action[d];
+                              add_to_nodes(action, pairs.node, pairs.n, target);
+                            });
+      double *const own = target + std::size_t(rows.shape->particle_node[row]) * node_stride;
       for (unsigned int d = 0; d < dim; ++d)
         own[d] -= sum_of_lanes(sum[d]);
+    }
+
+    /** The values of a field at neighbours less those of the particle of the row. */
+    template <int dim>
+    TOMBOLO_ALWAYS_INLINE void find_differences(const double *field, const RowPairs<dim> &pairs,
+                                                const Lanes (&own)[dim], Lanes (&result)[dim])
+    {
+      gather_nodes(field, pairs.node, result);
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] -= own[d];
     }
   } // namespace
 
@@ -126,34 +148,25 @@ namespace tombolo
                                          const double *velocity, double *force, double *power) const
   {
     const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
-    Lanes own[dim], own_velocity[dim], other_velocity[dim], of_pair[dim];
+    Lanes own_velocity[dim], other_velocity[dim];
     const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      const unsigned int particle = shape.particle_node[row];
       const double half_mass = 0.5 * inertia_ratio * shape.mass[row];
-      const unsigned int n_neighbours = shape.row(row).size;
-      spread_node(position, particle, own);
-      spread_node(velocity, particle, own_velocity);
-      Lanes sum[dim] = {}, taken = 0.;
-      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
-      {
-        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-        gather_nodes(velocity, pairs.node, other_velocity);
-        for (unsigned int d = 0; d < dim; ++d)
-          other_velocity[d] -= own_velocity[d];
-        const Lanes approach = min(pairs.along_offset(other_velocity), Lanes(0.));
-        const Lanes mu = h * approach / (pairs.squared + least);
-        const Lanes strength = half_mass * pairs.weight * (mu * (quadratic * mu - alpha_c));
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          of_pair[d] = strength * pairs.offset[d];
-          sum[d] += of_pair[d];
-        }
-        taken -= strength * approach;
-        add_to_nodes(of_pair, pairs.node, pairs.n, force);
-      }
-      subtract_from_own(sum, particle, force);
+      spread_node(velocity, shape.particle_node[row], own_velocity);
+      Lanes taken = 0.;
+      add_actions<dim>(rows, row, position, force,
+                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
+                       {
+                         find_differences(velocity, pairs, own_velocity, other_velocity);
+                         const Lanes approach = min(pairs.along_offset(other_velocity), Lanes(0.));
+                         const Lanes mu = h * approach / (pairs.squared + least);
+                         const Lanes strength =
+                             half_mass * pairs.weight * (mu * (quadratic * mu - alpha_c));
+                         for (unsigned int d = 0; d < dim; ++d)
+                           action[d] = strength * pairs.offset[d];
+                         taken -= strength * approach;
+                       });
       power[row] += sum_of_lanes(taken);
     }
   }
@@ -164,38 +177,26 @@ namespace tombolo
                                        const double factor, double *force) const
   {
     const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
-    Lanes own[dim], own_velocity[dim], own_direction[dim], other[dim], of_pair[dim];
+    Lanes own_velocity[dim], own_direction[dim], other[dim];
     const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      const unsigned int particle = shape.particle_node[row];
       const double scale = 0.5 * inertia_ratio * shape.mass[row] * factor * h;
-      const unsigned int n_neighbours = shape.row(row).size;
-      spread_node(position, particle, own);
-      spread_node(velocity, particle, own_velocity);
-      spread_node(direction, particle, own_direction);
-      Lanes sum[dim] = {};
-      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
-      {
-        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-        gather_nodes(velocity, pairs.node, other);
-        for (unsigned int d = 0; d < dim; ++d)
-          other[d] -= own_velocity[d];
-        const Lanes distance = pairs.squared + least;
-        const Lanes mu = h * min(pairs.along_offset(other), Lanes(0.)) / distance;
-        gather_nodes(direction, pairs.node, other);
-        for (unsigned int d = 0; d < dim; ++d)
-          other[d] -= own_direction[d];
-        const Lanes strength = scale * pairs.weight * (alpha_c - 2. * quadratic * mu) *
-                               pairs.along_offset(other) / distance;
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          of_pair[d] = strength * pairs.offset[d];
-          sum[d] += of_pair[d];
-        }
-        add_to_nodes(of_pair, pairs.node, pairs.n, force);
-      }
-      subtract_from_own(sum, particle, force);
+      spread_node(velocity, shape.particle_node[row], own_velocity);
+      spread_node(direction, shape.particle_node[row], own_direction);
+      add_actions<dim>(rows, row, position, force,
+                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
+                       {
+                         find_differences(velocity, pairs, own_velocity, other);
+                         const Lanes distance = pairs.squared + least;
+                         const Lanes mu = h * min(pairs.along_offset(other), Lanes(0.)) / distance;
+                         find_differences(direction, pairs, own_direction, other);
+                         const Lanes strength = scale * pairs.weight *
+                                                (alpha_c - 2. * quadratic * mu) *
+                                                pairs.along_offset(other) / distance;
+                         for (unsigned int d = 0; d < dim; ++d)
+                           action[d] = strength * pairs.offset[d];
+                       });
     }
   }
 
@@ -206,33 +207,25 @@ namespace tombolo
     const double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = points.component(MaterialPoints::stress, c);
-    Lanes own[dim], of_pair[dim];
     double tensile[dim][dim];
-    const Stencils &shape = *rows.shape;
-    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
     {
       if (!find_tensile_part<dim>(stress, row, tensile))
         continue;
-      const unsigned int particle = shape.particle_node[row];
       const double scale = stress_factor * rows.volume[row];
-      const unsigned int n_neighbours = shape.row(row).size;
-      spread_node(position, particle, own);
-      Lanes sum[dim] = {};
-      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
-      {
-        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-        const Lanes strength = scale * stress_weight(pairs.distance) * pairs.weight;
-        for (unsigned int a = 0; a < dim; ++a)
-        {
-          Lanes traction = tensile[a][0] * pairs.offset[0];
-          for (unsigned int b = 1; b < dim; ++b)
-            traction += tensile[a][b] * pairs.offset[b];
-          of_pair[a] = strength * traction;
-          sum[a] += of_pair[a];
-        }
-        add_to_nodes(of_pair, pairs.node, pairs.n, force);
-      }
-      subtract_from_own(sum, particle, force);
+      add_actions<dim>(rows, row, position, force,
+                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
+                       {
+                         const Lanes strength =
+                             scale * stress_weight(pairs.distance) * pairs.weight;
+                         for (unsigned int a = 0; a < dim; ++a)
+                         {
+                           Lanes traction = tensile[a][0] * pairs.offset[0];
+                           for (unsigned int b = 1; b < dim; ++b)
+                             traction += tensile[a][b] * pairs.offset[b];
+                           action[a] = strength * traction;
+                         }
+                       });
     }
   }
 
@@ -240,30 +233,21 @@ namespace tombolo
   void PairTerms<dim>::add_exchanged_momentum(const PairRows &rows, const double *position,
                                               const double *velocity, double *momentum) const
   {
-    Lanes own[dim], own_velocity[dim], of_pair[dim];
+    Lanes own_velocity[dim];
     const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      const unsigned int particle = shape.particle_node[row];
       const double scale = 0.5 * xsph_factor * shape.mass[row];
-      const unsigned int n_neighbours = shape.row(row).size;
-      spread_node(position, particle, own);
-      spread_node(velocity, particle, own_velocity);
-      Lanes sum[dim] = {};
-      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
-      {
-        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
-        const Lanes strength =
-            scale * pairs.of_row * pairs.other_volume * kernel_value(pairs.distance);
-        gather_nodes(velocity, pairs.node, of_pair);
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          of_pair[d] = strength * (own_velocity[d] - of_pair[d]);
-          sum[d] += of_pair[d];
-        }
-        add_to_nodes(of_pair, pairs.node, pairs.n, momentum);
-      }
-      subtract_from_own(sum, particle, momentum);
+      spread_node(velocity, shape.particle_node[row], own_velocity);
+      add_actions<dim>(rows, row, position, momentum,
+                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
+                       {
+                         const Lanes strength = scale * pairs.of_row * pairs.other_volume *
+                                                kernel_value(pairs.distance);
+                         gather_nodes(velocity, pairs.node, action);
+                         for (unsigned int d = 0; d < dim; ++d)
+                           action[d] = strength * (own_velocity[d] - action[d]);
+                       });
     }
   }
 

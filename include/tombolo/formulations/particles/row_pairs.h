@@ -98,4 +98,17 @@ namespace tombolo
       sum += value[lane];
     return sum;
   }
+
+  /** Calls @p use with all pairs of a row, n_lanes at a time. */
+  template <int dim, typename Use>
+  TOMBOLO_ALWAYS_INLINE void for_pairs_of_row(const PairRows &rows, const unsigned int row,
+                                              const double *position, const Use &use)
+  {
+    const unsigned int particle = rows.shape->particle_node[row];
+    const unsigned int n_neighbours = rows.shape->row(row).size;
+    Lanes own[dim];
+    spread_node(position, particle, own);
+    for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
+      use(RowPairs<dim>(rows, row, first, particle, own, position));
+  }
 } // namespace tombolo
