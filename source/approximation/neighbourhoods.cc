@@ -19,12 +19,6 @@ namespace tombolo
   {}
 
   template <int dim>
-  void Neighbourhoods<dim>::set_images(const std::shared_ptr<const Images> &images)
-  {
-    images_of_body = images;
-  }
-
-  template <int dim>
   void Neighbourhoods<dim>::add_images(const RemoteParticles &remote)
   {
     // Closer than this share of its support a particle is on a mirror, and its own image.
@@ -174,12 +168,6 @@ namespace tombolo
       for (std::size_t k = 0; k < keys.size(); ++k)
         neighbour_place[row_start[row] + k] = keys[k].second;
     }
-  }
-
-  template <int dim>
-  void Neighbourhoods<dim>::order_by_offset()
-  {
-    is_ordered_by_offset = true;
   }
 
   template <int dim>

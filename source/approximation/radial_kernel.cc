@@ -66,18 +66,6 @@ namespace tombolo
     }
   }
 
-  template <int dim>
-  double RadialKernel<dim>::smoothing_length() const
-  {
-    return length;
-  }
-
-  template <int dim>
-  double RadialKernel<dim>::support() const
-  {
-    return 2. * length;
-  }
-
   template class RadialKernel<2>;
   template class RadialKernel<3>;
 } // namespace tombolo

@@ -19,9 +19,6 @@ namespace tombolo
      * in the first-level cache. */
     constexpr std::size_t block_entries = 512;
 
-    /** The share of the support at its end where nothing is a neighbour. */
-    constexpr double at_the_end = 1e-9;
-
     /** The inverse of a matrix with the determinant @p det; the library's is a call for each row.
      */
     SymmetricTensor<2, 2> inverse_of(const SymmetricTensor<2, 2> &matrix, const double det)
@@ -348,12 +345,6 @@ namespace tombolo
     shape.gradient[Stencils::n_gradient * shape.row_start[n_rows]] = 0.;
     write_values(shape);
     return defects;
-  }
-
-  template <int dim>
-  double RadialRows<dim>::reach() const
-  {
-    return (1. - at_the_end) * radial_kernel.support();
   }
 
   template class RadialRows<2>;

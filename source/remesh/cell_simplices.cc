@@ -118,13 +118,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const SimplexPoints<dim> &SimplexPoints<dim>::instance()
-  {
-    static const SimplexPoints result;
-    return result;
-  }
-
-  template <int dim>
   SimplexPoints<dim>::SimplexPoints()
   {
     const auto &all = CellSimplices<dim>::all();

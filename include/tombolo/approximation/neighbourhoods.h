@@ -32,10 +32,16 @@ namespace tombolo
 
     /** From the next search on, the neighbours of a row are in the order of their offsets from the
      * particle, whatever their numbers are. */
-    void order_by_offset();
+    void order_by_offset()
+    {
+      is_ordered_by_offset = true;
+    }
 
     /** Particles see these images of others, from the next search on. */
-    void set_images(const std::shared_ptr<const Images> &images);
+    void set_images(const std::shared_ptr<const Images> &images)
+    {
+      images_of_body = images;
+    }
 
     /**
      * Finds the candidates of all particles of this rank, with global numbers @p particles

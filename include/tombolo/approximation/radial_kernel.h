@@ -23,8 +23,16 @@ namespace tombolo
      * and no pointer may be the same. At r = 0 the slope is that of r → 0+. */
     void evaluate(std::size_t n, const double *distance, double *value, double *slope) const;
 
-    double smoothing_length() const; ///< h [L]
-    double support() const;          ///< 2h [L]
+    /** h [L]. */
+    double smoothing_length() const
+    {
+      return length;
+    }
+    /** 2h [L]. */
+    double support() const
+    {
+      return 2. * length;
+    }
 
   private:
     std::shared_ptr<const Kernel> kernel;

@@ -77,7 +77,11 @@ namespace tombolo
 
     /** Neighbours are nearer than this: 2h less a small share of it, since on a lattice particles
      * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */
-    double reach() const;
+    double reach() const
+    {
+      constexpr double at_the_end = 1e-9; // the share of the support where nothing is a neighbour
+      return (1. - at_the_end) * radial_kernel.support();
+    }
 
   private:
     /** The neighbours of some row within the buffers. */

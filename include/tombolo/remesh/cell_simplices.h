@@ -123,7 +123,11 @@ namespace tombolo
       return simplices_of_low[points & 255u] | simplices_of_high[points >> 8];
     }
 
-    static const SimplexPoints &instance();
+    static const SimplexPoints &instance()
+    {
+      static const SimplexPoints result;
+      return result;
+    }
 
   private:
     SimplexPoints();

@@ -250,49 +250,6 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int CellBatches<dim>::n_cells() const
-  {
-    return all_cell_count;
-  }
-
-  template <int dim>
-  unsigned int CellBatches<dim>::n_present_cells() const
-  {
-    return cell_count;
-  }
-
-  template <int dim>
-  unsigned int CellBatches<dim>::n_batches_of_places() const
-  {
-    return padded_to_lanes(all_cell_count) / n_lanes + (can_remove ? 1 : 0);
-  }
-
-  template <int dim>
-  unsigned int CellBatches<dim>::n_batches() const
-  {
-    return padded_to_lanes(cell_count) / n_lanes;
-  }
-
-  template <int dim>
-  unsigned int CellBatches<dim>::n_nodes_per_cell() const
-  {
-    return node_count;
-  }
-
-  template <int dim>
-  void CellBatches<dim>::release_initial_positions()
-  {
-    positions.clear();
-    positions.shrink_to_fit();
-  }
-
-  template <int dim>
-  const IndexSet &CellBatches<dim>::required_nodes() const
-  {
-    return node_set;
-  }
-
-  template <int dim>
   void CellBatches<dim>::set_partition(const NodePartition &partition)
   {
     set_to_local.clear();

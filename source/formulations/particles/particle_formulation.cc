@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/particle_formulation.h>
 
-#include <tombolo/approximation/row_deformation.h>
-
-#include <deal.II/base/symmetric_tensor.h>
-
 #include <algorithm>
 
 namespace tombolo
@@ -54,68 +50,6 @@ namespace tombolo
   template std::vector<SurfaceFibre> find_surface_fibres<3>(const PartSetup<3> &);
 
   template <int dim>
-  const char *ParticleFormulation<dim>::phase() const
-  {
-    return "particle forces";
-  }
-
-  template <int dim>
-  const std::vector<unsigned int> &ParticleFormulation<dim>::particle_nodes() const
-  {
-    return stencils().particle_node;
-  }
-
-  template <int dim>
-  double ParticleFormulation<dim>::smallest_spacing() const
-  {
-    return particle_set().smallest_spacing();
-  }
-
-  template <int dim>
-  Point<dim> ParticleFormulation<dim>::support(const unsigned int i) const
-  {
-    Point<dim> result;
-    for (unsigned int d = 0; d < dim; ++d)
-      result[d] = particle_set().initial_supports()[std::size_t(i) * node_stride + d];
-    return result;
-  }
-
-  template <int dim>
-  Tensor<2, dim> ParticleFormulation<dim>::deformation(const unsigned int i,
-                                                       const NodalVector &position) const
-  {
-    if (stencils().is_undeformed(i))
-      return Tensor<2, dim>(unit_symmetric_tensor<dim>());
-    return row_deformation<dim>(stencils(), i, position);
-  }
-
-  template <int dim>
-  NeighbourCounts ParticleFormulation<dim>::neighbour_counts() const
-  {
-    const Stencils &shape = stencils();
-    NeighbourCounts counts;
-    std::size_t sum = 0;
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const Stencils::Row row = shape.row(i);
-      const auto n =
-          row.size - static_cast<unsigned int>(std::count(row.value, row.value + row.size, 0.));
-      counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
-      counts.maximum = std::max(counts.maximum, n);
-      sum += n;
-    }
-    if (shape.n_particles() > 0)
-      counts.mean = static_cast<double>(sum) / shape.n_particles();
-    return counts;
-  }
-
-  template <int dim>
-  unsigned int ParticleFormulation<dim>::degree() const
-  {
-    return 0;
-  }
-
-  template <int dim>
   void ParticleFormulation<dim>::add_mass(NodalVector &mass) const
   {
     const Stencils &shape = stencils();
@@ -132,24 +66,6 @@ namespace tombolo
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         points[i][d] = position.node(shape.particle_node[i])[d];
-  }
-
-  template <int dim>
-  const std::vector<Point<dim>> &ParticleFormulation<dim>::initial_point_positions() const
-  {
-    return particle_set().initial_positions();
-  }
-
-  template <int dim>
-  unsigned int ParticleFormulation<dim>::n_cells() const
-  {
-    return 0;
-  }
-
-  template <int dim>
-  unsigned int ParticleFormulation<dim>::n_points_per_cell() const
-  {
-    return 0;
   }
 
   template class ParticleFormulation<2>;

@@ -26,13 +26,6 @@ namespace tombolo
   {}
 
   template <int dim>
-  void ParticleRows<dim>::reset(const std::vector<double> &masses)
-  {
-    shape = Stencils();
-    shape.mass = masses;
-  }
-
-  template <int dim>
   void ParticleRows<dim>::search(const ParticleSet<dim> &particles,
                                  const std::vector<double> &position,
                                  const std::vector<double> &support)
@@ -190,30 +183,6 @@ namespace tombolo
     for (const unsigned int row : rows_to_change)
       shape.remove_negative_values(row);
     rows_to_change.clear();
-  }
-
-  template <int dim>
-  const Stencils &ParticleRows<dim>::stencils() const
-  {
-    return shape;
-  }
-
-  template <int dim>
-  Stencils &ParticleRows<dim>::stencils()
-  {
-    return shape;
-  }
-
-  template <int dim>
-  const Neighbourhoods<dim> &ParticleRows<dim>::neighbourhoods() const
-  {
-    return neighbours;
-  }
-
-  template <int dim>
-  Neighbourhoods<dim> &ParticleRows<dim>::neighbourhoods()
-  {
-    return neighbours;
   }
 
   template class ParticleRows<2>;

@@ -218,56 +218,12 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int ParticleSet<dim>::size() const
-  {
-    return static_cast<unsigned int>(numbers.size());
-  }
-
-  template <int dim>
-  const std::vector<types::global_dof_index> &ParticleSet<dim>::nodes() const
-  {
-    return numbers;
-  }
-
-  template <int dim>
   std::vector<std::uint64_t> ParticleSet<dim>::persistent_ids() const
   {
     std::vector<std::uint64_t> ids;
     for (const types::global_dof_index node : numbers)
       ids.push_back(mesh_nodes->persistent_ids()[mesh_nodes->owned().index_within_set(node)]);
     return ids;
-  }
-
-  template <int dim>
-  const std::vector<Point<dim>> &ParticleSet<dim>::initial_positions() const
-  {
-    return positions;
-  }
-
-  template <int dim>
-  const std::vector<double> &ParticleSet<dim>::initial_volumes() const
-  {
-    return volumes;
-  }
-
-  template <int dim>
-  const std::vector<double> &ParticleSet<dim>::initial_supports() const
-  {
-    return supports;
-  }
-
-  template <int dim>
-  void ParticleSet<dim>::set_initial_volumes(const std::vector<double> &of_particles)
-  {
-    AssertDimension(of_particles.size(), volumes.size());
-    volumes = of_particles;
-  }
-
-  template <int dim>
-  void ParticleSet<dim>::set_initial_supports(const std::vector<double> &of_particles)
-  {
-    AssertDimension(of_particles.size(), supports.size());
-    supports = of_particles;
   }
 
   template <int dim>
@@ -281,35 +237,11 @@ namespace tombolo
   }
 
   template <int dim>
-  double ParticleSet<dim>::smallest_spacing() const
-  {
-    return spacing;
-  }
-
-  template <int dim>
   std::shared_ptr<const NodePartition>
   ParticleSet<dim>::partition(const IndexSet &required, const std::vector<ImageNode> &images) const
   {
     return std::make_shared<const NodePartition>(mesh_nodes->owned(), required, mpi_communicator,
                                                  mesh_nodes->images(), images);
-  }
-
-  template <int dim>
-  const IndexSet &ParticleSet<dim>::owned_nodes() const
-  {
-    return mesh_nodes->owned();
-  }
-
-  template <int dim>
-  double ParticleSet<dim>::copies_in_whole_body(const unsigned int i) const
-  {
-    return mesh_nodes->images()->n_own_images(numbers[i]);
-  }
-
-  template <int dim>
-  MPI_Comm ParticleSet<dim>::communicator() const
-  {
-    return mpi_communicator;
   }
 
   template class ParticleSet<2>;

@@ -5,9 +5,7 @@
 #include <tombolo/formulations/particles/particle_method.h>
 #include <tombolo/formulations/particles/smoothed_rows.h>
 
-#include <algorithm>
 #include <array>
-#include <limits>
 
 namespace tombolo
 {
@@ -65,22 +63,8 @@ namespace tombolo
 
     NeighbourCounts neighbour_counts() const override
     {
-      const Stencils &shape = this->stencils();
-      NeighbourCounts counts;
-      double sum = 0;
-      counts.minimum = shape.n_particles() > 0 ? std::numeric_limits<unsigned int>::max() : 0;
-      for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      {
-        const Stencils::Row row = shape.row(i);
-        unsigned int n = 0;
-        for (unsigned int k = 0; k < row.size; ++k)
-          n += row.is_within_support(k) ? 1 : 0;
-        counts.minimum = std::min(counts.minimum, n);
-        counts.maximum = std::max(counts.maximum, n);
-        sum += n;
-      }
-      counts.mean = shape.n_particles() > 0 ? sum / shape.n_particles() : 0.;
-      return counts;
+      return this->count_neighbours([](const Stencils::Row &row, const unsigned int k)
+                                    { return row.is_within_support(k); });
     }
 
     void initialize(const PartSetup<dim> &setup) override

@@ -53,11 +53,25 @@ namespace tombolo
     /** Leaves in the batches those cells, by their number, that @p is_removed does not name. */
     void remove(const std::vector<bool> &is_removed);
 
-    unsigned int n_cells() const; ///< removed ones included
-    unsigned int n_present_cells() const;
-    unsigned int n_batches() const; ///< of present cells
+    /** Removed ones included. */
+    unsigned int n_cells() const
+    {
+      return all_cell_count;
+    }
+    unsigned int n_present_cells() const
+    {
+      return cell_count;
+    }
+    /** Of present cells. */
+    unsigned int n_batches() const
+    {
+      return padded_to_lanes(cell_count) / n_lanes;
+    }
     /** How many batches there are places for, those of removed cells included. */
-    unsigned int n_batches_of_places() const;
+    unsigned int n_batches_of_places() const
+    {
+      return padded_to_lanes(all_cell_count) / n_lanes + (can_remove ? 1 : 0);
+    }
 
     /** The place of a cell: lane place % n_lanes of batch place / n_lanes. */
     unsigned int place(const unsigned int cell) const
@@ -83,7 +97,10 @@ namespace tombolo
     /** Other lumped masses, by cell and node; only where cells can be removed [M]. */
     void set_masses(const std::vector<double> &of_cells);
 
-    unsigned int n_nodes_per_cell() const;
+    unsigned int n_nodes_per_cell() const
+    {
+      return node_count;
+    }
 
     /** How many lanes of a batch are cells. */
     unsigned int n_valid(const unsigned int batch) const
@@ -104,10 +121,17 @@ namespace tombolo
     {
       return positions.data() + static_cast<std::size_t>(batch) * node_count * dim * n_lanes;
     }
-    void release_initial_positions();
+    void release_initial_positions()
+    {
+      positions.clear();
+      positions.shrink_to_fit();
+    }
 
     /** All nodes of the cells. */
-    const dealii::IndexSet &required_nodes() const;
+    const dealii::IndexSet &required_nodes() const
+    {
+      return node_set;
+    }
 
     void set_partition(const NodePartition &partition);
     void add_mass(NodalVector &mass) const;

@@ -10,6 +10,7 @@
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <string>
@@ -66,12 +67,18 @@ namespace tombolo
     virtual const Stencils &stencils() const = 0;
     virtual Stencils &stencils() = 0;
 
-    const char *phase() const override;
+    const char *phase() const override
+    {
+      return "particle forces";
+    }
     ParticleFormulation *as_particles() override
     {
       return this;
     }
-    const std::vector<unsigned int> &particle_nodes() const override;
+    const std::vector<unsigned int> &particle_nodes() const override
+    {
+      return stencils().particle_node;
+    }
 
     /** What particles do in pairs; null: nothing. */
     virtual const PairInteractions<dim> *pairs() const
@@ -89,25 +96,45 @@ namespace tombolo
 
     /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the
      * lattice filter. */
-    virtual double smallest_spacing() const;
+    virtual double smallest_spacing() const
+    {
+      return particle_set().smallest_spacing();
+    }
 
-    /** Present support half width of particle @p i [L]; by default that of the start. */
-    virtual dealii::Point<dim> support(unsigned int i) const;
+    /** Present support half width of particle @p i [L]. */
+    virtual dealii::Point<dim> support(unsigned int i) const = 0;
 
     /** Over this rank's particles: neighbours with φ ≠ 0. */
-    virtual NeighbourCounts neighbour_counts() const;
+    virtual NeighbourCounts neighbour_counts() const
+    {
+      return count_neighbours([](const Stencils::Row &row, const unsigned int k)
+                              { return row.value[k] != 0.; });
+    }
 
     /** F of particle @p i from its initial configuration to @p position (current ghosts), for
-     * pictures; by default that of the rows, for those that keep the initial configuration. */
-    virtual dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const;
+     * pictures. */
+    virtual dealii::Tensor<2, dim> deformation(unsigned int i,
+                                               const NodalVector &position) const = 0;
 
-    unsigned int degree() const override;
+    unsigned int degree() const override
+    {
+      return 0;
+    }
     void add_mass(NodalVector &mass) const override; ///< of Stencils::mass
     void point_positions(const NodalVector &position,
                          std::vector<dealii::Point<dim>> &points) const override;
-    const std::vector<dealii::Point<dim>> &initial_point_positions() const override;
-    unsigned int n_cells() const override;
-    unsigned int n_points_per_cell() const override;
+    const std::vector<dealii::Point<dim>> &initial_point_positions() const override
+    {
+      return particle_set().initial_positions();
+    }
+    unsigned int n_cells() const override
+    {
+      return 0;
+    }
+    unsigned int n_points_per_cell() const override
+    {
+      return 0;
+    }
 
     /** Makes the nodes of the cells of @p is_taken particles, those of the cells that it took
      * before among them, while the run goes on. Where nodes of new cells are particles already,
@@ -208,5 +235,30 @@ namespace tombolo
     {
       return {};
     }
+
+  protected:
+    /** Of neighbours for which is_neighbour(row, k) holds. */
+    template <typename IsNeighbour>
+    NeighbourCounts count_neighbours(const IsNeighbour &is_neighbour) const;
   };
+
+  template <int dim>
+  template <typename IsNeighbour>
+  NeighbourCounts ParticleFormulation<dim>::count_neighbours(const IsNeighbour &is_neighbour) const
+  {
+    NeighbourCounts counts;
+    const unsigned int n_rows = stencils().n_particles();
+    for (unsigned int i = 0; i < n_rows; ++i)
+    {
+      const Stencils::Row row = stencils().row(i);
+      unsigned int n = 0;
+      for (unsigned int k = 0; k < row.size; ++k)
+        n += is_neighbour(row, k) ? 1 : 0;
+      counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
+      counts.maximum = std::max(counts.maximum, n);
+      counts.mean += n;
+    }
+    counts.mean /= std::max(n_rows, 1u);
+    return counts;
+  }
 } // namespace tombolo

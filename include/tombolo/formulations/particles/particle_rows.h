@@ -116,7 +116,11 @@ namespace tombolo
                          Neighbourhoods<dim> &found, Stencils &stencils) const;
 
     /** Begins with particles of these masses, which have no rows yet. */
-    void reset(const std::vector<double> &masses);
+    void reset(const std::vector<double> &masses)
+    {
+      shape = Stencils();
+      shape.mass = masses;
+    }
 
     /** Finds the neighbours of @p particles at @p position with half widths @p support, node_stride
      * each, here and on other ranks. Values and gradients follow with compute_at_search().
@@ -176,10 +180,22 @@ namespace tombolo
                           std::vector<double> &support) const;
     void complete_reading();
 
-    const Stencils &stencils() const;
-    Stencils &stencils();
-    const Neighbourhoods<dim> &neighbourhoods() const;
-    Neighbourhoods<dim> &neighbourhoods();
+    const Stencils &stencils() const
+    {
+      return shape;
+    }
+    Stencils &stencils()
+    {
+      return shape;
+    }
+    const Neighbourhoods<dim> &neighbourhoods() const
+    {
+      return neighbours;
+    }
+    Neighbourhoods<dim> &neighbourhoods()
+    {
+      return neighbours;
+    }
 
   protected:
     /** Candidates are found with @p skin, as in Neighbourhoods. */

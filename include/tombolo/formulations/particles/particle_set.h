@@ -46,40 +46,78 @@ namespace tombolo
                                 const CellSelection<dim> &is_taken,
                                 DependentNodes dependent_nodes = DependentNodes::stay);
 
-    unsigned int size() const;
+    unsigned int size() const
+    {
+      return static_cast<unsigned int>(numbers.size());
+    }
 
     /** Global numbers of the nodes, ascending. */
-    const std::vector<dealii::types::global_dof_index> &nodes() const;
+    const std::vector<dealii::types::global_dof_index> &nodes() const
+    {
+      return numbers;
+    }
 
     /** Identifiers that do not depend on the number of ranks. */
     std::vector<std::uint64_t> persistent_ids() const;
 
     /** @name Of each particle */
     ///@{
-    const std::vector<dealii::Point<dim>> &initial_positions() const;
-    const std::vector<double> &initial_volumes() const;  ///< those that are integrated with [L^dim]
-    const std::vector<double> &initial_supports() const; ///< half widths, node_stride each [L]
+    const std::vector<dealii::Point<dim>> &initial_positions() const
+    {
+      return positions;
+    }
+    /** Those that are integrated with [L^dim]. */
+    const std::vector<double> &initial_volumes() const
+    {
+      return volumes;
+    }
+    /** Half widths, node_stride each [L]. */
+    const std::vector<double> &initial_supports() const
+    {
+      return supports;
+    }
     /** Other volumes than the lumped ones. */
-    void set_initial_volumes(const std::vector<double> &volumes);
+    void set_initial_volumes(const std::vector<double> &of_particles)
+    {
+      AssertDimension(of_particles.size(), volumes.size());
+      volumes = of_particles;
+    }
     /** Other supports than those of the cells; what the pad holds goes along with them. */
-    void set_initial_supports(const std::vector<double> &supports);
+    void set_initial_supports(const std::vector<double> &of_particles)
+    {
+      AssertDimension(of_particles.size(), supports.size());
+      supports = of_particles;
+    }
     /** Initial positions, node_stride each, zero in the pad [L]. */
     std::vector<double> padded_initial_positions() const;
     ///@}
 
     /** Smallest initial distance to a neighbouring node along an axis, over this rank [L]; the
      * largest number without particles. */
-    double smallest_spacing() const;
+    double smallest_spacing() const
+    {
+      return spacing;
+    }
 
     /** A partition of the nodes of this rank with the ghosts @p required and @p images.
      * Collective. */
     std::shared_ptr<const NodePartition> partition(const dealii::IndexSet &required,
                                                    const std::vector<ImageNode> &images) const;
 
-    const dealii::IndexSet &owned_nodes() const; ///< of the mesh, particles or not
+    /** Of the mesh, particles or not. */
+    const dealii::IndexSet &owned_nodes() const
+    {
+      return mesh_nodes->owned();
+    }
     /** The volume of a particle in the whole body over that in the mesh. */
-    double copies_in_whole_body(unsigned int i) const;
-    MPI_Comm communicator() const;
+    double copies_in_whole_body(const unsigned int i) const
+    {
+      return mesh_nodes->images()->n_own_images(numbers[i]);
+    }
+    MPI_Comm communicator() const
+    {
+      return mpi_communicator;
+    }
 
   private:
     const Nodes<dim> *mesh_nodes = nullptr;
