@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/elements/cell_size.h>
 
+#include <tombolo/base/format.h>
+
 #include <cmath>
 #include <sstream>
 
@@ -13,16 +15,13 @@ namespace tombolo
     bool is_finite = true;
     for (unsigned int d = 0; d < dim; ++d)
       is_finite = is_finite && std::isfinite(centre[d]);
-    const dealii::Point<dim> &place = is_finite ? centre : initial_centre;
     std::ostringstream message;
-    message << "the cell at (";
-    for (unsigned int d = 0; d < dim; ++d)
-      message << (d > 0 ? ", " : "") << place[d];
+    message << "the cell at " << place_text(is_finite ? centre : initial_centre);
     if (is_finite && std::isfinite(volume))
-      message << ") is turned inside out, at least in one of its integration points (volume "
+      message << " is turned inside out, at least in one of its integration points (volume "
               << volume << ")";
     else
-      message << (is_finite ? "" : " at the start") << ") has nodes that are not finite";
+      message << (is_finite ? "" : " at the start") << " has nodes that are not finite";
     return message.str();
   }
 

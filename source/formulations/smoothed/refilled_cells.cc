@@ -35,7 +35,7 @@ namespace tombolo
       std::string result;
       for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
         for (const unsigned int face : cell->face_indices())
-          for (unsigned int child = 0; child < RefinedFace<dim>::n_parts; ++child)
+          for (unsigned int child = 0; child < FaceNodes<dim>::n_parts; ++child)
             if (result.empty() && cell->face(face)->has_children() &&
                 !setup.void_cells->is_void(cell) &&
                 setup.void_cells->is_void(cell->neighbor_child_on_subface(face, child)))

@@ -20,7 +20,7 @@ namespace tombolo
   namespace
   {
     template <int dim>
-    using VertexOf = typename GradedFacet<dim>::Vertex;
+    using VertexOf = typename CellFacet<dim>::Vertex;
 
     /** Which corner of the cell a vertex of the mesh is. */
     template <int dim>
@@ -32,19 +32,19 @@ namespace tombolo
       return corner;
     }
 
-    /** The refined faces of an active cell, which must be one of this rank. */
+    /** Of the faces of an active cell of this rank that are beside smaller cells. */
     template <int dim>
-    std::vector<RefinedFace<dim>> refined_faces_of(const typename Nodes<dim>::Cell &cell)
+    std::vector<FaceNodes<dim>> face_nodes_of(const typename Nodes<dim>::Cell &cell)
     {
-      constexpr unsigned int n = RefinedFace<dim>::n_parts;
-      std::vector<RefinedFace<dim>> result;
+      constexpr unsigned int n = FaceNodes<dim>::n_parts;
+      std::vector<FaceNodes<dim>> result;
       for (const unsigned int f : cell->face_indices())
       {
         const auto face = cell->face(f);
         if (!face->has_children())
           continue;
-        RefinedFace<dim> refined;
-        refined.face = f;
+        FaceNodes<dim> found;
+        found.face = f;
         std::array<std::array<unsigned int, n>, n> vertices; // as the nodes of the parts
         for (unsigned int child = 0; child < n; ++child)
         {
@@ -53,7 +53,7 @@ namespace tombolo
           unsigned int first = 0;
           while (corner_of<dim>(cell, fine->vertex_index(first)) == SubCells<dim>::n_corners)
             ++first;
-          typename RefinedFace<dim>::Part &part = refined.parts[child];
+          typename FaceNodes<dim>::Part &part = found.parts[child];
           part.corner = corner_of<dim>(cell, fine->vertex_index(first));
           for (unsigned int k = 0; k < n; ++k)
           {
@@ -68,26 +68,25 @@ namespace tombolo
               for (const unsigned int edge : {0u, 1u})
                 if (other != child && (vertices[other][1] == vertices[child][1 + edge] ||
                                        vertices[other][2] == vertices[child][1 + edge]))
-                  refined.parts[child].neighbours[edge] = refined.parts[other].corner;
-        result.push_back(refined);
+                  found.parts[child].neighbours[edge] = found.parts[other].corner;
+        result.push_back(found);
       }
       return result;
     }
 
-    /** The refined edges of such a cell, those of its refined faces too. None in the plane, where
-     * edges are faces. */
+    /** Of the edges of such a cell, those of its faces too. None in the plane, where edges are
+     * faces. */
     template <int dim>
-    std::vector<RefinedEdge<dim>>
-    refined_edges_of([[maybe_unused]] const typename Nodes<dim>::Cell &cell)
+    std::vector<EdgeNode<dim>> edge_nodes_of([[maybe_unused]] const typename Nodes<dim>::Cell &cell)
     {
-      std::vector<RefinedEdge<dim>> result;
+      std::vector<EdgeNode<dim>> result;
       if constexpr (dim == 3)
         for (const unsigned int l : cell->line_indices())
         {
           const auto line = cell->line(l);
           if (!line->has_children())
             continue;
-          RefinedEdge<dim> edge;
+          EdgeNode<dim> edge;
           for (unsigned int end = 0; end < 2; ++end)
             edge.corners[end] = corner_of<dim>(cell, line->vertex_index(end));
           // The middle is the vertex that both halves have.
@@ -105,56 +104,49 @@ namespace tombolo
 
     template <int dim>
     VertexOf<dim> vertex_of_corners(const typename SubCells<dim>::Shares &shares,
-                                    const typename SubCells<dim>::Corners &corners)
+                                    const SmoothedCell<dim> &cell)
     {
-      VertexOf<dim> result;
-      result.of_corners = shares;
-      result.place = SubCells<dim>::point_at(shares, corners);
+      VertexOf<dim> result{SubCells<dim>::point_at(shares, cell.corners), {}};
+      for (unsigned int k = 0; k < shares.size(); ++k)
+        if (shares[k] != 0.)
+          result.row.emplace_back(cell.nodes[k], shares[k]);
       return result;
     }
 
-    /** Node @p k of a fine face. */
+    /** Node @p k of a small face. */
     template <int dim>
-    VertexOf<dim> vertex_of_part(const typename RefinedFace<dim>::Part &part, const unsigned int k)
+    VertexOf<dim> vertex_of_part(const typename FaceNodes<dim>::Part &part, const unsigned int k)
     {
-      VertexOf<dim> result;
-      result.place = part.points[k];
-      if (k == 0)
-        result.of_corners[part.corner] = 1.;
-      else
-        result.of_hanging_nodes.emplace_back(part.nodes[k], 1.);
-      return result;
+      return {part.points[k], {{part.nodes[k], 1.}}};
     }
 
-    /** The mean of all nodes of a fine face. */
+    /** The mean of all nodes of a small face. */
     template <int dim>
-    VertexOf<dim> middle_of_part(const typename RefinedFace<dim>::Part &part)
+    VertexOf<dim> middle_of_part(const typename FaceNodes<dim>::Part &part)
     {
-      constexpr double share = 1. / RefinedFace<dim>::n_parts;
+      constexpr double share = 1. / FaceNodes<dim>::n_parts;
       VertexOf<dim> result;
       for (unsigned int k = 0; k < part.nodes.size(); ++k)
       {
         result.place += share * part.points[k];
-        if (k > 0)
-          result.of_hanging_nodes.emplace_back(part.nodes[k], share);
+        result.row.emplace_back(part.nodes[k], share);
       }
-      result.of_corners[part.corner] = share;
       return result;
     }
 
-    const RefinedFace<3>::Part &part_at(const RefinedFace<3> &face, const unsigned int corner)
+    const FaceNodes<3>::Part &part_at(const FaceNodes<3> &face, const unsigned int corner)
     {
       return *std::find_if(face.parts.begin(), face.parts.end(),
                            [&](const auto &part) { return part.corner == corner; });
     }
 
-    /** The facets on a refined face, turned outward. */
-    void add_facets_of_face(const RefinedFace<2> &face, const Tensor<1, 2> &outward,
-                            std::vector<GradedFacet<2>> &facets)
+    /** The facets on a face with further nodes, turned outward. */
+    void add_facets_of_face(const FaceNodes<2> &face, const Tensor<1, 2> &outward,
+                            std::vector<CellFacet<2>> &facets)
     {
-      for (const RefinedFace<2>::Part &part : face.parts)
+      for (const FaceNodes<2>::Part &part : face.parts)
       {
-        GradedFacet<2> facet;
+        CellFacet<2> facet;
         facet.vertices = {{vertex_of_part<2>(part, 0), vertex_of_part<2>(part, 1)}};
         facet.from = face.face;
         facet.to = SubCells<2>::outside;
@@ -164,14 +156,14 @@ namespace tombolo
       }
     }
 
-    void add_facets_of_face(const RefinedFace<3> &face, const Tensor<1, 3> &outward,
-                            std::vector<GradedFacet<3>> &facets)
+    void add_facets_of_face(const FaceNodes<3> &face, const Tensor<1, 3> &outward,
+                            std::vector<CellFacet<3>> &facets)
     {
-      for (const RefinedFace<3>::Part &part : face.parts)
+      for (const FaceNodes<3>::Part &part : face.parts)
         for (const unsigned int edge : {0u, 1u})
           for (const unsigned int end : {0u, 3u})
           {
-            GradedFacet<3> facet;
+            CellFacet<3> facet;
             facet.vertices = {{vertex_of_part<3>(part, end), vertex_of_part<3>(part, 1 + edge),
                                middle_of_part<3>(part)}};
             // The sub-cells of even corners meet in the diagonal between the odd ones.
@@ -184,39 +176,35 @@ namespace tombolo
           }
     }
 
-    /** The refined face whose middle is a vertex of this inner facet; null if there is none. */
-    const RefinedFace<3> *face_at(const SubCells<3>::Facet &facet,
-                                  const std::vector<RefinedFace<3>> &faces)
+    /** The face with further nodes whose middle is a vertex of this inner facet; null if there is
+     * none. */
+    const FaceNodes<3> *face_at(const SubCells<3>::Facet &facet,
+                                const std::vector<FaceNodes<3>> &faces)
     {
-      for (const RefinedFace<3> &face : faces)
+      for (const FaceNodes<3> &face : faces)
         if (std::all_of(face.parts.begin(), face.parts.end(),
                         [&](const auto &part) { return facet.vertices[1][part.corner] > 0.; }))
           return &face;
       return nullptr;
     }
 
-    /** An inner facet as it is where no face is refined. */
+    /** A facet as it is without further nodes. */
     template <int dim>
-    GradedFacet<dim> unrefined_facet(const typename SubCells<dim>::Facet &facet,
-                                     const typename SubCells<dim>::Corners &corners)
+    CellFacet<dim> plain_facet(const typename SubCells<dim>::Facet &facet,
+                               const SmoothedCell<dim> &cell)
     {
-      GradedFacet<dim> result;
+      CellFacet<dim> result{{}, facet.orientation, facet.from, facet.to, facet.face};
       for (unsigned int k = 0; k < dim; ++k)
-        result.vertices[k] = vertex_of_corners<dim>(facet.vertices[k], corners);
-      result.orientation = facet.orientation;
-      result.from = facet.from;
-      result.to = facet.to;
-      result.face = facet.face;
+        result.vertices[k] = vertex_of_corners<dim>(facet.vertices[k], cell);
       return result;
     }
 
-    /** Its edge in a refined face goes through the middle of a fine face there. */
-    void add_inner_facet(const SubCells<3>::Facet &facet, const SubCells<3>::Corners &corners,
-                         const std::vector<RefinedFace<3>> &refined_faces,
-                         std::vector<GradedFacet<3>> &facets)
+    /** Its edge in a face with further nodes goes through the middle of a small face there. */
+    void add_inner_facet(const SubCells<3>::Facet &facet, const SmoothedCell<3> &cell,
+                         std::vector<CellFacet<3>> &facets)
     {
-      const GradedFacet<3> whole = unrefined_facet<3>(facet, corners);
-      const RefinedFace<3> *const face = face_at(facet, refined_faces);
+      const CellFacet<3> whole = plain_facet<3>(facet, cell);
+      const FaceNodes<3> *const face = face_at(facet, cell.face_nodes);
       if (face == nullptr)
       {
         facets.push_back(whole);
@@ -225,9 +213,9 @@ namespace tombolo
       const auto &shares = facet.vertices[0];
       const auto corner = static_cast<unsigned int>(std::max_element(shares.begin(), shares.end()) -
                                                     shares.begin());
-      const RefinedFace<3>::Part &part = part_at(*face, corner);
+      const FaceNodes<3>::Part &part = part_at(*face, corner);
       const auto middle = middle_of_part<3>(part);
-      GradedFacet<3> outer = whole, inner = whole;
+      CellFacet<3> outer = whole, inner = whole;
       outer.vertices[1] = middle;
       inner.vertices[0] = middle;
       inner.vertices[1] = vertex_of_part<3>(part, 3);
@@ -235,34 +223,25 @@ namespace tombolo
       facets.push_back(inner);
     }
 
-    VertexOf<3> vertex_of_edge(const RefinedEdge<3> &edge)
+    /** A facet on another face is between an edge and the middle of the face. */
+    void add_outer_facet(const SubCells<3>::Facet &facet, const SmoothedCell<3> &cell,
+                         const bool at_edge_nodes, std::vector<CellFacet<3>> &facets)
     {
-      VertexOf<3> result;
-      result.place = edge.point;
-      result.of_hanging_nodes.emplace_back(edge.node, 1.);
-      return result;
-    }
-
-    /** A facet on an unrefined face is between an edge and the middle of the face. */
-    void add_outer_facet(const SubCells<3>::Facet &facet, const SubCells<3>::Corners &corners,
-                         const std::vector<RefinedEdge<3>> &refined_edges,
-                         std::vector<GradedFacet<3>> &facets)
-    {
-      const GradedFacet<3> whole = unrefined_facet<3>(facet, corners);
-      const auto edge = std::find_if(refined_edges.begin(), refined_edges.end(),
-                                     [&](const RefinedEdge<3> &refined)
+      const CellFacet<3> whole = plain_facet<3>(facet, cell);
+      const auto edge = std::find_if(cell.edge_nodes.begin(), cell.edge_nodes.end(),
+                                     [&](const EdgeNode<3> &of_cell)
                                      {
-                                       const auto [a, b] = refined.corners;
+                                       const auto [a, b] = of_cell.corners;
                                        return facet.vertices[0][a] + facet.vertices[0][b] == 1. &&
                                               facet.vertices[1][a] + facet.vertices[1][b] == 1.;
                                      });
-      if (edge == refined_edges.end())
+      if (!at_edge_nodes || edge == cell.edge_nodes.end())
       {
         facets.push_back(whole);
         return;
       }
-      GradedFacet<3> first = whole, second = whole;
-      first.vertices[1] = second.vertices[0] = vertex_of_edge(*edge);
+      CellFacet<3> first = whole, second = whole;
+      first.vertices[1] = second.vertices[0] = {edge->point, {{edge->node, 1.}}};
       facets.push_back(first);
       facets.push_back(second);
     }
@@ -287,34 +266,27 @@ namespace tombolo
       return volumes;
     }
 
-    /** The volumes that a cell with refined faces gives to its corners and to hanging nodes. */
+    /** The volumes that a cell with further nodes on its faces gives to its corners and to these.
+     */
     template <int dim>
-    struct VolumesOfNodes
+    std::map<types::global_dof_index, double> volumes_of_nodes(const SmoothedCell<dim> &cell)
     {
-      explicit VolumesOfNodes(const SmoothedCell<dim> &cell)
+      std::map<types::global_dof_index, double> result;
+      constexpr double of_vertex = 1. / (dim + 1);
+      const Point<dim> centre = cell.centre();
+      for (const CellFacet<dim> &facet : facets_of(cell, false))
       {
-        constexpr double of_vertex = 1. / (dim + 1);
-        const Point<dim> centre = cell.centre();
-        for (const GradedFacet<dim> &facet : graded_facets<dim>(cell.corners, cell.refined_faces))
-        {
-          if (facet.to != SubCells<dim>::outside)
-            continue;
-          const double volume = facet.area() * (facet.centroid() - centre) / dim;
-          for (const auto &vertex : facet.vertices)
-          {
-            for (unsigned int k = 0; k < of_corners.size(); ++k)
-              of_corners[k] += of_vertex * volume * vertex.of_corners[k];
-            for (const auto &[node, share] : vertex.of_hanging_nodes)
-              of_hanging_nodes[node] += of_vertex * volume * share;
-          }
-          for (double &of_corner : of_corners)
-            of_corner += of_vertex * volume / static_cast<double>(of_corners.size());
-        }
+        if (facet.to != SubCells<dim>::outside)
+          continue;
+        const double volume = facet.area() * (facet.centroid() - centre) / dim;
+        for (const auto &vertex : facet.vertices)
+          for (const auto &[node, share] : vertex.row)
+            result[node] += of_vertex * volume * share;
+        for (const types::global_dof_index node : cell.nodes)
+          result[node] += of_vertex * volume / static_cast<double>(cell.nodes.size());
       }
-
-      typename SubCells<dim>::Shares of_corners{};
-      std::map<types::global_dof_index, double> of_hanging_nodes;
-    };
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -344,15 +316,15 @@ namespace tombolo
             !is_at_end && !cell->face(face)->has_children() && is_void(cell->neighbor(face));
         found.is_on_boundary[face] = is_at_end || found.is_towards_void[face];
       }
-      found.refined_faces = refined_faces_of<dim>(cell);
-      found.refined_edges = refined_edges_of<dim>(cell);
+      found.face_nodes = face_nodes_of<dim>(cell);
+      found.edge_nodes = edge_nodes_of<dim>(cell);
       result.push_back(std::move(found));
     }
     return result;
   }
 
   template <int dim>
-  Point<dim> GradedFacet<dim>::centroid() const
+  Point<dim> CellFacet<dim>::centroid() const
   {
     Point<dim> result;
     for (const Vertex &vertex : vertices)
@@ -361,69 +333,53 @@ namespace tombolo
   }
 
   template <int dim>
-  Tensor<1, dim> GradedFacet<dim>::area() const
+  std::vector<CellFacet<dim>> facets_of(const SmoothedCell<dim> &cell,
+                                        [[maybe_unused]] const bool at_edge_nodes)
   {
-    const Tensor<1, dim> a = vertices[1].place - vertices[0].place;
-    if constexpr (dim == 2)
-      return orientation * cross_product_2d(a);
-    else
-      return 0.5 * orientation * cross_product_3d(a, vertices[2].place - vertices[0].place);
-  }
-
-  template <int dim>
-  std::vector<GradedFacet<dim>> graded_facets(const typename SubCells<dim>::Corners &corners,
-                                              const std::vector<RefinedFace<dim>> &refined_faces,
-                                              const std::vector<RefinedEdge<dim>> &refined_edges)
-  {
-    std::vector<GradedFacet<dim>> result;
-    const auto is_refined = [&](const unsigned int face)
+    std::vector<CellFacet<dim>> result;
+    const auto has_nodes = [&](const unsigned int face)
     {
-      return std::any_of(refined_faces.begin(), refined_faces.end(),
-                         [&](const RefinedFace<dim> &refined) { return refined.face == face; });
+      return std::any_of(cell.face_nodes.begin(), cell.face_nodes.end(),
+                         [&](const FaceNodes<dim> &of_cell) { return of_cell.face == face; });
     };
     for (const auto &facet : SubCells<dim>::facets())
-      if (facet.to == SubCells<dim>::outside && is_refined(facet.face))
+      if (facet.to == SubCells<dim>::outside && has_nodes(facet.face))
         continue;
       else if constexpr (dim == 2)
-        result.push_back(unrefined_facet<dim>(facet, corners));
+        result.push_back(plain_facet<dim>(facet, cell));
       else if (facet.to != SubCells<dim>::outside)
-        add_inner_facet(facet, corners, refined_faces, result);
+        add_inner_facet(facet, cell, result);
       else
-        add_outer_facet(facet, corners, refined_edges, result);
-    for (const RefinedFace<dim> &refined : refined_faces)
+        add_outer_facet(facet, cell, at_edge_nodes, result);
+    for (const FaceNodes<dim> &face : cell.face_nodes)
     {
       Tensor<1, dim> outward;
       for (const auto &facet : SubCells<dim>::facets())
-        if (facet.to == SubCells<dim>::outside && facet.face == refined.face)
-          outward += SubCells<dim>::area(facet, corners);
-      add_facets_of_face(refined, outward, result);
+        if (facet.to == SubCells<dim>::outside && facet.face == face.face)
+          outward += SubCells<dim>::area(facet, cell.corners);
+      add_facets_of_face(face, outward, result);
     }
     return result;
   }
 
   template <int dim>
-  void HangingMasses<dim>::initialize(const PartSetup<dim> &setup)
+  void FurtherMasses<dim>::initialize(const PartSetup<dim> &setup)
   {
     entries.clear();
     node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
-    if (!setup.nodes->dof_handler().get_triangulation().has_hanging_nodes())
-      return;
     const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
-      if (cells[c].refined_faces.empty() || cells[c].is_void)
+      if (cells[c].face_nodes.empty() || cells[c].is_void)
         continue;
-      const VolumesOfNodes<dim> volumes(cells[c]);
+      auto volumes = volumes_of_nodes(cells[c]);
       const auto of_uniform = corner_volumes<dim>(cells[c].corners);
       const double density = setup.material->density();
       const double of_cell = std::accumulate(of_uniform.begin(), of_uniform.end(), 0.);
-      const auto add = [&](const types::global_dof_index node, const double volume) {
-        entries.push_back({c, node, density * volume, volume / of_cell});
-      };
       for (unsigned int k = 0; k < of_uniform.size(); ++k)
-        add(cells[c].nodes[k], volumes.of_corners[k] - of_uniform[k]);
-      for (const auto &[node, volume] : volumes.of_hanging_nodes)
-        add(node, volume);
+        volumes[cells[c].nodes[k]] -= of_uniform[k];
+      for (const auto &[node, volume] : volumes)
+        entries.push_back({c, node, density * volume, volume / of_cell});
     }
     std::vector<types::global_dof_index> nodes;
     for (const Entry &entry : entries)
@@ -435,7 +391,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void HangingMasses<dim>::set_partition(const NodePartition &partition)
+  void FurtherMasses<dim>::set_partition(const NodePartition &partition)
   {
     local_nodes.clear();
     for (const Entry &entry : entries)
@@ -443,14 +399,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void HangingMasses<dim>::add_mass(NodalVector &mass) const
+  void FurtherMasses<dim>::add_mass(NodalVector &mass) const
   {
     for (std::size_t i = 0; i < entries.size(); ++i)
       *mass.node(local_nodes[i]) += entries[i].mass;
   }
 
   template <int dim>
-  void HangingMasses<dim>::add_extra_mass(const std::vector<double> &factors,
+  void FurtherMasses<dim>::add_extra_mass(const std::vector<double> &factors,
                                           NodalVector &mass) const
   {
     for (std::size_t i = 0; i < entries.size(); ++i)
@@ -458,7 +414,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void HangingMasses<dim>::add_shares(const std::vector<double> &of_cells,
+  void FurtherMasses<dim>::add_shares(const std::vector<double> &of_cells,
                                       NodalVector &result) const
   {
     for (std::size_t i = 0; i < entries.size(); ++i)
@@ -467,14 +423,10 @@ namespace tombolo
 
   template std::vector<SmoothedCell<2>> smoothed_cells_of<2>(const PartSetup<2> &);
   template std::vector<SmoothedCell<3>> smoothed_cells_of<3>(const PartSetup<3> &);
-  template struct GradedFacet<2>;
-  template struct GradedFacet<3>;
-  template std::vector<GradedFacet<2>> graded_facets<2>(const SubCells<2>::Corners &,
-                                                        const std::vector<RefinedFace<2>> &,
-                                                        const std::vector<RefinedEdge<2>> &);
-  template std::vector<GradedFacet<3>> graded_facets<3>(const SubCells<3>::Corners &,
-                                                        const std::vector<RefinedFace<3>> &,
-                                                        const std::vector<RefinedEdge<3>> &);
-  template class HangingMasses<2>;
-  template class HangingMasses<3>;
+  template struct CellFacet<2>;
+  template struct CellFacet<3>;
+  template std::vector<CellFacet<2>> facets_of<2>(const SmoothedCell<2> &, bool);
+  template std::vector<CellFacet<3>> facets_of<3>(const SmoothedCell<3> &, bool);
+  template class FurtherMasses<2>;
+  template class FurtherMasses<3>;
 } // namespace tombolo

@@ -15,7 +15,7 @@ namespace tombolo
   void SmoothedCells<dim>::declare_parameters(ParameterHandler &handler)
   {
     declare<SmoothedGradients<dim>>(handler);
-    PartPoints::declare_parameters(handler, StrainMeasure::logarithmic);
+    declare<PartPoints>(handler, StrainMeasure::logarithmic);
     RefillSettings::declare_parameters<dim>(handler);
     declare<ConversionCriterion>(handler);
   }
@@ -38,7 +38,7 @@ namespace tombolo
     part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
     cell_points.take_cells(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
     const PartSetup<dim> &with_void = refilled.initialize(setup, criterion);
-    hanging_masses.initialize(with_void);
+    further_masses.initialize(with_void);
     if (refill().is_on())
       rows.prepare_positions();
     rows.initialize(with_void);
@@ -62,7 +62,7 @@ namespace tombolo
   {
     IndexSet nodes = rows.required_nodes();
     nodes.add_indices(Base::required_nodes());
-    nodes.add_indices(hanging_masses.required_nodes());
+    nodes.add_indices(further_masses.required_nodes());
     return nodes;
   }
 
@@ -70,7 +70,7 @@ namespace tombolo
   void SmoothedCells<dim>::set_partition(const NodePartition &partition)
   {
     Base::set_partition(partition);
-    hanging_masses.set_partition(partition);
+    further_masses.set_partition(partition);
     rows.set_partition(partition);
   }
 
@@ -78,7 +78,7 @@ namespace tombolo
   void SmoothedCells<dim>::add_mass(NodalVector &mass) const
   {
     Base::add_mass(mass);
-    hanging_masses.add_mass(mass);
+    further_masses.add_mass(mass);
   }
 
   template <int dim>
@@ -111,7 +111,7 @@ namespace tombolo
                                           NodalVector &mass) const
   {
     Base::add_extra_mass(inertia, mass);
-    hanging_masses.add_extra_mass(inertia, mass);
+    further_masses.add_extra_mass(inertia, mass);
   }
 
   template <int dim>
@@ -119,7 +119,7 @@ namespace tombolo
   {
     std::vector<double> of_cells;
     cell_points.add_plastic_heat(part_points, to_nodes, &of_cells);
-    hanging_masses.add_shares(of_cells, to_nodes);
+    further_masses.add_shares(of_cells, to_nodes);
   }
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(

@@ -1,18 +1,396 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
+#include <tombolo/approximation/convex_approximation.h>
+#include <tombolo/approximation/moved_convex_values.h>
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/row_block.h>
-#include <tombolo/formulations/smoothed/smoothed_row_builder.h>
-
-#include <deal.II/base/mpi.h>
+#include <tombolo/formulations/smoothed/cell_surroundings.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  /** The gradients at one point of a cell, by node, and the volume of the point. */
+  template <int dim>
+  struct SmoothedRow
+  {
+    std::vector<std::pair<types::global_dof_index, Tensor<1, dim>>> entries;
+    double volume = 0;
+  };
+
+  namespace
+  {
+    /** Computes the rows of one cell after the other. */
+    template <int dim>
+    class SmoothedRowBuilder
+    {
+    public:
+      /** With the present @p position of the nodes, or null. */
+      SmoothedRowBuilder(const CellSurroundings<dim> &surroundings,
+                         const std::shared_ptr<const Kernel> &kernel, const NodalVector *position)
+          : surroundings(surroundings), cloud(surroundings.cloud), approximation(kernel),
+            moved_values(kernel), position(position)
+      {
+        if (position == nullptr)
+          return;
+        const std::vector<bool> is_there = surroundings.reaches_cells();
+        present_cloud.resize(cloud.position.size());
+        for (std::size_t i = 0; i < cloud.node.size(); ++i)
+          if (is_there[i])
+            std::copy_n(position->node(position->partition()->local_index(cloud.node[i])),
+                        node_stride, present_cloud.begin() + std::ptrdiff_t(i * node_stride));
+        shared_values.resize(surroundings.shared_facets.size());
+        nodes_of_shared.reserve(8 * shared_values.size()); // as many as a facet has in a lattice
+      }
+
+      /** Rows of all points of cell number @p c go behind @p rows. Returns what is wrong, or
+       * nothing. */
+      std::string add_cell(const std::size_t c, const SmoothedIntegrationRule rule,
+                           std::vector<SmoothedRow<dim>> &rows)
+      {
+        number_of_cell = c;
+        cell = &surroundings.cells[c];
+        corners = cell->corners;
+        for (unsigned int k = 0; k < corners.size() && position != nullptr; ++k)
+          corners[k] = present_place(cell->nodes[k]);
+        surroundings.find_neighbours(c, hits);
+        const auto gather =
+            [this](const std::vector<double> &of_cloud, std::vector<double> &of_hits)
+        {
+          of_hits.clear();
+          for (const std::size_t i : hits)
+            of_hits.insert(of_hits.end(), &of_cloud[i * node_stride],
+                           &of_cloud[i * node_stride] + node_stride);
+        };
+        gather(cloud.position, positions);
+        gather(cloud.support, supports);
+        if (position != nullptr)
+          gather(present_cloud, present);
+        values.resize(hits.size());
+        return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(rows) : add_point(rows);
+      }
+
+    private:
+      using Parts = SubCells<dim>;
+
+      /** A facet of the sub-cells of the cell. */
+      struct PlacedFacet
+      {
+        Point<dim> of_start, now; ///< its centroid
+        Tensor<1, dim> area;      ///< present one
+        unsigned int from, to;    ///< as in SubCells::Facet
+        bool is_on_boundary;
+      };
+
+      /** Neighbours, by their place among the hits, and their values. */
+      using Values = std::vector<std::pair<std::size_t, double>>;
+
+      /** Where the values of a facet of two cells are. */
+      struct SharedValues
+      {
+        std::size_t first = 0, n = 0;
+      };
+
+      /** Values at a point that was at @p of_start in the initial configuration, and gradients,
+       * where it moves there with the present place by @p inverse. */
+      bool evaluate(const Point<dim> &of_start, const Point<dim> &now,
+                    Tensor<1, dim> *const gradient = nullptr,
+                    const Tensor<2, dim> &inverse = Tensor<2, dim>())
+      {
+        const auto n = static_cast<unsigned int>(hits.size());
+        return (position == nullptr
+                    ? approximation.evaluate(now, n, positions.data(), supports.data(),
+                                             values.data(), gradient)
+                    : approximation.evaluate_moved(of_start, n, positions.data(), supports.data(),
+                                                   now, present.data(), values.data(), gradient,
+                                                   inverse))
+            .is_inside;
+      }
+
+      /** The row of a point whose neighbours have the coefficients @p sums, over @p volume. */
+      SmoothedRow<dim> row_of(const std::vector<Tensor<1, dim>> &sums, const double volume) const
+      {
+        const auto counts = [](const Tensor<1, dim> &sum) { return sum.norm_square() > 0.; };
+        SmoothedRow<dim> row;
+        row.volume = volume;
+        row.entries.reserve(
+            static_cast<std::size_t>(std::count_if(sums.begin(), sums.end(), counts)));
+        for (std::size_t k = 0; k < hits.size(); ++k)
+          if (counts(sums[k]))
+            row.entries.emplace_back(cloud.node[hits[k]], sums[k] / volume);
+        return row;
+      }
+
+      static std::string outside_of_hull(const Point<dim> &x)
+      {
+        return "the point at " + place_text(x) +
+               " is outside of the convex hull of the nodes whose supports reach it: the "
+               "approximation does not exist there. A larger `Dilation` may help.";
+      }
+
+      std::string without_volume(const double volume) const
+      {
+        return describe_unusable_cell<dim>(cell->centre(), cell->centre(), volume) + ".";
+      }
+
+      /** The vertices of SubCells::facets(), which several of them have. */
+      struct FacetVertices
+      {
+        std::vector<typename Parts::Shares> shares;
+        std::vector<std::array<std::size_t, dim>> numbers; // by facet
+
+        FacetVertices()
+        {
+          for (const auto &facet : Parts::facets())
+          {
+            numbers.emplace_back();
+            for (unsigned int v = 0; v < dim; ++v)
+            {
+              const auto found = std::find(shares.begin(), shares.end(), facet.vertices[v]);
+              numbers.back()[v] = static_cast<std::size_t>(found - shares.begin());
+              if (found == shares.end())
+                shares.push_back(facet.vertices[v]);
+            }
+          }
+        }
+      };
+
+      /** The facets of the cell; those with further nodes go to further_facets. */
+      void place_facets()
+      {
+        facets.clear();
+        further_facets.clear();
+        const auto add = [this](const auto &facet, const Point<dim> &of_start,
+                                const Point<dim> &now, const Tensor<1, dim> &area)
+        {
+          facets.push_back({of_start, now, area, facet.from, facet.to,
+                            facet.to == Parts::outside && cell->is_on_boundary[facet.face]});
+        };
+        // Further nodes are in the middle of edges at the start.
+        if (position == nullptr ? !cell->face_nodes.empty() : cell->has_further_nodes())
+        {
+          const std::vector<CellFacet<dim>> of_start = facets_of(*cell, position != nullptr);
+          further_facets = position == nullptr
+                               ? of_start
+                               : present_facets(*cell, [this](const types::global_dof_index node)
+                                                { return present_place(node); });
+          for (std::size_t f = 0; f < of_start.size(); ++f)
+            add(further_facets[f], of_start[f].centroid(), further_facets[f].centroid(),
+                further_facets[f].area());
+          return;
+        }
+        static const FacetVertices of_facets;
+        std::vector<Point<dim>> vertices;
+        for (const typename Parts::Shares &shares : of_facets.shares)
+          vertices.push_back(Parts::point_at(shares, corners));
+        for (std::size_t f = 0; f < Parts::facets().size(); ++f)
+        {
+          const typename Parts::Facet &facet = Parts::facets()[f];
+          std::array<Point<dim>, dim> of_facet;
+          for (unsigned int v = 0; v < dim; ++v)
+            of_facet[v] = vertices[of_facets.numbers[f][v]];
+          const Point<dim> now = Parts::point_at(facet.centroid, corners);
+          add(facet, position == nullptr ? now : Parts::point_at(facet.centroid, cell->corners),
+              now, Parts::area_of(of_facet, facet.orientation));
+        }
+      }
+
+      /** Values at the centroids of facets without further nodes that are not on the boundary, as
+       * many at a time as there are lanes, before evaluate_facet(). */
+      void prepare_facets()
+      {
+        is_known.assign(facets.size(), false);
+        if (position == nullptr || !further_facets.empty())
+          return;
+        constexpr unsigned int most_places = MovedConvexValues<dim>::most_places;
+        moved_values.set_neighbours(static_cast<unsigned int>(hits.size()), positions.data(),
+                                    supports.data(), present.data());
+        known_values.resize(facets.size());
+        std::array<std::size_t, most_places> numbers{};
+        typename MovedConvexValues<dim>::Places of_start, now;
+        unsigned int n = 0;
+        for (std::size_t f = 0; f < facets.size(); ++f)
+        {
+          if (!facets[f].is_on_boundary && shared_values_of(f) == nullptr)
+          {
+            numbers[n] = f;
+            of_start[n] = facets[f].of_start;
+            now[n++] = facets[f].now;
+          }
+          if (n < most_places && (n == 0 || f + 1 < facets.size()))
+            continue;
+          const unsigned int is_found = moved_values.evaluate(n, of_start, now);
+          for (unsigned int place = 0; place < n; ++place)
+          {
+            is_known[numbers[place]] = ((is_found >> place) & 1u) != 0;
+            Values &of_facet = known_values[numbers[place]];
+            of_facet.clear();
+            for (unsigned int k = 0; k < moved_values.n_values(place); ++k)
+              of_facet.emplace_back(moved_values.neighbour(place, k), moved_values.value(place, k));
+          }
+          n = 0;
+        }
+      }
+
+      /** The number of a facet that another cell has, too, and that has not moved apart. */
+      unsigned int shared_number(const std::size_t f) const
+      {
+        return position == nullptr || !further_facets.empty()
+                   ? SharedFacets<dim>::none
+                   : surroundings.shared_facets.number(number_of_cell, f);
+      }
+
+      /** The values of this facet that the cell before has found, or null. */
+      const SharedValues *shared_values_of(const std::size_t f) const
+      {
+        const unsigned int number = shared_number(f);
+        return number == SharedFacets<dim>::none || shared_values[number].n == 0
+                   ? nullptr
+                   : &shared_values[number];
+      }
+
+      /** Values at the centroid of facet number @p f, to facet_values. */
+      bool evaluate_facet(const std::size_t f)
+      {
+        facet_values.clear();
+        if (const SharedValues *const shared = shared_values_of(f))
+        {
+          std::size_t k = 0;
+          for (std::size_t i = shared->first; i < shared->first + shared->n; ++i)
+          {
+            while (hits[k] != nodes_of_shared[i].first)
+              ++k;
+            facet_values.emplace_back(k, nodes_of_shared[i].second);
+          }
+          return true;
+        }
+        if (is_known[f])
+          facet_values.swap(known_values[f]);
+        else if (evaluate(facets[f].of_start, facets[f].now))
+        {
+          for (std::size_t k = 0; k < hits.size(); ++k)
+            if (values[k] != 0.)
+              facet_values.emplace_back(k, values[k]);
+        }
+        else
+          return false;
+        if (const unsigned int number = shared_number(f); number != SharedFacets<dim>::none)
+        {
+          shared_values[number] = {nodes_of_shared.size(), facet_values.size()};
+          for (const auto &[k, value] : facet_values)
+            nodes_of_shared.emplace_back(hits[k], value);
+        }
+        return true;
+      }
+
+      /** The linear interpolation of the nodes of a face, to facet_values. */
+      void interpolate_linearly(const std::size_t f)
+      {
+        facet_values.clear();
+        const auto add = [this](const types::global_dof_index node, const double share)
+        {
+          const auto found = std::lower_bound(hits.begin(), hits.end(), cloud.place_of(node));
+          facet_values.emplace_back(static_cast<std::size_t>(found - hits.begin()), share);
+        };
+        if (further_facets.empty())
+        {
+          const typename Parts::Shares &shares = Parts::facets()[f].centroid;
+          for (unsigned int corner = 0; corner < Parts::n_corners; ++corner)
+            if (shares[corner] != 0.)
+              add(cell->nodes[corner], shares[corner]);
+          return;
+        }
+        for (const auto &vertex : further_facets[f].vertices)
+          for (const auto &[node, share] : vertex.row)
+            add(node, share / dim);
+      }
+
+      std::string add_sub_cells(std::vector<SmoothedRow<dim>> &rows)
+      {
+        place_facets();
+        prepare_facets();
+        const Point<dim> centre = Parts::centre(corners);
+        std::array<std::vector<Tensor<1, dim>>, Parts::n_sub_cells> areas; // of each neighbour
+        std::array<double, Parts::n_sub_cells> volumes{};
+        for (auto &of_part : areas)
+          of_part.resize(hits.size());
+        for (std::size_t f = 0; f < facets.size(); ++f)
+        {
+          const PlacedFacet &facet = facets[f];
+          if (facet.is_on_boundary)
+            interpolate_linearly(f);
+          else if (!evaluate_facet(f))
+            return outside_of_hull(facet.now);
+          const auto add = [&](const unsigned int part, const double sign)
+          {
+            volumes[part] += sign / dim * (facet.area * (facet.now - centre));
+            for (const auto &[k, value] : facet_values)
+              areas[part][k] += sign * value * facet.area;
+          };
+          add(facet.from, 1.);
+          if (facet.to != Parts::outside)
+            add(facet.to, -1.);
+        }
+        for (unsigned int part = 0; part < Parts::n_sub_cells; ++part)
+        {
+          if (!(volumes[part] > 0.))
+            return without_volume(volumes[part]);
+          rows.push_back(row_of(areas[part], volumes[part]));
+        }
+        return {};
+      }
+
+      Point<dim> present_place(const types::global_dof_index node) const
+      {
+        Point<dim> result;
+        for (unsigned int d = 0; d < dim; ++d)
+          result[d] = position->node(position->partition()->local_index(node))[d];
+        return result;
+      }
+
+      std::string add_point(std::vector<SmoothedRow<dim>> &rows)
+      {
+        const PointOfCell<dim> of_start(cell->corners), now(corners);
+        const double volume = determinant(now.jacobian);
+        if (!(volume > 0.))
+          return without_volume(volume);
+        std::vector<Tensor<1, dim>> gradients(hits.size());
+        if (!evaluate(of_start.place, now.place, gradients.data(),
+                      of_start.jacobian * invert(now.jacobian)))
+          return outside_of_hull(now.place);
+        rows.push_back(row_of(gradients, 1.));
+        rows.back().volume = volume;
+        return {};
+      }
+
+      const CellSurroundings<dim> &surroundings;
+      const NodeCloud<dim> &cloud;
+      ConvexApproximation<dim> approximation;
+      MovedConvexValues<dim> moved_values;
+      const NodalVector *position;
+      const SmoothedCell<dim> *cell = nullptr;
+      std::size_t number_of_cell = 0;
+      typename SubCells<dim>::Corners corners;    // present ones
+      std::vector<double> present_cloud, present; // of all nodes and of neighbours, likewise
+      std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
+      std::vector<double> positions, supports, values;
+      std::vector<PlacedFacet> facets;
+      std::vector<CellFacet<dim>> further_facets; // empty without further nodes
+      std::vector<bool> is_known;                 // of facets, whether their values are
+      std::vector<Values> known_values;           // of facets
+      Values facet_values;                        // of the present one
+      std::vector<SharedValues> shared_values; // of facets of two cells, once one of them has them
+      Values nodes_of_shared;                  // places in the cloud
+    };
+  } // namespace
 
   template <int dim>
   SmoothedGradients<dim>::SmoothedGradients(const Entries &e)
@@ -45,8 +423,7 @@ namespace tombolo
     if (position == nullptr || setup.void_cells != nullptr || !surroundings)
       surroundings = std::make_shared<const CellSurroundings<dim>>(setup, dilation);
     const std::vector<SmoothedCell<dim>> &cells = surroundings->cells;
-    SmoothedRowBuilder<dim> builder(*surroundings, ConvexApproximation<dim>(kernel),
-                                    MovedConvexValues<dim>(kernel), position);
+    SmoothedRowBuilder<dim> builder(*surroundings, kernel, position);
     std::vector<SmoothedRow<dim>> rows_of_cells;
     rows_of_cells.reserve(cells.size() * n_points_per_cell());
     std::vector<types::global_dof_index> first_node;

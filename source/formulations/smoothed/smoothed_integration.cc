@@ -9,7 +9,6 @@
 #include <tombolo/formulations/row_stiffness.h>
 
 #include <algorithm>
-#include <type_traits>
 
 namespace tombolo
 {
@@ -41,24 +40,6 @@ namespace tombolo
         part.points().component(MaterialPoints::volume, 0)[point] = rows.volumes()[point];
       }
     part.begin_with_volumes(dim);
-  }
-
-  template <int dim>
-  template <typename Use>
-  void SmoothedIntegration<dim>::with_points(const Use &use) const
-  {
-    switch (rows.n_points_per_cell())
-    {
-    case 1:
-      use(std::integral_constant<unsigned int, 1>());
-      break;
-    case 4:
-      use(std::integral_constant<unsigned int, 4>());
-      break;
-    default:
-      if constexpr (dim == 3)
-        use(std::integral_constant<unsigned int, 8>());
-    }
   }
 
   template <int dim>
@@ -107,44 +88,38 @@ namespace tombolo
   {
     failure_message.clear();
     with_points(
-        [&](const auto n_points) {
-          this->template add_force_of_points<std::decay_t<decltype(n_points)>::value>(input, force);
+        [&](const auto number)
+        {
+          constexpr unsigned int n_points = decltype(number)::value;
+          constexpr unsigned int batch_size = n_points * n_lanes;
+          BatchMotion<n_points> motion;
+          PointSweep<batch_size> sweep(part, input.time_increment);
+          MotionIncrement<Lanes> increments[n_points];
+          for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+          {
+            const std::size_t first = std::size_t(batch) * batch_size;
+            find_motion(batch, *input.position, *input.velocity, motion);
+            note_failure(batch, input, motion);
+            sweep.begin(first, batch_size);
+            // The middle of the step is that of the motion itself, as in FullyIntegratedHexahedron.
+            for (unsigned int q = 0; q < n_points; ++q)
+              for (unsigned int i = 0; i < dim; ++i)
+                motion.gradient[q](i, i) -= motion.shared[q];
+            sweep.move_cells(
+                0, points.cells().n_valid(batch), motion.gradient, motion.volume,
+                part.is_logarithmic(), increments,
+                [&](MotionIncrement<Lanes>(&of_points)[n_points])
+                { MeanDilatation::share<dim>(part.is_logarithmic(), motion.volume, of_points); });
+            if (part.heating().is_on())
+              points.interpolate(batch, *input.temperature, sweep.nodal_temperature);
+            sweep.update_stress();
+            sweep.update_viscosity();
+            Lanes stress[n_points][6];
+            for (unsigned int q = 0; q < n_points; ++q)
+              part.integrate_stress(first + q * n_lanes, stress[q]);
+            scatter(batch, stress, motion, force);
+          }
         });
-  }
-
-  template <int dim>
-  template <unsigned int n_points>
-  void SmoothedIntegration<dim>::add_force_of_points(const MechanicalInput &input,
-                                                     NodalVector &force)
-  {
-    constexpr unsigned int batch_size = n_points * n_lanes;
-    BatchMotion<n_points> motion;
-    PointSweep<batch_size> sweep(part, input.time_increment);
-    MotionIncrement<Lanes> increments[n_points];
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      const std::size_t first = std::size_t(batch) * batch_size;
-      find_motion(batch, *input.position, *input.velocity, motion);
-      note_failure(batch, input, motion);
-      sweep.begin(first, batch_size);
-      // The middle of the step is that of the motion itself, as in FullyIntegratedHexahedron.
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int i = 0; i < dim; ++i)
-          motion.gradient[q](i, i) -= motion.shared[q];
-      sweep.move_cells(
-          0, points.cells().n_valid(batch), motion.gradient, motion.volume, part.is_logarithmic(),
-          increments,
-          [&](MotionIncrement<Lanes>(&of_points)[n_points])
-          { MeanDilatation::share<dim>(part.is_logarithmic(), motion.volume, of_points); });
-      if (part.heating().is_on())
-        points.interpolate(batch, *input.temperature, sweep.nodal_temperature);
-      sweep.update_stress();
-      sweep.update_viscosity();
-      Lanes stress[n_points][6];
-      for (unsigned int q = 0; q < n_points; ++q)
-        part.integrate_stress(first + q * n_lanes, stress[q]);
-      scatter(batch, stress, motion, force);
-    }
   }
 
   template <int dim>
@@ -199,31 +174,21 @@ namespace tombolo
                                                          NodalVector &force) const
   {
     with_points(
-        [&](const auto n_points)
+        [&](const auto number)
         {
-          this->template apply_stiffness_of_points<std::decay_t<decltype(n_points)>::value>(
-              position, velocity, time_step, force);
+          constexpr unsigned int n_points = decltype(number)::value;
+          const PointStiffness stiffness(part, time_step);
+          BatchMotion<n_points> motion;
+          for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+          {
+            find_motion(batch, position, velocity, motion);
+            Lanes stress[n_points][6];
+            for (unsigned int q = 0; q < n_points; ++q) // scatter() subtracts
+              stiffness.find_stress((std::size_t(batch) * n_points + q) * n_lanes,
+                                    motion.gradient[q], -motion.volume[q], stress[q]);
+            scatter(batch, stress, motion, force);
+          }
         });
-  }
-
-  template <int dim>
-  template <unsigned int n_points>
-  void SmoothedIntegration<dim>::apply_stiffness_of_points(const NodalVector &position,
-                                                           const NodalVector &velocity,
-                                                           const double time_step,
-                                                           NodalVector &force) const
-  {
-    const PointStiffness stiffness(part, time_step);
-    BatchMotion<n_points> motion;
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      find_motion(batch, position, velocity, motion);
-      Lanes stress[n_points][6];
-      for (unsigned int q = 0; q < n_points; ++q) // scatter() subtracts
-        stiffness.find_stress((std::size_t(batch) * n_points + q) * n_lanes, motion.gradient[q],
-                              -motion.volume[q], stress[q]);
-      scatter(batch, stress, motion, force);
-    }
   }
 
   template <int dim>

@@ -187,13 +187,10 @@ namespace tombolo
   template <int dim>
   [[gnu::noinline]] Tensor<1, dim> SubCells<dim>::area(const Facet &facet, const Corners &corners)
   {
-    const Point<dim> first = point_at(facet.vertices[0], corners);
-    const Tensor<1, dim> a = point_at(facet.vertices[1], corners) - first;
-    if constexpr (dim == 2)
-      return facet.orientation * cross_product_2d(a);
-    else
-      return 0.5 * facet.orientation *
-             cross_product_3d(a, point_at(facet.vertices[2], corners) - first);
+    std::array<Point<dim>, dim> vertices;
+    for (unsigned int v = 0; v < dim; ++v)
+      vertices[v] = point_at(facet.vertices[v], corners);
+    return area_of(vertices, facet.orientation);
   }
 
   template <int dim>

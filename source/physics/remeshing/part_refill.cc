@@ -361,7 +361,7 @@ namespace tombolo
                             for (std::size_t c = 0; c < nodes.size(); ++c)
                               for (unsigned int k = 0; k < nodes[c].size(); ++k)
                                 *sums.node(nodes[c][k]) += masses[c * nodes[c].size() + k];
-                            cells.add_hanging_masses(sums);
+                            cells.add_further_masses(sums);
                           });
   }
 

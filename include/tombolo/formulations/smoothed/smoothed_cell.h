@@ -16,16 +16,16 @@
 namespace tombolo
 {
   /**
-   * A face at which a cell lies beside cells of half its size: 2^(dim-1) faces of these, one at
-   * each corner of the face. The coarse cell is bounded by the fine faces, cut into triangles as
-   * the fine cells cut them, so that both sides of each of them agree.
+   * A face of a cell with further nodes: the 2^(dim-1) faces of smaller cells beside it, one at
+   * each corner of the face. The cell is bounded by these, cut into triangles as the small cells
+   * cut them, so that both sides of each of them agree.
    */
   template <int dim>
-  struct RefinedFace
+  struct FaceNodes
   {
     static constexpr unsigned int n_parts = 1u << (dim - 1);
 
-    /** The nodes of a fine face: the corner of the cell, then the middles of the edges of the face
+    /** The nodes of a small face: the corner of the cell, then the middles of the edges of the face
      * that meet there, then the middle of the face (in two dimensions the corner and the middle).
      */
     struct Part
@@ -41,10 +41,11 @@ namespace tombolo
     std::array<Part, n_parts> parts;
   };
 
-  /** An edge of a cell in space with a node in its middle, which cells of half the size beside the
-   * edge have. */
+  /** An edge of a cell in space with a node in its middle, which smaller cells beside the edge
+   * have.
+   */
   template <int dim>
-  struct RefinedEdge
+  struct EdgeNode
   {
     std::array<unsigned int, 2> corners{}; ///< of the cell, at its ends
     dealii::types::global_dof_index node = 0;
@@ -63,24 +64,24 @@ namespace tombolo
     /** Of faces on the boundary of the mesh; else numbers::internal_face_boundary_id. */
     std::array<dealii::types::boundary_id, dealii::GeometryInfo<dim>::faces_per_cell> boundary_ids;
     bool is_void = false;
-    std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
-    std::vector<RefinedEdge<dim>> refined_edges; ///< beside such cells
+    std::vector<FaceNodes<dim>> face_nodes; ///< of faces towards cells of half its size
+    std::vector<EdgeNode<dim>> edge_nodes;  ///< beside such cells
 
     /** Whether it has nodes besides its corners: those of cells of half its size on its faces or
      * edges. */
     bool has_further_nodes() const
     {
-      return !refined_faces.empty() || !refined_edges.empty();
+      return !face_nodes.empty() || !edge_nodes.empty();
     }
 
     /** These nodes and the corners; some several times. */
     std::vector<dealii::types::global_dof_index> all_nodes() const
     {
       std::vector<dealii::types::global_dof_index> result = nodes;
-      for (const RefinedFace<dim> &face : refined_faces)
+      for (const FaceNodes<dim> &face : face_nodes)
         for (const auto &part : face.parts)
           result.insert(result.end(), part.nodes.begin(), part.nodes.end());
-      for (const RefinedEdge<dim> &edge : refined_edges)
+      for (const EdgeNode<dim> &edge : edge_nodes)
         result.push_back(edge.node);
       return result;
     }
@@ -101,18 +102,15 @@ namespace tombolo
   template <int dim>
   std::vector<SmoothedCell<dim>> smoothed_cells_of(const PartSetup<dim> &setup);
 
-  /** A plane facet of a cell with refined faces; see SubCells::Facet. */
+  /** A plane facet of a cell with further nodes; see SubCells::Facet. */
   template <int dim>
-  struct GradedFacet
+  struct CellFacet
   {
-    static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
-
-    /** A vertex: the sum of the shares of the corners of the cell and of hanging nodes. */
+    /** A vertex: the sum of the shares of nodes. */
     struct Vertex
     {
       dealii::Point<dim> place;
-      typename SubCells<dim>::Shares of_corners{};
-      std::vector<std::pair<dealii::types::global_dof_index, double>> of_hanging_nodes;
+      std::vector<std::pair<dealii::types::global_dof_index, double>> row;
     };
 
     std::array<Vertex, dim> vertices;
@@ -122,38 +120,37 @@ namespace tombolo
 
     dealii::Point<dim> centroid() const;
     /** Area times normal, from `from` to `to` [L^(dim-1)]. */
-    dealii::Tensor<1, dim> area() const;
+    dealii::Tensor<1, dim> area() const
+    {
+      std::array<dealii::Point<dim>, dim> places;
+      for (unsigned int v = 0; v < dim; ++v)
+        places[v] = vertices[v].place;
+      return SubCells<dim>::area_of(places, orientation);
+    }
   };
 
-  /** The facets of the sub-cells of a cell with these refined faces. Where hanging nodes are not in
-   * the middle of their edge, the facets of unrefined faces at @p refined_edges are to be given,
-   * which are two then. Their number and order do not depend on places. */
+  /** The facets of the sub-cells of a cell. Where nodes are not in the middle of their edge, facets
+   * are two @p at_edge_nodes of faces without further nodes. Their number and order do not depend
+   * on places. */
   template <int dim>
-  std::vector<GradedFacet<dim>>
-  graded_facets(const typename SubCells<dim>::Corners &corners,
-                const std::vector<RefinedFace<dim>> &refined_faces,
-                const std::vector<RefinedEdge<dim>> &refined_edges = {});
+  std::vector<CellFacet<dim>> facets_of(const SmoothedCell<dim> &cell, bool at_edge_nodes);
 
-  /** The facets of a cell with hanging nodes where its nodes are now, in the order of those of its
-   * start. @p place_of: the place of a node by its global number. */
+  /** The facets of a cell where its nodes are now, in the order of those of its start. @p place_of:
+   * the place of a node by its global number. */
   template <int dim, typename PlaceOf>
-  std::vector<GradedFacet<dim>> present_facets(const SmoothedCell<dim> &cell,
-                                               const PlaceOf &place_of)
+  std::vector<CellFacet<dim>> present_facets(const SmoothedCell<dim> &cell, const PlaceOf &place_of)
   {
-    typename SubCells<dim>::Corners corners;
-    for (unsigned int k = 0; k < corners.size(); ++k)
-      corners[k] = place_of(cell.nodes[k]);
-    std::vector<RefinedFace<dim>> faces = cell.refined_faces;
-    std::vector<RefinedEdge<dim>> edges = cell.refined_edges;
-    for (RefinedFace<dim> &face : faces)
+    SmoothedCell<dim> present = cell;
+    for (unsigned int k = 0; k < present.corners.size(); ++k)
+      present.corners[k] = place_of(cell.nodes[k]);
+    for (FaceNodes<dim> &face : present.face_nodes)
       for (auto &part : face.parts)
         for (unsigned int k = 0; k < part.nodes.size(); ++k)
           part.points[k] = place_of(part.nodes[k]);
-    for (RefinedEdge<dim> &edge : edges)
+    for (EdgeNode<dim> &edge : present.edge_nodes)
       edge.point = place_of(edge.node);
-    std::vector<GradedFacet<dim>> result = graded_facets<dim>(corners, faces, edges);
-    const std::vector<GradedFacet<dim>> of_start =
-        graded_facets<dim>(cell.corners, cell.refined_faces, cell.refined_edges);
+    std::vector<CellFacet<dim>> result = facets_of(present, true);
+    const std::vector<CellFacet<dim>> of_start = facets_of(cell, true);
     for (std::size_t f = 0; f < result.size(); ++f)
       result[f].orientation = of_start[f].orientation;
     return result;
@@ -162,11 +159,11 @@ namespace tombolo
   /** The volumes of the sub-cells that these facets bound [L^dim]. */
   template <int dim>
   std::array<double, SubCells<dim>::n_sub_cells>
-  volumes_within(const std::vector<GradedFacet<dim>> &facets)
+  volumes_within(const std::vector<CellFacet<dim>> &facets)
   {
     std::array<double, SubCells<dim>::n_sub_cells> result{};
     const dealii::Point<dim> origin = facets.front().vertices.front().place;
-    for (const GradedFacet<dim> &facet : facets)
+    for (const CellFacet<dim> &facet : facets)
     {
       const double volume = facet.area() * (facet.centroid() - origin) / dim;
       result[facet.from] += volume;
@@ -177,14 +174,13 @@ namespace tombolo
   }
 
   /**
-   * What the masses of hanging nodes have of the cells on whose faces they lie, and what the
-   * corners of these cells have less: a cell with refined faces gives its mass to its corners and
-   * to the hanging nodes, as the simplices of its sub-cells lie. The mass of each cell stays, and
-   * where its faces are plane its centre. Without it a hanging node would have the stiffness of a
-   * coarse cell and none of its mass.
+   * What the masses of the further nodes of cells have of these, and what their corners have less:
+   * a cell with nodes on its faces gives its mass to its corners and to these nodes, as the
+   * simplices of its sub-cells lie. The mass of each cell stays, and where its faces are plane its
+   * centre. Without it such a node would have the stiffness of a large cell and none of its mass.
    */
   template <int dim>
-  class HangingMasses
+  class FurtherMasses
   {
   public:
     void initialize(const PartSetup<dim> &setup);

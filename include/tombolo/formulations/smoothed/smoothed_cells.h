@@ -20,7 +20,7 @@ namespace tombolo
    * masses are lumped as those of linear elements, velocities are not smoothed, loads and contact
    * act at the nodes, and elements beside it share nodes without a bridge. A plane of symmetry is a
    * boundary: the functions do not see the image of the part. Cells may lie beside cells of half
-   * their size (RefinedFace).
+   * their size (FaceNodes).
    */
   template <int dim>
   class SmoothedCells : public LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>
@@ -100,10 +100,10 @@ namespace tombolo
 
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     std::vector<double> masses_of_cells() const;
-    /** Adds what hanging nodes have of cells beside them, and corners less (see HangingMasses). */
-    void add_hanging_masses(NodalVector &mass) const
+    /** Adds what further nodes have of cells beside them, and corners less (see FurtherMasses). */
+    void add_further_masses(NodalVector &mass) const
     {
-      hanging_masses.add_mass(mass);
+      further_masses.add_mass(mass);
     }
     void set_masses(const std::vector<double> &of_cells)
     {
@@ -128,7 +128,7 @@ namespace tombolo
         Base::part_points;
 
     SmoothedGradients<dim> &rows = integration.rows;
-    HangingMasses<dim> hanging_masses;
+    FurtherMasses<dim> further_masses;
     RefilledCells<dim> refilled;
     NodalVector reference; // of the rows; empty: the initial positions, or nothing needs it
   };

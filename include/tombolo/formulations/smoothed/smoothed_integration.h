@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace tombolo
@@ -54,11 +55,6 @@ namespace tombolo
     template <unsigned int n_points>
     struct BatchMotion;
 
-    template <unsigned int n_points>
-    void add_force_of_points(const MechanicalInput &input, NodalVector &force);
-    template <unsigned int n_points>
-    void apply_stiffness_of_points(const NodalVector &position, const NodalVector &velocity,
-                                   double time_step, NodalVector &force) const;
     /** F⁻ᵀ, L and the volumes of the points of a batch, the dilatation shared. */
     template <unsigned int n_points>
     void find_motion(unsigned int batch, const NodalVector &position, const NodalVector &velocity,
@@ -72,7 +68,13 @@ namespace tombolo
                       const BatchMotion<n_points> &motion);
     /** Calls @p use with the number of points of a cell as an integral constant. */
     template <typename Use>
-    void with_points(const Use &use) const;
+    void with_points(const Use &use) const
+    {
+      if (rows.n_points_per_cell() == 1)
+        use(std::integral_constant<unsigned int, 1>());
+      else
+        use(std::integral_constant<unsigned int, SubCells<dim>::n_sub_cells>());
+    }
 
     PartPoints &part;
     const PointsInCells<dim> &points;

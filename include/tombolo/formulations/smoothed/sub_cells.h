@@ -72,6 +72,17 @@ namespace tombolo
     /** Area times normal, from `from` to `to` [L^(dim-1)]. */
     static dealii::Tensor<1, dim> area(const Facet &facet, const Corners &corners);
 
+    /** The same of a facet with these vertices. */
+    static dealii::Tensor<1, dim> area_of(const std::array<dealii::Point<dim>, dim> &vertices,
+                                          const double orientation)
+    {
+      const dealii::Tensor<1, dim> a = vertices[1] - vertices[0];
+      if constexpr (dim == 2)
+        return orientation * dealii::cross_product_2d(a);
+      else
+        return 0.5 * orientation * dealii::cross_product_3d(a, vertices[2] - vertices[0]);
+    }
+
     /** The centroids of the sub-cells of a parallelepiped. */
     static const std::array<Shares, n_sub_cells> &centroids();
   };

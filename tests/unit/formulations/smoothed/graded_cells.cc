@@ -213,7 +213,7 @@ namespace
     double of_volumes = 0, farthest = 0;
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
-      for (const RefinedFace<dim> &face : cells[cell].refined_faces)
+      for (const FaceNodes<dim> &face : cells[cell].face_nodes)
       {
         dealii::Tensor<1, dim> away = place_of(face.parts[0].nodes.back()) - dealii::Point<dim>();
         for (const auto &of_corner : face.parts)
