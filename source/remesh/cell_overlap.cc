@@ -3,13 +3,13 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/remesh/cell_cutting.h>
-#include <tombolo/remesh/numbers_of_ranks.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -49,6 +49,21 @@ namespace tombolo
     const auto own = for_ranks.find(self);
     if (own != for_ranks.end())
       result[self] = own->second;
+    return result;
+  }
+
+  std::vector<std::vector<double>> numbers_of_ranks(const std::vector<double> &of_rank,
+                                                    const MPI_Comm communicator)
+  {
+    const auto lengths = Utilities::MPI::all_gather(communicator, static_cast<int>(of_rank.size()));
+    std::vector<int> begin(lengths.size() + 1, 0);
+    std::partial_sum(lengths.begin(), lengths.end(), begin.begin() + 1);
+    std::vector<double> all(static_cast<std::size_t>(begin.back()));
+    MPI_Allgatherv(of_rank.data(), static_cast<int>(of_rank.size()), MPI_DOUBLE, all.data(),
+                   lengths.data(), begin.data(), MPI_DOUBLE, communicator);
+    std::vector<std::vector<double>> result;
+    for (std::size_t rank = 0; rank < lengths.size(); ++rank)
+      result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
     return result;
   }
 

@@ -151,4 +151,10 @@ namespace tombolo
   std::map<unsigned int, std::vector<double>>
   exchange_by_rank(const std::map<unsigned int, std::vector<double>> &for_ranks,
                    MPI_Comm communicator);
+
+  /** The numbers of each rank, on all of them. Utilities::MPI::all_gather() compresses what it
+   * sends, one rank's to itself too, which takes longer than what is done with many numbers.
+   * Collective. */
+  std::vector<std::vector<double>> numbers_of_ranks(const std::vector<double> &of_rank,
+                                                    MPI_Comm communicator);
 } // namespace tombolo

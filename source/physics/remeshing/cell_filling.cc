@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/cell_filling.h>
 
-#include <tombolo/remesh/numbers_of_ranks.h>
+#include <tombolo/remesh/cell_overlap.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>

@@ -4,8 +4,8 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
+#include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/numbers_of_ranks.h>
 
 #include <deal.II/base/mpi.h>
 
