@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/convex_approximation.h>
 
-#include <tombolo/approximation/convex_minimum.h>
 #include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>

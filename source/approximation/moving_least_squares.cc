@@ -200,10 +200,6 @@ namespace tombolo
             value[start[lane] + slot] = result[std::size_t(slot) * n_lanes + lane];
       }
     };
-  } // namespace internal
-
-  namespace internal
-  {
     /** LDLᵀ factors of n_lanes symmetric matrices of n × n, one in each lane. */
     template <int n>
     struct Factors
@@ -349,19 +345,14 @@ namespace tombolo
         shape.coefficient_start[row] =
             sharing.add(n, value.data() + entry, gradient.data() + n_gradient_terms * entry);
       }
-      if ((end % n_tried_rows == 0 || end == n_rows) &&
-          2 * sharing.values().size() > shape.row_start[end])
+      if ((end % n_tried_rows == 0 || end == n_rows) && 2 * sharing.size() > shape.row_start[end])
       {
         defects.clear();
         shape.coefficient_start.assign(shape.row_start.begin(), shape.row_start.end() - 1);
         return false;
       }
     }
-    shape.value.resize_fast(sharing.values().size());
-    std::copy(sharing.values().begin(), sharing.values().end(), shape.value.begin());
-    shape.gradient.resize_fast(sharing.gradients().size() + 1);
-    std::copy(sharing.gradients().begin(), sharing.gradients().end(), shape.gradient.begin());
-    shape.gradient[sharing.gradients().size()] = 0.;
+    sharing.store(shape);
     return true;
   }
 

@@ -14,16 +14,6 @@ namespace tombolo
   {
     namespace
     {
-      const double *node(const double *field, const unsigned int local)
-      {
-        return field + static_cast<std::size_t>(local) * node_stride;
-      }
-
-      double *node(double *field, const unsigned int local)
-      {
-        return field + static_cast<std::size_t>(local) * node_stride;
-      }
-
       /** A position, each component in a vector of its own: an offset from it, broadcast, is one
        * load and one subtraction. */
       class Axes
@@ -284,34 +274,32 @@ namespace tombolo
         double *const target = node(result, shape.particle_node[row]);
         store_node(load_node(target) + mass * (even.sum + odd.sum) - given, target);
       }
+
+      /** Calls @p use with some rows, or null: all. */
+      template <typename Use>
+      TOMBOLO_ALWAYS_INLINE void for_rows(const Stencils &shape,
+                                          const std::vector<unsigned int> *rows, const Use &use)
+      {
+        const std::size_t n = rows == nullptr ? shape.n_particles() : rows->size();
+        for (std::size_t k = 0; k < n; ++k)
+          use(rows == nullptr ? static_cast<unsigned int>(k) : (*rows)[k]);
+      }
     } // namespace
 
     void scatter_affine(const Stencils &shape, const double *row_mass, const double *velocity,
-                        double *momentum)
+                        double *momentum, const std::vector<unsigned int> *rows)
     {
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
-        scatter_affine_row(shape, row, row_mass, velocity, momentum);
-    }
-
-    void scatter_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
-                        const double *row_mass, const double *velocity, double *momentum)
-    {
-      for (const unsigned int row : rows)
-        scatter_affine_row(shape, row, row_mass, velocity, momentum);
+      for_rows(shape, rows,
+               [&](const unsigned int row)
+               { scatter_affine_row(shape, row, row_mass, velocity, momentum); });
     }
 
     void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
-                       double *result)
+                       double *result, const std::vector<unsigned int> *rows)
     {
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
-        gather_affine_row(shape, row, row_mass, field, result);
-    }
-
-    void gather_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
-                       const double *row_mass, const double *field, double *result)
-    {
-      for (const unsigned int row : rows)
-        gather_affine_row(shape, row, row_mass, field, result);
+      for_rows(shape, rows,
+               [&](const unsigned int row)
+               { gather_affine_row(shape, row, row_mass, field, result); });
     }
 
     template void update_inverse_deformation<2>(const double *, Stencils &);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/row_sharing.h>
 
-#include <tombolo/approximation/stencils.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -56,5 +54,14 @@ namespace tombolo
     kept_gradients.insert(kept_gradients.end(), gradient, gradient + std::size_t(n_gradient) * n);
     kept_rows.insert({hash, {start, n}});
     return start;
+  }
+
+  void RowSharing::store(Stencils &shape) const
+  {
+    shape.value.resize_fast(kept_values.size());
+    std::copy(kept_values.begin(), kept_values.end(), shape.value.begin());
+    shape.gradient.resize_fast(kept_gradients.size() + 1);
+    std::copy(kept_gradients.begin(), kept_gradients.end(), shape.gradient.begin());
+    shape.gradient.back() = 0.;
   }
 } // namespace tombolo

@@ -147,8 +147,8 @@ namespace tombolo
     clear(touched, rate);
     add_own(field, rate);
     for (std::size_t p = 0; p < split.parts.size(); ++p)
-      NodalSmoothing::gather_affine(*split.parts[p].shape, rows[p],
-                                    split.parts[p].smoothed_mass.data(), field.data(), rate.data());
+      NodalSmoothing::gather_affine(*split.parts[p].shape, split.parts[p].smoothed_mass.data(),
+                                    field.data(), rate.data(), &rows[p]);
     rate.add_to_owners();
     for (const unsigned int i : touched_owned)
     {
@@ -160,9 +160,8 @@ namespace tombolo
     clear(touched, force);
     add_own(rate, force);
     for (std::size_t p = 0; p < split.parts.size(); ++p)
-      NodalSmoothing::scatter_affine(*split.parts[p].shape, rows[p],
-                                     split.parts[p].smoothed_mass.data(), rate.data(),
-                                     force.data());
+      NodalSmoothing::scatter_affine(*split.parts[p].shape, split.parts[p].smoothed_mass.data(),
+                                     rate.data(), force.data(), &rows[p]);
     force.add_to_owners();
     for (const unsigned int node : nodes_of_forces)
       store_node(load_node(force.node(node)) / load_node(split.row_sums().node(node)),

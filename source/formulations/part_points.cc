@@ -7,11 +7,16 @@
 
 namespace tombolo
 {
-  void PartPoints::declare_parameters(dealii::ParameterHandler &handler,
-                                      const StrainMeasure by_default)
+  PartPoints::PartPoints(const Entries &e, const StrainMeasure by_default)
   {
-    declare_strain_measure(handler, by_default);
-    declare<BulkViscosity>(handler);
+    const std::string measure = e.choice(
+        "Strain measure", by_default == StrainMeasure::rate ? "rate" : "logarithmic",
+        "rate|logarithmic",
+        "What the stress follows: the rate of deformation with an objective rate of the Cauchy "
+        "stress, or the elastic logarithmic strain, from whose energy the forces derive: in "
+        "motions of large amplitude over long times energy neither grows nor decays.");
+    strain_measure = measure == "logarithmic" ? StrainMeasure::logarithmic : StrainMeasure::rate;
+    bulk_viscosity = BulkViscosity(e);
   }
 
   void PartPoints::initialize(const std::shared_ptr<const Material> &material,

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/plastic_heating.h>
 
-#include <tombolo/materials/material_memory.h>
-
 #include <algorithm>
 
 namespace tombolo
@@ -16,7 +14,7 @@ namespace tombolo
     properties = heat;
     fraction = material.plastic_heat_fraction();
     density = material.density();
-    is_plastic = properties != nullptr && fraction != 0. && remembers(material, "plastic work");
+    is_plastic = properties != nullptr && fraction != 0. && material.remembers("plastic work");
   }
 
   std::vector<FieldDescription> PlasticHeating::variables() const

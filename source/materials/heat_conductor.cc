@@ -37,23 +37,17 @@ namespace tombolo
       return 0.;
     }
 
-    void update_stress(MaterialBatch &batch) const override;
-    void elastic_energy_density(unsigned int n, const double *const stress[6],
-                                const double *temperature, double *energy_density) const override;
+    void update_stress(MaterialBatch & /*batch*/) const override {}
+    void elastic_energy_density(const unsigned int n, const double *const /*stress*/[6],
+                                const double * /*temperature*/,
+                                double *energy_density) const override
+    {
+      std::fill_n(energy_density, n, 0.);
+    }
 
   private:
     double initial_density; // [M/L^3]
   };
-
-  void HeatConductor::update_stress(MaterialBatch & /*batch*/) const {}
-
-  void HeatConductor::elastic_energy_density(const unsigned int n,
-                                             const double *const /*stress*/[6],
-                                             const double * /*temperature*/,
-                                             double *energy_density) const
-  {
-    std::fill(energy_density, energy_density + n, 0.);
-  }
 
   TOMBOLO_REGISTER(Material, HeatConductor, "heat conductor",
                    "no stress, for scenes of heat alone and rigid parts")

@@ -2,7 +2,6 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/materials/adiabatic_heating.h>
 #include <tombolo/materials/ductile_damage.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
@@ -17,6 +16,57 @@
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** How the plastic work of a material heats its points, as its section says it. */
+    struct AdiabaticHeating
+    {
+      AdiabaticHeating() = default;
+      /** @p heat is the section "Heat" of the material, null without one; @p needs_temperature
+       * tells whether something depends on the temperature. Throws InputError. */
+      AdiabaticHeating(const Entries &e, const ThermalProperties *const heat, const double density,
+                       const FlowStress *const flow_stress, const bool needs_temperature)
+      {
+        taylor_quinney =
+            e.number("Taylor-Quinney coefficient", "0", from_to(0., 1.), "1",
+                     "The share $\\eta$ of the plastic work that heats the material, from 0 to 1.");
+        if (heat != nullptr)
+        {
+          for (const char *const entry : {"Specific heat capacity", "Initial temperature"})
+            e.refuse(
+                e.is_set(entry), entry,
+                "the section \"Heat\" of the material says it already; allowed is one of both.");
+          const double start = heat->initial_temperature();
+          per_work = taylor_quinney / (density * heat->capacity().value(start));
+          flow_stress->check_initial_temperature(start);
+          return;
+        }
+        if (e.when(taylor_quinney > 0.))
+        {
+          const double capacity = e.number(
+              "Specific heat capacity", mandatory, positive(), "L^2/(T^2 temperature)",
+              "$c$ per mass, where plastic work heats and the material has no section \"Heat\".");
+          if (!e.declares())
+            per_work = taylor_quinney / (density * capacity);
+        }
+        is_kept = per_work > 0. || needs_temperature;
+        if (!e.when(is_kept))
+          return;
+        initial_temperature = e.number(
+            "Initial temperature", mandatory, any_number(), "",
+            "The temperature at the start, where plastic work heats or the flow stress or the "
+            "damage depends on the temperature, and the material has no section \"Heat\".");
+        if (flow_stress != nullptr)
+          flow_stress->check_initial_temperature(initial_temperature);
+      }
+
+      double taylor_quinney = 0; ///< η
+      double per_work = 0;       ///< η/(ρ₀ c): temperature per plastic work per initial volume
+      double initial_temperature = 0; ///< where points keep it
+      bool is_kept = false;           ///< points keep a temperature of their own
+    };
+  } // namespace
 
   /**
    * Elasticity in rate form as LinearElastic, with J2 plasticity: radial return to the flow stress
@@ -78,11 +128,8 @@ namespace tombolo
     std::unique_ptr<const DamageGrowth> damage; // null: none
     unsigned int first_further_field = 0;       // those of pressure, then that of damage
     bool sees_temperature = false;              ///< the flow stress is evaluated with a temperature
-    bool keeps_temperature = false;             ///< as an internal variable
     bool keeps_yield_stress = false;
-    double taylor_quinney = 0; ///< η
-    double initial_temperature = 0;
-    double heating = 0; ///< η/(ρ₀ c): temperature per plastic work per initial volume
+    AdiabaticHeating adiabatic;
   };
 
   J2Plasticity::J2Plasticity(const Entries &e) : LinearElastic(e)
@@ -93,8 +140,7 @@ namespace tombolo
       damage = DamageGrowth::create(e);
     const bool needs_temperature = (flow_stress && flow_stress->depends_on_temperature()) ||
                                    (damage && damage->depends_on_temperature());
-    const AdiabaticHeating of_section(e, heat.get(), density(), flow_stress.get(),
-                                      needs_temperature);
+    adiabatic = AdiabaticHeating(e, heat.get(), density(), flow_stress.get(), needs_temperature);
     e.plugins<FlowStress>();
     if (e.declares())
     {
@@ -102,11 +148,7 @@ namespace tombolo
       DamageGrowth::create(e);
       return;
     }
-    taylor_quinney = of_section.taylor_quinney;
-    heating = of_section.per_work;
-    initial_temperature = of_section.initial_temperature;
-    keeps_temperature = of_section.is_kept;
-    sees_temperature = keeps_temperature || (heat != nullptr && needs_temperature);
+    sees_temperature = adiabatic.is_kept || (heat != nullptr && needs_temperature);
     keeps_yield_stress = heat == nullptr && flow_stress->depends_on_temperature();
     first_further_field = static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
     pressure = EnergyPressure::create(e);
@@ -118,19 +160,12 @@ namespace tombolo
         {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
         {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
          OnDivision::held}};
-    if (keeps_temperature)
+    if (adiabatic.is_kept)
       fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
-                        initial_temperature});
+                        adiabatic.initial_temperature});
     if (keeps_yield_stress)
-    {
-      const Lanes strain = 0., temperature = initial_temperature;
-      alignas(64) double at[2][n_lanes], yield[n_lanes], slope[n_lanes];
-      store_lanes(strain, at[0]);
-      store_lanes(temperature, at[1]);
-      evaluate_yield_stress(n_lanes, at[0], at[1], yield, slope);
-      fields.push_back(
-          {"yield stress", "M/(L T^2)", FieldLocation::material_point, 1, true, yield[0]});
-    }
+      fields.push_back({"yield stress", "M/(L T^2)", FieldLocation::material_point, 1, true,
+                        slow_yield_stress(0., adiabatic.initial_temperature)});
     if (is_thermoelastic())
       fields.push_back(thermal_work_field());
     if (pressure)
@@ -143,7 +178,7 @@ namespace tombolo
 
   double J2Plasticity::plastic_heat_fraction() const
   {
-    return heat != nullptr ? taylor_quinney : 0.;
+    return heat != nullptr ? adiabatic.taylor_quinney : 0.;
   }
 
   namespace
@@ -195,14 +230,13 @@ namespace tombolo
 
   void J2Plasticity::update_stress(MaterialBatch &batch) const
   {
-    AssertThrow(!sees_temperature || keeps_temperature || batch.temperature != nullptr,
+    AssertThrow(!sees_temperature || adiabatic.is_kept || batch.temperature != nullptr,
                 ExcMessage("A material with a section Heat is advanced without a temperature."));
     advance_stress(batch, is_thermoelastic() ? batch.internal_variables[thermal_work] : nullptr);
+    const auto advance =
+        has_tables() ? &J2Plasticity::advance_chunk<true> : &J2Plasticity::advance_chunk<false>;
     for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
-      if (has_tables())
-        advance_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
-      else
-        advance_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
+      (this->*advance)(batch, begin, std::min(chunk_size, batch.n - begin));
   }
 
   void J2Plasticity::update_stress_and_tangent(MaterialBatch &batch,
@@ -210,7 +244,7 @@ namespace tombolo
   {
     AlignedVector<double> bulk(batch.n), shear(batch.n);
     elastic_moduli(batch.n, batch.temperature, bulk.begin(), shear.begin());
-    RadialReturnTangent of_step(batch, temperature_of(batch), heating);
+    RadialReturnTangent of_step(batch, temperature_of(batch), adiabatic.per_work);
     update_stress(batch);
     of_step.find(batch, *flow_stress, bulk.begin(), shear.begin(), tangent);
   }
@@ -238,7 +272,7 @@ namespace tombolo
   {
     if (!sees_temperature)
       return nullptr;
-    return keeps_temperature ? batch.internal_variables[own_temperature] : batch.temperature;
+    return adiabatic.is_kept ? batch.internal_variables[own_temperature] : batch.temperature;
   }
 
   template <bool with_tables>
@@ -292,16 +326,7 @@ namespace tombolo
                                            double *const yield_stress, double *const slope) const
   {
     alignas(64) static constexpr Values none = {};
-    FlowStressBatch batch;
-    batch.n = n;
-    batch.inverse_time_increment = 0.;
-    batch.plastic_strain = plastic_strain;
-    batch.increment = none;
-    batch.temperature = temperature;
-    batch.temperature_change = none;
-    batch.flow_stress = yield_stress;
-    batch.slope = slope;
-    flow_stress->evaluate(batch);
+    flow_stress->evaluate({n, 0., plastic_strain, none, temperature, none, yield_stress, slope});
   }
 
   void J2Plasticity::keep_yield_stress(const MaterialBatch &batch, const unsigned int begin,
@@ -484,15 +509,14 @@ namespace tombolo
   void J2Plasticity::solve(const double inverse_time_increment, Chunk &chunk) const
   {
     const double constant_threefold_shear = 3. * shear_modulus();
-    FlowStressBatch end;
-    end.n = chunk.n;
-    end.inverse_time_increment = inverse_time_increment;
-    end.plastic_strain = chunk.strain;
-    end.increment = chunk.increment;
-    end.temperature = sees_temperature ? chunk.new_temperature : nullptr;
-    end.temperature_change = sees_temperature ? chunk.temperature_change : nullptr;
-    end.flow_stress = chunk.flow;
-    end.slope = chunk.slope;
+    const FlowStressBatch end{chunk.n,
+                              inverse_time_increment,
+                              chunk.strain,
+                              chunk.increment,
+                              sees_temperature ? chunk.new_temperature : nullptr,
+                              sees_temperature ? chunk.temperature_change : nullptr,
+                              chunk.flow,
+                              chunk.slope};
 
     // Newton's method for trial - 3 G Δp - σ_y(Δp) = 0, which is positive at Δp = 0 and at most
     // zero where no deviatoric stress is left: every evaluation narrows these bounds.
@@ -500,7 +524,7 @@ namespace tombolo
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
       if (sees_temperature)
-        chunk.update_temperature<with_tables>(heating, constant_threefold_shear);
+        chunk.update_temperature<with_tables>(adiabatic.per_work, constant_threefold_shear);
       chunk.update_strain();
       flow_stress->evaluate(end);
       const Chunk::Progress progress = chunk.narrow_bounds<with_tables>(constant_threefold_shear);
@@ -548,9 +572,10 @@ namespace tombolo
       const Lanes new_strain = load_lanes(strain) + increment;
       store_lanes(new_strain, strain);
       store_lanes(load_lanes(total_work) + work, total_work);
-      if (keeps_temperature)
+      if (adiabatic.is_kept)
       {
-        const Lanes temperature = load_lanes(chunk.old_temperature + packed) + heating * work;
+        const Lanes temperature =
+            load_lanes(chunk.old_temperature + packed) + adiabatic.per_work * work;
         store_lanes(temperature, batch.internal_variables[own_temperature] + from);
         store_lanes(temperature, chunk.new_temperature + packed);
         store_lanes(new_strain, chunk.strain + packed);

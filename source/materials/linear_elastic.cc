@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/linear_elastic.h>
 
-#include <tombolo/materials/material_tangent.h>
-
 #include <algorithm>
 #include <vector>
 
@@ -254,27 +252,7 @@ namespace tombolo
   {
     if (pressure)
       return EnergyPressure::deviatoric_energy_density(n, stress, shear, energy_density);
-    if (!moduli_are_tables)
-      return Material::elastic_energy_density(n, stress, temperature, energy_density);
-    AssertThrow(n == 0 || temperature != nullptr,
-                ExcMessage("The energy of a thermoelastic material needs its temperature."));
-    ChunkValues bulk_at, shear_at;
-    for (unsigned int begin = 0; begin < n; begin += points_per_chunk)
-    {
-      const unsigned int size = std::min(points_per_chunk, n - begin);
-      evaluate_moduli(size, temperature + begin, bulk_at, shear_at);
-      for (unsigned int i = 0; i < size; ++i)
-      {
-        const unsigned int point = begin + i;
-        const double mean = (stress[0][point] + stress[1][point] + stress[2][point]) / 3.;
-        double squared = 0.; // of the deviator
-        for (unsigned int c = 0; c < 3; ++c)
-          squared += (stress[c][point] - mean) * (stress[c][point] - mean);
-        for (unsigned int c = 3; c < 6; ++c)
-          squared += 2. * stress[c][point] * stress[c][point];
-        energy_density[point] = mean * mean / (2. * bulk_at[i]) + squared / (4. * shear_at[i]);
-      }
-    }
+    Material::elastic_energy_density(n, stress, temperature, energy_density);
   }
 
   TOMBOLO_REGISTER(Material, LinearElastic, "elastic",

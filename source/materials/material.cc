@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/material.h>
 
+#include <deal.II/base/aligned_vector.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace tombolo
 {
-  std::vector<FieldDescription> Material::internal_variables() const
+  bool Material::remembers(const std::string &variable) const
   {
-    return {};
+    const std::vector<FieldDescription> variables = internal_variables();
+    return std::any_of(variables.begin(), variables.end(),
+                       [&](const FieldDescription &field) { return field.name == variable; });
   }
 
   double Material::longitudinal_wave_speed() const
@@ -29,21 +33,96 @@ namespace tombolo
   }
 
   void Material::elastic_energy_density(const unsigned int n, const double *const stress[6],
-                                        const double * /*temperature*/,
-                                        double *energy_density) const
+                                        const double *temperature, double *energy_density) const
   {
-    const double bulk_compliance = 1. / (2. * bulk_modulus());
-    const double shear_compliance = 1. / (4. * shear_modulus());
-    for (unsigned int i = 0; i < n; ++i)
+    constexpr unsigned int chunk_size = 64;
+    double bulk[chunk_size], shear[chunk_size];
+    for (unsigned int begin = 0; begin < n; begin += chunk_size)
     {
-      const double mean = (stress[0][i] + stress[1][i] + stress[2][i]) / 3.;
-      const double xx = stress[0][i] - mean;
-      const double yy = stress[1][i] - mean;
-      const double zz = stress[2][i] - mean;
-      const double shear =
-          stress[3][i] * stress[3][i] + stress[4][i] * stress[4][i] + stress[5][i] * stress[5][i];
-      energy_density[i] = bulk_compliance * mean * mean +
-                          shear_compliance * (xx * xx + yy * yy + zz * zz + 2. * shear);
+      const unsigned int end = std::min(begin + chunk_size, n);
+      elastic_moduli(end - begin, temperature == nullptr ? nullptr : temperature + begin, bulk,
+                     shear);
+      for (unsigned int i = begin; i < end; ++i)
+      {
+        const double bulk_compliance = 1. / (2. * bulk[i - begin]);
+        const double shear_compliance = 1. / (4. * shear[i - begin]);
+        const double mean = (stress[0][i] + stress[1][i] + stress[2][i]) / 3.;
+        const double xx = stress[0][i] - mean, yy = stress[1][i] - mean, zz = stress[2][i] - mean;
+        const double shears =
+            stress[3][i] * stress[3][i] + stress[4][i] * stress[4][i] + stress[5][i] * stress[5][i];
+        energy_density[i] = bulk_compliance * mean * mean +
+                            shear_compliance * (xx * xx + yy * yy + zz * zz + 2. * shears);
+      }
     }
+  }
+
+  namespace
+  {
+    /** The state of a batch before its update. */
+    class KeptBatch
+    {
+    public:
+      explicit KeptBatch(const MaterialBatch &batch)
+          : n(batch.n), values((12 + batch.internal_variables.size()) * batch.n)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          std::copy_n(batch.stress[c], n, place(c));
+          std::copy_n(batch.strain_increment[c], n, place(6 + c));
+        }
+        for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
+          std::copy_n(batch.internal_variables[v], n, place(12 + v));
+      }
+
+      double *strain(const unsigned int component)
+      {
+        return place(6 + component);
+      }
+
+      void restore(MaterialBatch &batch)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+          std::copy_n(place(c), n, batch.stress[c]);
+        for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
+          std::copy_n(place(12 + v), n, batch.internal_variables[v]);
+      }
+
+    private:
+      double *place(const std::size_t row)
+      {
+        return values.data() + row * n;
+      }
+
+      unsigned int n;
+      dealii::AlignedVector<double> values;
+    };
+  } // namespace
+
+  void Material::update_stress_and_tangent(MaterialBatch &batch,
+                                           const MaterialTangent &tangent) const
+  {
+    constexpr double change = 1e-7;
+    KeptBatch kept(batch);
+    MaterialBatch changed = batch;
+    for (unsigned int c = 0; c < 6; ++c)
+      changed.strain_increment[c] = kept.strain(c);
+    for (unsigned int column = 0; column < 6; ++column)
+    {
+      for (unsigned int i = 0; i < batch.n; ++i)
+        kept.strain(column)[i] += change;
+      update_stress(changed);
+      for (unsigned int row = 0; row < 6; ++row)
+        std::copy_n(batch.stress[row], batch.n, tangent[6 * row + column]);
+      std::copy_n(batch.strain_increment[column], batch.n, kept.strain(column));
+      kept.restore(batch);
+    }
+    update_stress(batch);
+    for (unsigned int row = 0; row < 6; ++row)
+      for (unsigned int column = 0; column < 6; ++column)
+        for (unsigned int i = 0; i < batch.n; ++i)
+        {
+          double &entry = tangent[6 * row + column][i];
+          entry = (entry - batch.stress[row][i]) / change;
+        }
   }
 } // namespace tombolo

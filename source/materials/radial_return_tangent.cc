@@ -92,15 +92,10 @@ namespace tombolo
           temperature_without_own[i] + heating * batch.internal_variables[plastic_work_variable][i];
       temperature_change[i] = heating * batch.volume_ratio[i] * std::sqrt(deviator_of(batch, i, s));
     }
-    FlowStressBatch end;
-    end.n = batch.n;
-    end.inverse_time_increment = batch.time_increment > 0. ? 1. / batch.time_increment : 0.;
-    end.plastic_strain = batch.internal_variables[plastic_strain_variable];
-    end.increment = increment.begin();
-    end.temperature = sees_temperature ? temperature.begin() : nullptr;
-    end.temperature_change = sees_temperature ? temperature_change.begin() : nullptr;
-    end.flow_stress = flow.begin();
-    end.slope = slope.begin();
-    flow_stress.evaluate(end);
+    flow_stress.evaluate({batch.n, batch.time_increment > 0. ? 1. / batch.time_increment : 0.,
+                          batch.internal_variables[plastic_strain_variable], increment.begin(),
+                          sees_temperature ? temperature.begin() : nullptr,
+                          sees_temperature ? temperature_change.begin() : nullptr, flow.begin(),
+                          slope.begin()});
   }
 } // namespace tombolo

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cloud_functions.h"
 
-#include <tombolo/approximation/convex_minimum.h>
+#include <tombolo/approximation/convex_approximation.h>
 #include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/symmetric_tensor.h>

@@ -18,6 +18,15 @@ namespace tombolo
    */
   namespace NodalSmoothing
   {
+    inline const double *node(const double *field, const unsigned int local)
+    {
+      return field + static_cast<std::size_t>(local) * node_stride;
+    }
+    inline double *node(double *field, const unsigned int local)
+    {
+      return field + static_cast<std::size_t>(local) * node_stride;
+    }
+
     /** result_J += φ_J(x_I) @p value, for the neighbours of one particle. */
     void scatter_row(const Stencils::Row &row, const NodeLanes &value, double *result);
 
@@ -53,9 +62,10 @@ namespace tombolo
                        double *unsmoothed_velocity, double *position, double *momentum);
 
     /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (X_I - X_J)], with gradients and offsets in
-     * the kernel's reference: the numerator of the affine smoothing (doc/method.md, M12). */
+     * the kernel's reference: the numerator of the affine smoothing (doc/method.md, M12). Of some
+     * @p rows, or null: of all. */
     void scatter_affine(const Stencils &shape, const double *row_mass, const double *velocity,
-                        double *momentum);
+                        double *momentum, const std::vector<unsigned int> *rows = nullptr);
 
     /** The transpose of scatter_affine: for the row of every particle J and its neighbours K
      *
@@ -65,12 +75,6 @@ namespace tombolo
      *   result_J -= the sum of the second line over K
      * @endverbatim */
     void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
-                       double *result);
-
-    /** The same two for some rows. */
-    void scatter_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
-                        const double *row_mass, const double *velocity, double *momentum);
-    void gather_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
-                       const double *row_mass, const double *field, double *result);
+                       double *result, const std::vector<unsigned int> *rows = nullptr);
   } // namespace NodalSmoothing
 } // namespace tombolo

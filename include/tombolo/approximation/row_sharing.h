@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/stencils.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <unordered_map>
@@ -21,18 +23,18 @@ namespace tombolo
     static constexpr double tolerance = 1e-12;
 
     /** Where a row of @p n neighbours with these values (n) and gradients (three each) is in
-     * values(), and, times three, in gradients(): the first such row that was added. */
+     * the kept values, and, times three, in the kept gradients: the first such row that was added.
+     */
     std::size_t add(unsigned int n, const double *value, const double *gradient);
 
-    const std::vector<double> &values() const
+    /** How many values are kept. */
+    std::size_t size() const
     {
-      return kept_values;
+      return kept_values.size();
     }
 
-    const std::vector<double> &gradients() const
-    {
-      return kept_gradients;
-    }
+    /** Makes what is kept the values and gradients of @p shape. */
+    void store(Stencils &shape) const;
 
   private:
     struct Kept

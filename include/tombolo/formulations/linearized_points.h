@@ -6,7 +6,6 @@
 #include <tombolo/formulations/mean_dilatation.h>
 #include <tombolo/formulations/part_points.h>
 #include <tombolo/materials/logarithmic_strain.h>
-#include <tombolo/materials/material_tangent.h>
 
 #include <algorithm>
 

@@ -32,11 +32,8 @@ namespace tombolo
         : bulk_viscosity(viscosity), strain_measure(measure)
     {}
 
-    /** Strain measure and viscosity of a section. */
-    explicit PartPoints(const Section &section)
-        : PartPoints(BulkViscosity(section), read_strain_measure(section))
-    {}
-    static void declare_parameters(dealii::ParameterHandler &handler, StrainMeasure by_default);
+    /** Strain measure, with this default, and viscosity of a section. */
+    explicit PartPoints(const Entries &e, StrainMeasure by_default = StrainMeasure::rate);
 
     /** Takes material and heat of a part, the latter null in scenes without heat. There are no
      * points yet, and none in a scene of heat alone. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/stencils.h>
+#include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
@@ -18,15 +18,7 @@ namespace tombolo
    * arrays are at the address of local node 0, node_stride doubles a node. */
   namespace RowBlock
   {
-    inline const double *node(const double *field, const unsigned int local)
-    {
-      return field + static_cast<std::size_t>(local) * node_stride;
-    }
-
-    inline double *node(double *field, const unsigned int local)
-    {
-      return field + static_cast<std::size_t>(local) * node_stride;
-    }
+    using NodalSmoothing::node;
 
     /** Of n_lanes points one after the other, each with three columns. */
     TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> load_columns(const double *columns)

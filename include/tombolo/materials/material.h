@@ -2,15 +2,22 @@
 #pragma once
 
 #include <tombolo/base/input/registry.h>
-#include <tombolo/materials/strain_measure.h>
 #include <tombolo/state/field.h>
 
 #include <array>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace tombolo
 {
+  /** What the stress of a point follows. */
+  enum class StrainMeasure
+  {
+    rate,       ///< the rate of deformation, turned with the spin: Cauchy stress (eqs 5, 19)
+    logarithmic ///< the elastic logarithmic strain: Kirchhoff stress, from an energy
+  };
+
   /**
    * n consecutive material points, as arrays of a structure-of-arrays: stress[c][i] is component c
    * (xx, yy, zz, yz, xz, xy) of point i. n is a multiple of n_lanes; padding points have zero
@@ -42,6 +49,16 @@ namespace tombolo
    * change δσ of the former acts as the strain C⁻¹ : δσ. [M/(L T^2)]
    */
   using MaterialTangent = std::array<double *, 36>;
+
+  /** Sets the tangent of isotropic elasticity at point @p i. */
+  inline void set_elastic_tangent(const double bulk, const double shear, const unsigned int i,
+                                  const MaterialTangent &tangent)
+  {
+    for (unsigned int row = 0; row < 6; ++row)
+      for (unsigned int column = 0; column < 6; ++column)
+        tangent[6 * row + column][i] = (row == column ? 2. * shear : 0.) +
+                                       (row < 3 && column < 3 ? bulk - 2. / 3. * shear : 0.);
+  }
 
   /** A material: a function from strain increments to stress, in batches. It knows no mesh. */
   class Material
@@ -87,7 +104,12 @@ namespace tombolo
      *   [M/(L T^2)]; the formulation adds to it;
      * - "bulk modulus": the present one, in the place of bulk_modulus() in step estimates.
      */
-    virtual std::vector<FieldDescription> internal_variables() const;
+    virtual std::vector<FieldDescription> internal_variables() const
+    {
+      return {};
+    }
+    /** Whether one of them has this name. */
+    bool remembers(const std::string &variable) const;
 
     /** Whether it has stresses at all. One that has not is for scenes of heat alone. */
     virtual bool has_mechanics() const

@@ -3,7 +3,6 @@
 
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/material.h>
-#include <tombolo/materials/material_tangent.h>
 
 #include <deal.II/base/aligned_vector.h>
 

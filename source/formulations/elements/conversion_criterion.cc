@@ -19,14 +19,16 @@ namespace tombolo
 
   ConversionCriterion::ConversionCriterion(const Entries &e)
   {
-    largest_strain = e.optional_number(
+    const auto largest_strain = e.optional_number(
         strain_entry, positive(), "1",
         "Effective plastic strain, as the mean of the points of a cell, at which the cell becomes "
         "particles, those of the part with `Cells = from` this part. Empty: not by strain.");
-    largest_damage = e.optional_number(
+    const auto largest_damage = e.optional_number(
         damage_limit_entry, positive(), "1",
         "Damage, as the mean of the points of a cell, at which the cell becomes particles; 1 where "
         "it has failed. The material needs a `Damage`. Empty: not by damage.");
+    largest_means.add(strain_entry, largest_strain, MeanLimits::Of::strain);
+    largest_means.add(damage_limit_entry, largest_damage, MeanLimits::Of::damage);
     smallest_jacobian =
         e.optional_number(jacobian_entry, positive(), "1",
                           "A cell becomes particles where the smallest determinant of the unit "
@@ -47,8 +49,7 @@ namespace tombolo
     if (e.when(smallest_gap.has_value()))
       contact_name = e.text(contact_entry, mandatory, "",
                             "The name of the contact, one of `Contacts`, for `Conversion gap`.");
-    if (!e.when(largest_strain || largest_damage || smallest_jacobian || smallest_time_step ||
-                smallest_gap))
+    if (!e.when(!largest_means.empty() || smallest_jacobian || smallest_time_step || smallest_gap))
       return;
     section = e.section();
     layers = e.integer(
@@ -61,11 +62,10 @@ namespace tombolo
 
   void ConversionCriterion::refuse(const std::string &message) const
   {
-    section->fail(largest_strain       ? strain_entry
-                  : largest_damage     ? damage_limit_entry
-                  : smallest_jacobian  ? jacobian_entry
-                  : smallest_time_step ? time_step_entry
-                                       : contact_entry,
+    section->fail(!largest_means.empty() ? largest_means.first_entry()
+                  : smallest_jacobian    ? jacobian_entry
+                  : smallest_time_step   ? time_step_entry
+                                         : contact_entry,
                   message);
   }
 
@@ -76,19 +76,6 @@ namespace tombolo
     if (!has_mechanics)
       refuse("the scene has no mechanics, since its materials have no stresses; nothing is "
              "deformed.");
-    if (largest_damage)
-    {
-      damage_field = points.find_field("damage");
-      if (damage_field == points.fields().size())
-        section->fail(damage_limit_entry,
-                      "the material of the part has no damage; allowed is one that has, such as "
-                      "\"j2 plasticity\" with \"Damage = johnson cook damage\".");
-    }
-    if (!largest_strain)
-      return;
-    field = points.find_field("effective plastic strain");
-    if (field == points.fields().size())
-      section->fail(strain_entry, "the material of the part has no plastic strain; allowed is one "
-                                  "with plastic flow, such as \"j2 plasticity\".");
+    largest_means.initialize(*section, points);
   }
 } // namespace tombolo

@@ -14,7 +14,7 @@ namespace tombolo
       const Entries e(handler);
       e.integer("Degree", "2", between(1, 3),
                 "Polynomial degree. All parts of a scene need nodes of the same degree.");
-      PartPoints::declare_parameters(handler, StrainMeasure::logarithmic);
+      declare<PartPoints>(handler, StrainMeasure::logarithmic);
       declare<ErosionCriterion>(e);
       declare<ConversionCriterion>(e);
     }

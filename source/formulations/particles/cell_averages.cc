@@ -477,15 +477,11 @@ namespace tombolo
     {
       const Stencils::Row of_row = stencils.row(row);
       start.push_back(kept.add(of_row.size, of_row.value, of_row.gradient));
-      if (2 * kept.values().size() > n_entries)
+      if (2 * kept.size() > n_entries)
         return;
     }
     stencils.coefficient_start = start;
-    stencils.value.resize_fast(kept.values().size());
-    std::copy(kept.values().begin(), kept.values().end(), stencils.value.begin());
-    stencils.gradient.resize_fast(kept.gradients().size() + 1);
-    std::copy(kept.gradients().begin(), kept.gradients().end(), stencils.gradient.begin());
-    stencils.gradient.back() = 0.;
+    kept.store(stencils);
   }
 
   template class CellAverages<2>;

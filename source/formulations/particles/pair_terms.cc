@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/particles/pair_terms.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
 
 #include <tombolo/base/input/entries.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/bond_counts.h>
 
-#include <tombolo/approximation/former_rows.h>
+#include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/model/model.h>
 

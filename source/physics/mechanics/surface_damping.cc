@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/surface_damping.h>
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/materials/material_memory.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/state/dependent_nodes.h>
@@ -49,7 +48,7 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       const Material &material = particles->material();
-      if (remembers(material, "effective plastic strain"))
+      if (material.remembers("effective plastic strain"))
         continue;
       // A nearly incompressible body is not to be held by its speed of sound.
       const double impedance =

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
-#include <tombolo/materials/material_memory.h>
 #include <tombolo/model/point_transfer.h>
 
 #include <algorithm>
@@ -86,7 +85,7 @@ namespace tombolo
   private:
     std::string lack(const Part<dim> &part) const override
     {
-      return remembers(*part.material, plastic_strain_name)
+      return part.material->remembers(plastic_strain_name)
                  ? ""
                  : "no material of the scene has plastic strain";
     }

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/materials/material_memory.h>
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/statics/rest_entries.h>
@@ -114,7 +113,7 @@ namespace tombolo
                                       steps +
                                       "do not know; allowed is the whole body, or smoothed cells "
                                       "or elements.");
-    if (remembers(*part.material, "pressure work"))
+    if (part.material->remembers("pressure work"))
       section.fail("Material", "its pressure is that of an equation of state, which is for "
                                "shocks; " +
                                    steps + "know the elastic pressure only.");

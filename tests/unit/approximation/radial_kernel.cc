@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/approximation/radial_kernel.h>
+#include <tombolo/approximation/radial_rows.h>
 #include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/numbers.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/approximation/smoothing_strength.h>
+#include <tombolo/approximation/smoothing_settings.h>
 
 #include <gtest/gtest.h>
 

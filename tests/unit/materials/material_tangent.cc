@@ -2,7 +2,7 @@
 // ranks: 1
 #include "material_testing.h"
 
-#include <tombolo/materials/material_tangent.h>
+#include <tombolo/materials/material.h>
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,6 @@
 #include <tombolo/formulations/elements/cell_stiffness.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
-#include <tombolo/formulations/elements/erosion_criterion.h>
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/state/records.h>
@@ -32,7 +31,7 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       Element::declare_parameters(handler);
-      PartPoints::declare_parameters(handler, Element::measure);
+      declare<PartPoints>(handler, Element::measure);
       declare<ErosionCriterion>(handler);
       declare<ConversionCriterion>(handler);
     }
@@ -179,17 +178,11 @@ namespace tombolo
     failed_places.clear();
     for (unsigned int place = 0; place < cell_points.cells().n_present_cells(); ++place)
     {
-      bool fails = false, is_large = true;
-      for (const ErosionCriterion::Limit &limit : erosion.limits())
-      {
-        double sum = 0;
-        for (unsigned int q = 0; q < Element::n_points; ++q)
-          sum += points().component(limit.field, 0)[Points::point_at(place, q)];
-        fails = fails || sum / Element::n_points >= limit.value;
-      }
+      bool is_large = true;
       for (unsigned int q = 0; q < Element::n_points; ++q)
         is_large = is_large && ratios[Points::point_at(place, q)] > small_volume;
-      if (fails || (!is_large && !integration.is_volume_positive(place, position)))
+      if (erosion.means().are_reached(points(), place, Element::n_points) ||
+          (!is_large && !integration.is_volume_positive(place, position)))
         failed_places.push_back(place);
     }
     return static_cast<unsigned int>(failed_places.size());

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/state/material_points.h>
+#include <tombolo/formulations/elements/mean_limits.h>
 
 #include <optional>
 #include <string>
@@ -23,15 +23,13 @@ namespace tombolo
       return section.has_value();
     }
 
+    /** Of strain and damage. */
+    const MeanLimits &means() const
+    {
+      return largest_means;
+    }
+
     /** Limits; empty: none. */
-    const std::optional<double> &strain() const
-    {
-      return largest_strain;
-    }
-    const std::optional<double> &damage() const
-    {
-      return largest_damage;
-    }
     const std::optional<double> &scaled_jacobian() const
     {
       return smallest_jacobian;
@@ -68,27 +66,14 @@ namespace tombolo
      * Throws InputError where the material has no such field. Does nothing if off. */
     void initialize(const MaterialPoints &points, bool has_mechanics);
 
-    /** The effective plastic strain of all points; only if there is a limit for it. */
-    const double *plastic_strain(const MaterialPoints &points) const
-    {
-      return points.component(field, 0);
-    }
-
-    /** The damage of all points; only if there is a limit for it. */
-    const double *damage(const MaterialPoints &points) const
-    {
-      return points.component(damage_field, 0);
-    }
-
     /** Throws InputError for the entry that switches the criterion on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
 
   private:
     std::optional<Section> section;
-    std::optional<double> largest_strain, largest_damage, smallest_jacobian, smallest_time_step,
-        smallest_gap;
+    MeanLimits largest_means;
+    std::optional<double> smallest_jacobian, smallest_time_step, smallest_gap;
     std::string contact_name;
     unsigned int layers = 0, steps_between_looks = 1;
-    unsigned int field = 0, damage_field = 0;
   };
 } // namespace tombolo

@@ -9,7 +9,6 @@
 #include <tombolo/formulations/step_cost.h>
 #include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
-#include <tombolo/materials/strain_measure.h>
 
 #include <vector>
 

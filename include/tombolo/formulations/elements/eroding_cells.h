@@ -3,12 +3,42 @@
 
 #include <deal.II/base/types.h>
 
+#include <tombolo/base/input/entries.h>
+#include <tombolo/formulations/elements/mean_limits.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <vector>
 
 namespace tombolo
 {
+  /** When a cell of elements is removed: where the mean effective plastic strain of its points, or
+   * their mean damage, reaches a limit. Off unless a limit is given. */
+  class ErosionCriterion
+  {
+  public:
+    /** None. */
+    ErosionCriterion() = default;
+    explicit ErosionCriterion(const Entries &e);
+    bool is_on() const
+    {
+      return !largest_means.empty();
+    }
+
+    /** A cell that reaches one of them is removed; none if off. */
+    const MeanLimits &means() const
+    {
+      return largest_means;
+    }
+
+    /** Finds the fields in @p points, which are none where the scene has no mechanics. Throws
+     * InputError where the material has no such field. Does nothing if off. */
+    void initialize(const MaterialPoints &points, bool has_mechanics);
+
+  private:
+    Section section;
+    MeanLimits largest_means;
+  };
+
   /** What cells take with them when they are removed; sums of this rank. */
   struct RemovedCells
   {

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <tombolo/base/energy_accounts.h>
-#include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/elements/cell_part.h>
+#include <tombolo/formulations/elements/conversion_criterion.h>
+#include <tombolo/formulations/elements/converting_cells.h>
 
 #include <functional>
 #include <optional>
@@ -63,6 +64,16 @@ namespace tombolo
     std::vector<bool> converted; // those of them that became particles; likewise
     EnergyAccounts dissipated_in_lost;
   };
+
+  /** Marks the places of cells of this @p degree whose corners are too sharp at these positions. */
+  template <int dim>
+  void mark_by_shape(const ConversionCriterion &criterion, const CellBatches<dim> &cells,
+                     unsigned int degree, const NodalVector &position, std::vector<bool> &converts);
+
+  /** ConvertingCells::add_state() of cells with these points. */
+  template <int dim>
+  void add_state_of_cells(const PointsInCells<dim> &cell_points, const PartPoints &part_points,
+                          const std::vector<unsigned int> &converted, StateTransfer &state);
 
   /** What all parts have whose cells can become particles: when they do, and which are lost.
    * Integration is what their stresses do at the nodes. */
@@ -150,8 +161,10 @@ namespace tombolo
   LosingCells<dim, Points, Integration>::find_converting_cells(const NodalVector &position) const
   {
     const CellBatches<dim> &cells = cell_points.cells();
-    std::vector<bool> converts(cells.n_present_cells(), false);
-    mark_by_points(criterion, this->points(), this->n_points_per_cell(), converts);
+    std::vector<bool> converts;
+    for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
+      converts.push_back(
+          criterion.means().are_reached(this->points(), place, this->n_points_per_cell()));
     mark_by_shape(criterion, cells, this->degree(), position, converts);
     std::vector<double> time_steps;
     if (criterion.time_step())

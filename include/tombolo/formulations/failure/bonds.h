@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/former_rows.h>
+#include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/failure/bond_check.h>
 #include <tombolo/formulations/failure/partner_lists.h>
 #include <tombolo/formulations/part_points.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/former_rows.h>
 #include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/converting_cells.h>

@@ -4,7 +4,7 @@
 // their surface.
 #include "frozen_body.h"
 
-#include <tombolo/formulations/particles/part_boundary.h>
+#include <tombolo/formulations/particles/patch_test.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/surface_damping.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
-#include <tombolo/formulations/particles/pair_conduction.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
 
 #include <gtest/gtest.h>
 

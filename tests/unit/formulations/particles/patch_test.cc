@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/formulations/particles/part_boundary.h>
+#include <tombolo/formulations/particles/patch_test.h>
 #include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
