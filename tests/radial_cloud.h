@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/particles/row_pairs.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
 
 #include "particle_clouds.h"
 

@@ -4,7 +4,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/node_maxima.h>
 
 #include <algorithm>
 #include <cmath>

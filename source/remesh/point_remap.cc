@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/node_maxima.h>
+#include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 
 #include <tombolo/formulations/smoothed/sub_cells.h>
 #include <tombolo/formulations/smoothed/value_remap.h>
-#include <tombolo/remesh/node_maxima.h>
+#include <tombolo/remesh/nodal_projection.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>

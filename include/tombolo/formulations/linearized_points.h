@@ -55,22 +55,106 @@ namespace tombolo
     }
 
     /** Takes the state of the points from @p first_point on, at the start of the step. */
-    void begin(std::size_t first_point);
+    void begin(const std::size_t first_point)
+    {
+      first = first_point;
+      const MaterialPoints &points = part.points();
+      alignas(64) double bulk_at[size], shear_at[size];
+      part.material().elastic_moduli(size, part.temperature(first), bulk_at, shear_at);
+      const double *const volumes = points.component(MaterialPoints::volume, 0) + first;
+      std::copy_n(volumes, size, old_volume);
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const unsigned int i = q * n_lanes;
+        bulk[q] = load_lanes(bulk_at + i);
+        shear[q] = load_lanes(shear_at + i);
+        old_ratio[q] = load_lanes(points.component(MaterialPoints::volume_ratio, 0) + first + i);
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          old_stress[q][c] = load_lanes(points.component(MaterialPoints::stress, c) + first + i);
+          if (is_logarithmic())
+            old_stress[q][c] *= old_ratio[q];
+        }
+        elastic_strain_of(old_stress[q], bulk[q], shear[q], elastic_strain[q]);
+      }
+    }
 
     /** Sets what H = Δt ∂v/∂x of each point makes of the points, whose volumes at the end of the
      * step @p motion has; see PointSweep::move_cells(). */
     template <typename Share>
-    void move(const Matrix3<Lanes> (&h)[n_points], bool shares_volume, const Share &share,
-              Motion &motion) const;
+    void move(const Matrix3<Lanes> (&h)[n_points], const bool shares_volume, const Share &share,
+              Motion &motion) const
+    {
+      const bool grows = shares_volume && is_logarithmic();
+      const Lanes growth =
+          grows ? MeanDilatation::growth_of_cell(old_volume, motion.volume) : Lanes(1.);
+      MotionIncrement<Lanes> increments[n_points];
+      for (unsigned int q = 0; q < n_points; ++q)
+        increments[q] = is_logarithmic() ? logarithmic_increment(h[q], elastic_strain[q])
+                                         : motion_increment(h[q]);
+      share(increments);
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          motion.strain[q][c] = increments[q].strain[c];
+          motion.stress[q][c] = old_stress[q][c];
+        }
+        std::copy_n(increments[q].spin, 3, motion.spin[q]);
+        rotate(increments[q].spin, motion.stress[q]);
+        motion.volume_ratio[q] = old_ratio[q] * increments[q].volume_factor;
+        motion.work_factor[q] = work_factor(increments[q]);
+        if (grows)
+          motion.volume[q] = load_lanes(old_volume + q * n_lanes) * growth;
+      }
+    }
 
     /** Asks the material for the stress of @p motion, and its tangent. Advances what the material
      * remembers, and with heat the temperature, from that of the nodes at the points. */
-    void update(const Motion &motion, const double *nodal_temperature);
+    void update(const Motion &motion, const double *const nodal_temperature)
+    {
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          store_lanes(motion.stress[q][c], stress_of_batch[c] + q * n_lanes);
+          store_lanes(motion.strain[q][c], strain_of_batch[c] + q * n_lanes);
+        }
+        store_lanes(motion.volume_ratio[q], ratio_of_batch + q * n_lanes);
+        store_lanes(is_logarithmic() ? motion.work_factor[q] : motion.volume_ratio[q],
+                    factor_of_batch + q * n_lanes);
+      }
+      part.complete(batch, first, nodal_temperature, temperature_increment);
+      part.material().update_stress_and_tangent(batch, tangent);
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int c = 0; c < 6; ++c)
+          stress[q][c] = load_lanes(stress_of_batch[c] + q * n_lanes);
+    }
 
     /** Volume times stress of @p changed: the stress is that of @p motion, which update() has seen,
      * and what the tangent makes of the difference. */
     void integrate(const Motion &motion, const Motion &changed,
-                   Lanes (&integrated)[n_points][6]) const;
+                   Lanes (&integrated)[n_points][6]) const
+    {
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        Lanes turned[6], strain[6];
+        for (unsigned int c = 0; c < 6; ++c)
+          turned[c] = changed.stress[q][c] - motion.stress[q][c];
+        elastic_strain_of(turned, bulk[q], shear[q], strain);
+        for (unsigned int c = 0; c < 6; ++c)
+          strain[c] += changed.strain[q][c] - motion.strain[q][c];
+        const Lanes volume =
+            is_logarithmic() ? changed.volume[q] / changed.volume_ratio[q] : changed.volume[q];
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          Lanes sum = stress[q][c];
+          for (unsigned int e = 0; e < 6; ++e)
+            sum += load_lanes(tangent[6 * c + e] + q * n_lanes) * strain[e];
+          integrated[q][c] = volume * sum;
+        }
+      }
+    }
 
     Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's or Cauchy's
 
@@ -88,104 +172,4 @@ namespace tombolo
     MaterialTangent tangent;
   };
 
-  template <unsigned int n_points>
-  void LinearizedPoints<n_points>::begin(const std::size_t first_point)
-  {
-    first = first_point;
-    const MaterialPoints &points = part.points();
-    alignas(64) double bulk_at[size], shear_at[size];
-    part.material().elastic_moduli(size, part.temperature(first), bulk_at, shear_at);
-    const double *const volumes = points.component(MaterialPoints::volume, 0) + first;
-    std::copy_n(volumes, size, old_volume);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      const unsigned int i = q * n_lanes;
-      bulk[q] = load_lanes(bulk_at + i);
-      shear[q] = load_lanes(shear_at + i);
-      old_ratio[q] = load_lanes(points.component(MaterialPoints::volume_ratio, 0) + first + i);
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        old_stress[q][c] = load_lanes(points.component(MaterialPoints::stress, c) + first + i);
-        if (is_logarithmic())
-          old_stress[q][c] *= old_ratio[q];
-      }
-      elastic_strain_of(old_stress[q], bulk[q], shear[q], elastic_strain[q]);
-    }
-  }
-
-  template <unsigned int n_points>
-  template <typename Share>
-  void LinearizedPoints<n_points>::move(const Matrix3<Lanes> (&h)[n_points],
-                                        const bool shares_volume, const Share &share,
-                                        Motion &motion) const
-  {
-    const bool grows = shares_volume && is_logarithmic();
-    const Lanes growth =
-        grows ? MeanDilatation::growth_of_cell(old_volume, motion.volume) : Lanes(1.);
-    MotionIncrement<Lanes> increments[n_points];
-    for (unsigned int q = 0; q < n_points; ++q)
-      increments[q] = is_logarithmic() ? logarithmic_increment(h[q], elastic_strain[q])
-                                       : motion_increment(h[q]);
-    share(increments);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        motion.strain[q][c] = increments[q].strain[c];
-        motion.stress[q][c] = old_stress[q][c];
-      }
-      std::copy_n(increments[q].spin, 3, motion.spin[q]);
-      rotate(increments[q].spin, motion.stress[q]);
-      motion.volume_ratio[q] = old_ratio[q] * increments[q].volume_factor;
-      motion.work_factor[q] = work_factor(increments[q]);
-      if (grows)
-        motion.volume[q] = load_lanes(old_volume + q * n_lanes) * growth;
-    }
-  }
-
-  template <unsigned int n_points>
-  void LinearizedPoints<n_points>::update(const Motion &motion,
-                                          const double *const nodal_temperature)
-  {
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        store_lanes(motion.stress[q][c], stress_of_batch[c] + q * n_lanes);
-        store_lanes(motion.strain[q][c], strain_of_batch[c] + q * n_lanes);
-      }
-      store_lanes(motion.volume_ratio[q], ratio_of_batch + q * n_lanes);
-      store_lanes(is_logarithmic() ? motion.work_factor[q] : motion.volume_ratio[q],
-                  factor_of_batch + q * n_lanes);
-    }
-    part.complete(batch, first, nodal_temperature, temperature_increment);
-    part.material().update_stress_and_tangent(batch, tangent);
-    for (unsigned int q = 0; q < n_points; ++q)
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[q][c] = load_lanes(stress_of_batch[c] + q * n_lanes);
-  }
-
-  template <unsigned int n_points>
-  void LinearizedPoints<n_points>::integrate(const Motion &motion, const Motion &changed,
-                                             Lanes (&integrated)[n_points][6]) const
-  {
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      Lanes turned[6], strain[6];
-      for (unsigned int c = 0; c < 6; ++c)
-        turned[c] = changed.stress[q][c] - motion.stress[q][c];
-      elastic_strain_of(turned, bulk[q], shear[q], strain);
-      for (unsigned int c = 0; c < 6; ++c)
-        strain[c] += changed.strain[q][c] - motion.strain[q][c];
-      const Lanes volume =
-          is_logarithmic() ? changed.volume[q] / changed.volume_ratio[q] : changed.volume[q];
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        Lanes sum = stress[q][c];
-        for (unsigned int e = 0; e < 6; ++e)
-          sum += load_lanes(tangent[6 * c + e] + q * n_lanes) * strain[e];
-        integrated[q][c] = volume * sum;
-      }
-    }
-  }
 } // namespace tombolo

@@ -57,8 +57,62 @@ namespace tombolo
     }
 
     /** The equations of the cell in a lane, with the row of each of its points. */
-    void hand_over(unsigned int lane, const std::array<Stencils::Row, n_points> &rows,
-                   const std::function<void(const CellEquations &)> &take);
+    void hand_over(const unsigned int lane, const std::array<Stencils::Row, n_points> &rows,
+                   const std::function<void(const CellEquations &)> &take)
+    {
+      CellEquations equations;
+      for (const Stencils::Row &row : rows)
+        equations.nodes.insert(equations.nodes.end(), row.neighbour, row.neighbour + row.size);
+      std::sort(equations.nodes.begin(), equations.nodes.end());
+      equations.nodes.erase(std::unique(equations.nodes.begin(), equations.nodes.end()),
+                            equations.nodes.end());
+      const auto n_nodes = static_cast<unsigned int>(equations.nodes.size());
+      constexpr unsigned int width = n_points * dim;
+      gradients_of_nodes.assign(std::size_t(n_nodes) * width, 0.); // by node, point and component
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int k = 0; k < rows[q].size; ++k)
+        {
+          const auto place = std::lower_bound(equations.nodes.begin(), equations.nodes.end(),
+                                              rows[q].neighbour[k]) -
+                             equations.nodes.begin();
+          for (unsigned int d = 0; d < dim; ++d)
+            gradients_of_nodes[std::size_t(place) * width + q * dim + d] +=
+                rows[q].gradient[k * Stencils::n_gradient + d];
+        }
+      // ∂P/∂F · ∇φ_K by entry of P, component and node K.
+      const unsigned int n_rows = n_nodes * dim;
+      products.assign(std::size_t(n_entries) * n_rows, 0.);
+      for (unsigned int row = 0; row < n_entries; ++row)
+        for (unsigned int q = 0; q < n_points; ++q)
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int l = 0; l < dim; ++l)
+            {
+              const double value = derivative[row * n_entries + q * n_of_point + k * dim + l][lane];
+              double *const target = products.data() + std::size_t(row) * n_rows + k * n_nodes;
+              for (unsigned int node = 0; node < n_nodes; ++node)
+                target[node] += value * gradients_of_nodes[node * width + q * dim + l];
+            }
+      equations.matrix.assign(std::size_t(n_rows) * n_rows, 0.);
+      equations.force.assign(n_rows, 0.);
+      for (unsigned int node = 0; node < n_nodes; ++node)
+        for (unsigned int i = 0; i < dim; ++i)
+        {
+          const unsigned int row = dim * node + i;
+          double *const entries = equations.matrix.data() + std::size_t(row) * n_rows;
+          for (unsigned int q = 0; q < n_points; ++q)
+            for (unsigned int j = 0; j < dim; ++j)
+            {
+              const double gradient = gradients_of_nodes[node * width + q * dim + j];
+              const unsigned int entry = q * n_of_point + i * dim + j;
+              equations.force[row] += gradient * base_force[entry][lane];
+              const double *const product = products.data() + std::size_t(entry) * n_rows;
+              for (unsigned int k = 0; k < dim; ++k)
+                for (unsigned int other = 0; other < n_nodes; ++other)
+                  entries[dim * other + k] += gradient * product[k * n_nodes + other];
+            }
+        }
+      take(equations);
+    }
 
   private:
     static constexpr unsigned int n_of_point = dim * dim;
@@ -69,10 +123,82 @@ namespace tombolo
       Matrix3<Lanes> inverse_transpose[n_points];
     };
 
-    void find_motion(const Gradients &gradients, Motion &motion) const;
+    void find_motion(const Gradients &gradients, Motion &result) const
+    {
+      Matrix3<Lanes> h[n_points];
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        Lanes det;
+        const Matrix3<Lanes> inverse_deformation = inverse(gradients.deformation[q], det);
+        result.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
+        result.volume[q] = det * gradients.volume[q];
+        h[q] = multiply(gradients.displacement[q], inverse_deformation);
+      }
+      linearized.move(
+          h, shares_volume,
+          [&](MotionIncrement<Lanes>(&increments)[n_points])
+          {
+            if (shares_volume)
+              MeanDilatation::share<dim>(linearized.is_logarithmic(), result.volume, increments);
+          },
+          result);
+      for (unsigned int q = 0; q < n_points && !shares_volume; ++q)
+        result.volume[q] = gradients.volume[q] * result.volume_ratio[q];
+    }
     /** P of @p changed, whose stress follows by the tangent, by point and entry. */
-    void find_force(const Motion &changed, Lanes (&force)[n_entries]) const;
-    void find_derivative(const Gradients &gradients);
+    void find_force(const Motion &changed, Lanes (&force)[n_entries]) const
+    {
+      constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+      Lanes integrated[n_points][6];
+      linearized.integrate(motion, changed, integrated);
+      const Lanes mean = shares_volume
+                             ? MeanDilatation::mean_pressure<dim>(changed.volume, integrated)
+                             : Lanes(0.);
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        if (shares_volume)
+        {
+          const Lanes difference = changed.volume[q] * mean -
+                                   (1. / dim) * MeanDilatation::trace_in_plane<dim>(integrated[q]);
+          for (unsigned int i = 0; i < dim; ++i)
+            integrated[q][i] += difference;
+        }
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+          {
+            Lanes sum = 0.;
+            for (unsigned int k = 0; k < dim; ++k)
+              sum += integrated[q][place[i][k]] * changed.inverse_transpose[q](k, j);
+            force[q * n_of_point + i * dim + j] = sum;
+          }
+      }
+    }
+    void find_derivative(const Gradients &gradients)
+    {
+      constexpr double change = 1e-7; // F is about one
+      find_force(motion, base_force);
+      Gradients changed_gradients = gradients;
+      Motion changed;
+      Lanes force[n_entries];
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int l = 0; l < dim; ++l)
+          {
+            Lanes &f = changed_gradients.deformation[q](k, l);
+            Lanes &u = changed_gradients.displacement[q](k, l);
+            const Lanes old_f = f, old_u = u;
+            u = old_u + change;
+            const Lanes moved = u - old_u; // what is left of it after round-off
+            f = old_f + gradients.is_deformed * moved;
+            find_motion(changed_gradients, changed);
+            find_force(changed, force);
+            f = old_f;
+            u = old_u;
+            const unsigned int column = q * n_of_point + k * dim + l;
+            for (unsigned int row = 0; row < n_entries; ++row)
+              derivative[row * n_entries + column] = (force[row] - base_force[row]) / moved;
+          }
+    }
 
     const bool shares_volume;
 
@@ -86,144 +212,4 @@ namespace tombolo
     std::vector<double> gradients_of_nodes, products;
   };
 
-  template <int dim, unsigned int n_points>
-  void RowStiffness<dim, n_points>::find_motion(const Gradients &gradients, Motion &result) const
-  {
-    Matrix3<Lanes> h[n_points];
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      Lanes det;
-      const Matrix3<Lanes> inverse_deformation = inverse(gradients.deformation[q], det);
-      result.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
-      result.volume[q] = det * gradients.volume[q];
-      h[q] = multiply(gradients.displacement[q], inverse_deformation);
-    }
-    linearized.move(
-        h, shares_volume,
-        [&](MotionIncrement<Lanes>(&increments)[n_points])
-        {
-          if (shares_volume)
-            MeanDilatation::share<dim>(linearized.is_logarithmic(), result.volume, increments);
-        },
-        result);
-    for (unsigned int q = 0; q < n_points && !shares_volume; ++q)
-      result.volume[q] = gradients.volume[q] * result.volume_ratio[q];
-  }
-
-  template <int dim, unsigned int n_points>
-  void RowStiffness<dim, n_points>::find_force(const Motion &changed,
-                                               Lanes (&force)[n_entries]) const
-  {
-    constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-    Lanes integrated[n_points][6];
-    linearized.integrate(motion, changed, integrated);
-    const Lanes mean =
-        shares_volume ? MeanDilatation::mean_pressure<dim>(changed.volume, integrated) : Lanes(0.);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      if (shares_volume)
-      {
-        const Lanes difference = changed.volume[q] * mean -
-                                 (1. / dim) * MeanDilatation::trace_in_plane<dim>(integrated[q]);
-        for (unsigned int i = 0; i < dim; ++i)
-          integrated[q][i] += difference;
-      }
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-        {
-          Lanes sum = 0.;
-          for (unsigned int k = 0; k < dim; ++k)
-            sum += integrated[q][place[i][k]] * changed.inverse_transpose[q](k, j);
-          force[q * n_of_point + i * dim + j] = sum;
-        }
-    }
-  }
-
-  template <int dim, unsigned int n_points>
-  void RowStiffness<dim, n_points>::find_derivative(const Gradients &gradients)
-  {
-    constexpr double change = 1e-7; // F is about one
-    find_force(motion, base_force);
-    Gradients changed_gradients = gradients;
-    Motion changed;
-    Lanes force[n_entries];
-    for (unsigned int q = 0; q < n_points; ++q)
-      for (unsigned int k = 0; k < dim; ++k)
-        for (unsigned int l = 0; l < dim; ++l)
-        {
-          Lanes &f = changed_gradients.deformation[q](k, l);
-          Lanes &u = changed_gradients.displacement[q](k, l);
-          const Lanes old_f = f, old_u = u;
-          u = old_u + change;
-          const Lanes moved = u - old_u; // what is left of it after round-off
-          f = old_f + gradients.is_deformed * moved;
-          find_motion(changed_gradients, changed);
-          find_force(changed, force);
-          f = old_f;
-          u = old_u;
-          const unsigned int column = q * n_of_point + k * dim + l;
-          for (unsigned int row = 0; row < n_entries; ++row)
-            derivative[row * n_entries + column] = (force[row] - base_force[row]) / moved;
-        }
-  }
-
-  template <int dim, unsigned int n_points>
-  void
-  RowStiffness<dim, n_points>::hand_over(const unsigned int lane,
-                                         const std::array<Stencils::Row, n_points> &rows,
-                                         const std::function<void(const CellEquations &)> &take)
-  {
-    CellEquations equations;
-    for (const Stencils::Row &row : rows)
-      equations.nodes.insert(equations.nodes.end(), row.neighbour, row.neighbour + row.size);
-    std::sort(equations.nodes.begin(), equations.nodes.end());
-    equations.nodes.erase(std::unique(equations.nodes.begin(), equations.nodes.end()),
-                          equations.nodes.end());
-    const auto n_nodes = static_cast<unsigned int>(equations.nodes.size());
-    constexpr unsigned int width = n_points * dim;
-    gradients_of_nodes.assign(std::size_t(n_nodes) * width, 0.); // by node, point and component
-    for (unsigned int q = 0; q < n_points; ++q)
-      for (unsigned int k = 0; k < rows[q].size; ++k)
-      {
-        const auto place =
-            std::lower_bound(equations.nodes.begin(), equations.nodes.end(), rows[q].neighbour[k]) -
-            equations.nodes.begin();
-        for (unsigned int d = 0; d < dim; ++d)
-          gradients_of_nodes[std::size_t(place) * width + q * dim + d] +=
-              rows[q].gradient[k * Stencils::n_gradient + d];
-      }
-    // ∂P/∂F · ∇φ_K by entry of P, component and node K.
-    const unsigned int n_rows = n_nodes * dim;
-    products.assign(std::size_t(n_entries) * n_rows, 0.);
-    for (unsigned int row = 0; row < n_entries; ++row)
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int k = 0; k < dim; ++k)
-          for (unsigned int l = 0; l < dim; ++l)
-          {
-            const double value = derivative[row * n_entries + q * n_of_point + k * dim + l][lane];
-            double *const target = products.data() + std::size_t(row) * n_rows + k * n_nodes;
-            for (unsigned int node = 0; node < n_nodes; ++node)
-              target[node] += value * gradients_of_nodes[node * width + q * dim + l];
-          }
-    equations.matrix.assign(std::size_t(n_rows) * n_rows, 0.);
-    equations.force.assign(n_rows, 0.);
-    for (unsigned int node = 0; node < n_nodes; ++node)
-      for (unsigned int i = 0; i < dim; ++i)
-      {
-        const unsigned int row = dim * node + i;
-        double *const entries = equations.matrix.data() + std::size_t(row) * n_rows;
-        for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int j = 0; j < dim; ++j)
-          {
-            const double gradient = gradients_of_nodes[node * width + q * dim + j];
-            const unsigned int entry = q * n_of_point + i * dim + j;
-            equations.force[row] += gradient * base_force[entry][lane];
-            const double *const product = products.data() + std::size_t(entry) * n_rows;
-            for (unsigned int k = 0; k < dim; ++k)
-              for (unsigned int other = 0; other < n_nodes; ++other)
-                entries[dim * other + k] += gradient * product[k * n_nodes + other];
-          }
-      }
-    take(equations);
-  }
 } // namespace tombolo

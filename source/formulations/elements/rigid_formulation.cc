@@ -20,77 +20,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  /** What CellPoints and ConductionElement need to know of a cell without stress. */
-  template <int dim, unsigned int p>
-  struct RigidCell
-  {
-    static constexpr unsigned int degree = p;
-    static constexpr unsigned int n_nodes =
-        static_cast<unsigned int>(dealii::Utilities::pow(p + 1, dim));
-    static constexpr unsigned int n_points = 1;
-    static constexpr MassLumping lumping =
-        p == 1 ? MassLumping::row_sum : MassLumping::gauss_lobatto;
-  };
-
-  /**
-   * A part of cells that conduct heat and have mass, and no stress: its nodes move as one rigid
-   * body (doc/rigid_bodies.md). There are no material points, no internal force, and no limit of
-   * the step of mechanics. Mass and capacity are lumped to the nodes as those of other elements of
-   * the degree.
-   */
-  template <int dim, unsigned int p>
-  class RigidFormulation : public CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>,
-                           public RigidCells<dim>
-  {
-  public:
-    unsigned int degree() const override
-    {
-      return p;
-    }
-
-    MiddleNodes middle_nodes() const override
-    {
-      return MiddleNodes::means;
-    }
-
-    double cost_per_cell(const Material &material, double box_ratio) const override;
-
-    void initialize(const PartSetup<dim> &setup) override;
-
-    const MassMoments &mass_moments() const override
-    {
-      return moments;
-    }
-
-    void add_internal_force(const MechanicalInput & /*input*/, NodalVector & /*force*/) override {}
-    void apply_elastic_stiffness(const NodalVector & /*position*/, const NodalVector & /*velocity*/,
-                                 const double /*time_step*/, NodalVector & /*force*/) const override
-    {}
-    /** No cell has a limit. */
-    void courant_limits(const NodalVector &position,
-                        std::vector<double> &time_steps) const override;
-    void add_extra_mass(const std::vector<double> & /*inertia*/,
-                        NodalVector & /*mass*/) const override
-    {}
-    EnergyAccounts energies() const override
-    {
-      return {};
-    }
-
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
-                        const NodalVector &temperature, NodalVector &heat_rate) const override
-    {
-      add_conduction_of_cells(cell_points, *part_points.heat(), position, of_conductivity,
-                              temperature, heat_rate);
-    }
-
-  private:
-    using Base = CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>;
-    using Base::cell_points, Base::part_points;
-
-    MassMoments moments;
-  };
-
   namespace
   {
     /** Calls @p use with the place and the volume of each point of integration of the cells of this
@@ -173,34 +102,94 @@ namespace tombolo
     }
   } // namespace
 
+  /** What CellPoints and ConductionElement need to know of a cell without stress. */
   template <int dim, unsigned int p>
-  double RigidFormulation<dim, p>::cost_per_cell(const Material & /*material*/,
-                                                 const double /*box_ratio*/) const
+  struct RigidCell
   {
-    double per_cell = StepCost::per_node;
-    for (unsigned int d = 0; d < dim; ++d)
-      per_cell *= p;
-    return per_cell;
-  }
+    static constexpr unsigned int degree = p;
+    static constexpr unsigned int n_nodes =
+        static_cast<unsigned int>(dealii::Utilities::pow(p + 1, dim));
+    static constexpr unsigned int n_points = 1;
+    static constexpr MassLumping lumping =
+        p == 1 ? MassLumping::row_sum : MassLumping::gauss_lobatto;
+  };
 
+  /**
+   * A part of cells that conduct heat and have mass, and no stress: its nodes move as one rigid
+   * body (doc/rigid_bodies.md). There are no material points, no internal force, and no limit of
+   * the step of mechanics. Mass and capacity are lumped to the nodes as those of other elements of
+   * the degree.
+   */
   template <int dim, unsigned int p>
-  void RigidFormulation<dim, p>::initialize(const PartSetup<dim> &setup)
+  class RigidFormulation : public CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>,
+                           public RigidCells<dim>
   {
-    part_points.initialize(setup.material, setup.heat, false);
-    cell_points.take_cells(setup, p, RigidCell<dim, p>::lumping, false);
-    moments = moments_of(cell_points.cells(), p, setup.material->density(), setup.communicator);
-    cell_points.release_initial_node_positions();
-    if (!(moments.smallest_jacobian > 0.))
-      throw InputError("The part \"" + setup.name +
-                       "\" cannot be made of this mesh: a cell is turned inside out.");
-  }
+  public:
+    unsigned int degree() const override
+    {
+      return p;
+    }
 
-  template <int dim, unsigned int p>
-  void RigidFormulation<dim, p>::courant_limits(const NodalVector & /*position*/,
-                                                std::vector<double> &time_steps) const
-  {
-    time_steps.assign(this->n_cells(), StepLimit().time_step);
-  }
+    MiddleNodes middle_nodes() const override
+    {
+      return MiddleNodes::means;
+    }
+
+    double cost_per_cell(const Material & /*material*/, const double /*box_ratio*/) const override
+    {
+      double per_cell = StepCost::per_node;
+      for (unsigned int d = 0; d < dim; ++d)
+        per_cell *= p;
+      return per_cell;
+    }
+
+    void initialize(const PartSetup<dim> &setup) override
+    {
+      part_points.initialize(setup.material, setup.heat, false);
+      cell_points.take_cells(setup, p, RigidCell<dim, p>::lumping, false);
+      moments = moments_of(cell_points.cells(), p, setup.material->density(), setup.communicator);
+      cell_points.release_initial_node_positions();
+      if (!(moments.smallest_jacobian > 0.))
+        throw InputError("The part \"" + setup.name +
+                         "\" cannot be made of this mesh: a cell is turned inside out.");
+    }
+
+    const MassMoments &mass_moments() const override
+    {
+      return moments;
+    }
+
+    void add_internal_force(const MechanicalInput & /*input*/, NodalVector & /*force*/) override {}
+    void apply_elastic_stiffness(const NodalVector & /*position*/, const NodalVector & /*velocity*/,
+                                 const double /*time_step*/, NodalVector & /*force*/) const override
+    {}
+    /** No cell has a limit. */
+    void courant_limits(const NodalVector & /*position*/,
+                        std::vector<double> &time_steps) const override
+    {
+      time_steps.assign(this->n_cells(), StepLimit().time_step);
+    }
+    void add_extra_mass(const std::vector<double> & /*inertia*/,
+                        NodalVector & /*mass*/) const override
+    {}
+    EnergyAccounts energies() const override
+    {
+      return {};
+    }
+
+    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const override
+    {
+      add_conduction_of_cells(cell_points, *part_points.heat(), position, of_conductivity,
+                              temperature, heat_rate);
+    }
+
+  private:
+    using Base = CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>;
+    using Base::cell_points, Base::part_points;
+
+    MassMoments moments;
+  };
 
   namespace
   {

@@ -14,6 +14,20 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    std::shared_ptr<const Kernel> create_kernel(const Section &section)
+    {
+      std::shared_ptr<const Kernel> kernel =
+          Registry<Kernel>::instance().create(section.get("Kernel"), section);
+      if (!kernel->is_smooth_at_zero())
+        section.fail("Kernel", "it has a kink at zero, where moving least squares need its "
+                               "derivative; allowed are smooth kernels, such as `cubic spline` and "
+                               "`quintic spline`");
+      return kernel;
+    }
+  } // namespace
+
   /**
    * Rows of moving least squares in the reference of the kernels, or of averages over cells. Equal
    * rows are kept once where that pays.
@@ -23,13 +37,48 @@ namespace tombolo
   {
   public:
     /** `Kernel`, `Dilation`, and those of averages. */
-    static void declare_parameters(const Entries &e);
+    static void declare_parameters(const Entries &e)
+    {
+      e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),
+               "The kernel of the moving least squares.");
+      e.number("Dilation", "1.8", any_number(), "",
+               "Half width of a support over the largest distance to a neighbouring node, axis by "
+               "axis; above 1, usually 1.5 to 1.9.");
+      declare<CellAverages<dim>>(e);
+    }
 
     /** Throws InputError. */
-    explicit LeastSquaresRows(const Section &section);
+    explicit LeastSquaresRows(const Section &section)
+        : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
+          support_dilation(section.get_double("Dilation")), averages(section),
+          least_squares(create_kernel(section))
+    {
+      if (!(support_dilation > 1. && support_dilation <= 10.))
+        section.fail("Dilation",
+                     "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
+                     "below a particle has no neighbours along an axis");
+      // Looking for equal rows pays where they stay.
+      shares_rows = section.get("Configuration") == "total Lagrangian";
+      if (shares_rows)
+        neighbours.order_by_offset();
+    }
 
-    void fill(const Neighbourhoods<dim> &found, const double *position, const double *support,
-              Stencils &stencils) override;
+    void fill(const Neighbourhoods<dim> &found, const double *const position,
+              const double *const support, Stencils &stencils) override
+    {
+      defects = nullptr;
+      stencils.inverse_deformation_is_current = false;
+      if (averages.is_on())
+      {
+        averages.fill(found, shares_rows, stencils);
+        return;
+      }
+      defects = &least_squares.compute(found.nodes(), position, support, stencils, shares_rows);
+      stencils.rank_deficient_rows.clear();
+      stencils.non_negative_rows.clear();
+      for (const BasisDefect &defect : *defects)
+        stencils.rank_deficient_rows.push_back(defect.row);
+    }
     double dilation() const override
     {
       return support_dilation;
@@ -38,14 +87,31 @@ namespace tombolo
     {
       return "Dilation";
     }
-    bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles) override;
+    bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles) override
+    {
+      averages.choose(setup);
+      if (averages.is_on())
+        averages.establish(particles);
+      return averages.is_on();
+    }
     std::string functions() const override
     {
       return averages.description();
     }
     PatchTest patch_test(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
-                         const KernelConfiguration<dim> &kernel, bool smooths,
-                         const NodalVector &position) const override;
+                         const KernelConfiguration<dim> &kernel, const bool smooths,
+                         const NodalVector &position) const override
+    {
+      PatchTest result;
+      if (setup.source || !setup.has_mechanics)
+        return result;
+      result.is_known = true;
+      result.defect =
+          patch_test_defect(setup, particles, smooths, kernel.volumes(particles), position, shape);
+      if (!averages.is_on() && averages.obstacle(setup).empty())
+        result.cure = "Shape functions = cell averages";
+      return result;
+    }
 
     const Kernel &kernel() const
     {
@@ -62,7 +128,28 @@ namespace tombolo
       if (averages.is_on())
         averages.restrict(neighbours, shape);
     }
-    std::string describe_defects(const double *position, const double *support) const override;
+    std::string describe_defects(const double *position, const double *support) const override
+    {
+      if (defects == nullptr || defects->empty())
+        return {};
+      const BasisDefect &defect = defects->front();
+      const unsigned int node = shape.particle_node[defect.row];
+      std::ostringstream text;
+      text << "The particle at (";
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
+      text << ") has " << defect.n_neighbours
+           << " neighbours (itself included), which do not carry a linear basis at dilation "
+           << support_dilation << ".";
+      const double factor =
+          least_squares.sufficient_support_factor(node, neighbours.nodes(), position, support);
+      if (factor > 0.)
+        text << " A dilation of " << std::ceil(100. * support_dilation * factor) / 100.
+             << " would do there.";
+      else
+        text << " No dilation up to eight times that one would do: are its cells a single layer?";
+      return text.str();
+    }
 
     double support_dilation;
     bool shares_rows;
@@ -70,117 +157,6 @@ namespace tombolo
     MovingLeastSquares<dim> least_squares;
     const std::vector<BasisDefect> *defects = nullptr; // of the last fill(), in least_squares
   };
-
-  namespace
-  {
-    std::shared_ptr<const Kernel> create_kernel(const Section &section)
-    {
-      std::shared_ptr<const Kernel> kernel =
-          Registry<Kernel>::instance().create(section.get("Kernel"), section);
-      if (!kernel->is_smooth_at_zero())
-        section.fail("Kernel", "it has a kink at zero, where moving least squares need its "
-                               "derivative; allowed are smooth kernels, such as `cubic spline` and "
-                               "`quintic spline`");
-      return kernel;
-    }
-  } // namespace
-
-  template <int dim>
-  void LeastSquaresRows<dim>::declare_parameters(const Entries &e)
-  {
-    e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),
-             "The kernel of the moving least squares.");
-    e.number("Dilation", "1.8", any_number(), "",
-             "Half width of a support over the largest distance to a neighbouring node, axis by "
-             "axis; above 1, usually 1.5 to 1.9.");
-    declare<CellAverages<dim>>(e);
-  }
-
-  template <int dim>
-  LeastSquaresRows<dim>::LeastSquaresRows(const Section &section)
-      : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
-        support_dilation(section.get_double("Dilation")), averages(section),
-        least_squares(create_kernel(section))
-  {
-    if (!(support_dilation > 1. && support_dilation <= 10.))
-      section.fail("Dilation",
-                   "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
-                   "below a particle has no neighbours along an axis");
-    // Looking for equal rows pays where they stay.
-    shares_rows = section.get("Configuration") == "total Lagrangian";
-    if (shares_rows)
-      neighbours.order_by_offset();
-  }
-
-  template <int dim>
-  void LeastSquaresRows<dim>::fill(const Neighbourhoods<dim> &found, const double *const position,
-                                   const double *const support, Stencils &stencils)
-  {
-    defects = nullptr;
-    stencils.inverse_deformation_is_current = false;
-    if (averages.is_on())
-    {
-      averages.fill(found, shares_rows, stencils);
-      return;
-    }
-    defects = &least_squares.compute(found.nodes(), position, support, stencils, shares_rows);
-    stencils.rank_deficient_rows.clear();
-    stencils.non_negative_rows.clear();
-    for (const BasisDefect &defect : *defects)
-      stencils.rank_deficient_rows.push_back(defect.row);
-  }
-
-  template <int dim>
-  std::string LeastSquaresRows<dim>::describe_defects(const double *position,
-                                                      const double *support) const
-  {
-    if (defects == nullptr || defects->empty())
-      return {};
-    const BasisDefect &defect = defects->front();
-    const unsigned int node = shape.particle_node[defect.row];
-    std::ostringstream text;
-    text << "The particle at (";
-    for (unsigned int d = 0; d < dim; ++d)
-      text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
-    text << ") has " << defect.n_neighbours
-         << " neighbours (itself included), which do not carry a linear basis at dilation "
-         << support_dilation << ".";
-    const double factor =
-        least_squares.sufficient_support_factor(node, neighbours.nodes(), position, support);
-    if (factor > 0.)
-      text << " A dilation of " << std::ceil(100. * support_dilation * factor) / 100.
-           << " would do there.";
-    else
-      text << " No dilation up to eight times that one would do: are its cells a single layer?";
-    return text.str();
-  }
-
-  template <int dim>
-  bool LeastSquaresRows<dim>::choose_functions(const PartSetup<dim> &setup,
-                                               ParticleSet<dim> &particles)
-  {
-    averages.choose(setup);
-    if (averages.is_on())
-      averages.establish(particles);
-    return averages.is_on();
-  }
-
-  template <int dim>
-  PatchTest LeastSquaresRows<dim>::patch_test(const PartSetup<dim> &setup,
-                                              const ParticleSet<dim> &particles,
-                                              const KernelConfiguration<dim> &kernel,
-                                              const bool smooths, const NodalVector &position) const
-  {
-    PatchTest result;
-    if (setup.source || !setup.has_mechanics)
-      return result;
-    result.is_known = true;
-    result.defect =
-        patch_test_defect(setup, particles, smooths, kernel.volumes(particles), position, shape);
-    if (!averages.is_on() && averages.obstacle(setup).empty())
-      result.cure = "Shape functions = cell averages";
-    return result;
-  }
 
   template class LeastSquaresRows<2>;
   template class LeastSquaresRows<3>;
@@ -232,10 +208,6 @@ namespace tombolo
       particle_strain_measure(e);
     }
   };
-
-  template class MomentumConsistentParticle<2>;
-
-  template class MomentumConsistentParticle<3>;
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(
       Formulation, MomentumConsistentParticle, "momentum consistent particle",

@@ -170,10 +170,7 @@ namespace tombolo
     void share(const typename Element::Work &work,
                MotionIncrement<Lanes> (&motions)[n_points]) const
     {
-      if (part.is_logarithmic())
-        element.share_logarithmic(work, motions);
-      else
-        element.share(work, motions);
+      element.share(work, part.is_logarithmic(), motions);
     }
 
     void advance_motion(unsigned int batch, const MechanicalInput &input,

@@ -45,7 +45,8 @@ namespace tombolo
   struct ElementDefaults
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
-    /** Whether share_logarithmic() gives all points of a cell the same growth of their volume. */
+    /** Whether share() gives all points of a cell the same growth of their volume where strains are
+     * logarithmic. */
     static constexpr bool shares_volume = false;
     /** The default of `Strain measure`. */
     static constexpr StrainMeasure measure = StrainMeasure::logarithmic;
@@ -81,15 +82,11 @@ namespace tombolo
     static void separate(const Work & /*work*/, Matrix3<Lanes> (&/*gradient*/)[n_points])
     {}
 
-    /** ... and shares the strain of the middle of the step, which was made of the gradient. */
+    /** ... and shares the strain of the middle of the step, which was made of the gradient; for
+     * StrainMeasure::logarithmic the volumes of the points, too. */
     template <typename Work, unsigned int n_points>
-    static void share(const Work & /*work*/, MotionIncrement<Lanes> (&/*motion*/)[n_points])
-    {}
-
-    /** The same for StrainMeasure::logarithmic: the volumes of the points, too, are shared. */
-    template <typename Work, unsigned int n_points>
-    static void share_logarithmic(const Work & /*work*/,
-                                  MotionIncrement<Lanes> (&/*motion*/)[n_points])
+    static void share(const Work & /*work*/, const bool /*is_logarithmic*/,
+                      MotionIncrement<Lanes> (&/*motion*/)[n_points])
     {}
 
     /** Advances the state variables by a step and keeps in @p work the hourglass forces that

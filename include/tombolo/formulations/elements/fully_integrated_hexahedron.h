@@ -81,16 +81,15 @@ namespace tombolo
             gradient[q](i, i) -= work.shared[q];
     }
 
-    static void share(const Work &work, MotionIncrement<Lanes> (&motion)[n_points])
+    static void share(const Work &work, const bool is_logarithmic,
+                      MotionIncrement<Lanes> (&motion)[n_points])
     {
-      if constexpr (mean_dilatation)
-        MeanDilatation::share_strain<dim>(work.volume, motion);
-    }
-
-    static void share_logarithmic(const Work &work, MotionIncrement<Lanes> (&motion)[n_points])
-    {
-      if constexpr (mean_dilatation)
+      if constexpr (!mean_dilatation)
+        return;
+      else if (is_logarithmic)
         MeanDilatation::share_logarithmic<dim>(work.volume, motion);
+      else
+        MeanDilatation::share_strain<dim>(work.volume, motion);
     }
 
     void integrate(const Work &work, const Lanes (&stress)[n_points][6],

@@ -130,7 +130,25 @@ namespace tombolo
     {
       return criterion;
     }
-    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
+    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override
+    {
+      const CellBatches<dim> &cells = cell_points.cells();
+      std::vector<bool> converts;
+      for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
+        converts.push_back(
+            criterion.means().are_reached(this->points(), place, this->n_points_per_cell()));
+      mark_by_shape(criterion, cells, this->degree(), position, converts);
+      std::vector<double> time_steps;
+      if (criterion.time_step())
+        this->courant_limits(position, time_steps);
+      std::vector<unsigned int> result;
+      for (unsigned int place = 0; place < converts.size(); ++place)
+        if (const unsigned int cell = cells.cell_at(place);
+            converts[place] ||
+            (criterion.time_step() && !(time_steps[cell] >= *criterion.time_step())))
+          result.push_back(cell);
+      return result;
+    }
     void add_state(const std::vector<unsigned int> &converted, StateTransfer &state) const override
     {
       add_state_of_cells(cell_points, this->part_points, converted, state);
@@ -156,25 +174,4 @@ namespace tombolo
     Integration integration;
   };
 
-  template <int dim, typename Points, typename Integration>
-  std::vector<unsigned int>
-  LosingCells<dim, Points, Integration>::find_converting_cells(const NodalVector &position) const
-  {
-    const CellBatches<dim> &cells = cell_points.cells();
-    std::vector<bool> converts;
-    for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
-      converts.push_back(
-          criterion.means().are_reached(this->points(), place, this->n_points_per_cell()));
-    mark_by_shape(criterion, cells, this->degree(), position, converts);
-    std::vector<double> time_steps;
-    if (criterion.time_step())
-      this->courant_limits(position, time_steps);
-    std::vector<unsigned int> result;
-    for (unsigned int place = 0; place < converts.size(); ++place)
-      if (const unsigned int cell = cells.cell_at(place);
-          converts[place] ||
-          (criterion.time_step() && !(time_steps[cell] >= *criterion.time_step())))
-        result.push_back(cell);
-    return result;
-  }
 } // namespace tombolo

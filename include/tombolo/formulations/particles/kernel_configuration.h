@@ -115,7 +115,18 @@ namespace tombolo
      */
     template <typename Use>
     void for_present_supports(const ParticleSet<dim> &particles, const Stencils &shape,
-                              const NodalVector &position, const Use &use) const;
+                              const NodalVector &position, const Use &use) const
+    {
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      {
+        double half_width[node_stride];
+        stretched_support(i, particles, total_deformation(i, shape, position), half_width);
+        if (!stretches_supports)
+          for (unsigned int d = 0; d < dim; ++d)
+            half_width[d] *= 0.5;
+        use(i, half_width);
+      }
+    }
 
     /** Lists the number of steps since the renewal. */
     void list(Records &records)
@@ -150,21 +161,4 @@ namespace tombolo
     std::vector<dealii::Tensor<2, dim>> reference_deformation;
   };
 
-  template <int dim>
-  template <typename Use>
-  void KernelConfiguration<dim>::for_present_supports(const ParticleSet<dim> &particles,
-                                                      const Stencils &shape,
-                                                      const NodalVector &position,
-                                                      const Use &use) const
-  {
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      double half_width[node_stride];
-      stretched_support(i, particles, total_deformation(i, shape, position), half_width);
-      if (!stretches_supports)
-        for (unsigned int d = 0; d < dim; ++d)
-          half_width[d] *= 0.5;
-      use(i, half_width);
-    }
-  }
 } // namespace tombolo

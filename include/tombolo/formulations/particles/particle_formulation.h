@@ -238,26 +238,23 @@ namespace tombolo
   protected:
     /** Of neighbours for which is_neighbour(row, k) holds. */
     template <typename IsNeighbour>
-    NeighbourCounts count_neighbours(const IsNeighbour &is_neighbour) const;
+    NeighbourCounts count_neighbours(const IsNeighbour &is_neighbour) const
+    {
+      NeighbourCounts counts;
+      const unsigned int n_rows = stencils().n_particles();
+      for (unsigned int i = 0; i < n_rows; ++i)
+      {
+        const Stencils::Row row = stencils().row(i);
+        unsigned int n = 0;
+        for (unsigned int k = 0; k < row.size; ++k)
+          n += is_neighbour(row, k) ? 1 : 0;
+        counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
+        counts.maximum = std::max(counts.maximum, n);
+        counts.mean += n;
+      }
+      counts.mean /= std::max(n_rows, 1u);
+      return counts;
+    }
   };
 
-  template <int dim>
-  template <typename IsNeighbour>
-  NeighbourCounts ParticleFormulation<dim>::count_neighbours(const IsNeighbour &is_neighbour) const
-  {
-    NeighbourCounts counts;
-    const unsigned int n_rows = stencils().n_particles();
-    for (unsigned int i = 0; i < n_rows; ++i)
-    {
-      const Stencils::Row row = stencils().row(i);
-      unsigned int n = 0;
-      for (unsigned int k = 0; k < row.size; ++k)
-        n += is_neighbour(row, k) ? 1 : 0;
-      counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
-      counts.maximum = std::max(counts.maximum, n);
-      counts.mean += n;
-    }
-    counts.mean /= std::max(n_rows, 1u);
-    return counts;
-  }
 } // namespace tombolo
