@@ -96,14 +96,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ContactHeat<dim>::add_to_part(const std::size_t candidate, const double heat)
-  {
-    const auto &place = surface->place(candidate);
-    for (unsigned int c = 0; c < place.weights.size(); ++c)
-      incoming[surface->cell(place)[c]] += place.weights[c] * heat;
-  }
-
-  template <int dim>
   void ContactHeat<dim>::begin_step(const NodalHeat &nodal_heat)
   {
     friction_of_tool = 0.;
@@ -112,15 +104,6 @@ namespace tombolo
       effusivities = gather(nodal_heat, 1,
                             [&](const unsigned int node, const double temperature, double *const e)
                             { *e = nodal_heat.enthalpy->effusivity(node, temperature); });
-  }
-
-  template <int dim>
-  void ContactHeat<dim>::add_contact(const std::size_t k, const double normal_force,
-                                     const double area, const double time_step)
-  {
-    if (conducts() && area > 0.)
-      touches.push_back(
-          {k, candidates[k], partner.conductance.value(normal_force / area) * area * time_step});
   }
 
   template <int dim>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/spring_contact.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/mesh/face_shapes.h>
 
 #include <algorithm>

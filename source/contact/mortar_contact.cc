@@ -178,19 +178,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::renew_faces(const Nodes<dim> &nodes, const Selector &is_slave,
-                                       const Selector &is_master, const IsGone &is_gone)
-  {
-    const std::vector<unsigned int> former_nodes = slaves.owned_nodes();
-    slaves = ContactFaces<dim>(nodes, is_slave, is_gone);
-    masters = ContactFaces<dim>(nodes, is_master, is_gone);
-    stiffness.forget_masses();
-    set_partition(std::shared_ptr<const NodePartition>(traction.partition()));
-    faces_are_new = true;
-    totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
-  }
-
-  template <int dim>
   void MortarContact<dim>::start(const Section &section, const Nodes<dim> &nodes,
                                  const NodalState &state)
   {
@@ -227,16 +214,6 @@ namespace tombolo
                                " deep in the master around " + node +
                                ". Move a body, or set `Initial overlap = resolve`.";
                       });
-  }
-
-  template <int dim>
-  void MortarContact<dim>::find_stiffness(const NodalState &state, const Clock &clock)
-  {
-    const bool touches =
-        std::any_of(histories.begin(), histories.end(),
-                    [](const NodeHistory &history) { return history.spring.is_closed(); });
-    // A surface that touches itself presses from both of its sides.
-    stiffness.find(state, clock, settings.law, is_one_surface ? 0.5 : 1., touches, slaves, masters);
   }
 
   template <int dim>
@@ -392,20 +369,6 @@ namespace tombolo
       totals.damping += 0.5 * history.area * (before.stiffness - spring.stiffness) *
                         (before.depth * spring.depth + before.elastic_slip * spring.elastic_slip);
     history.traction = spring.stiffness * (spring.depth * history.normal - spring.elastic_slip);
-  }
-
-  template <int dim>
-  void MortarContact<dim>::release(NodeHistory &history, const unsigned int node,
-                                   const double approach, const bool is_cut,
-                                   NodalVector *const heat)
-  {
-    double dissipated = 0;
-    const double friction =
-        history.area * ContactLaw::release(approach, is_cut, history.spring, dissipated);
-    totals.damping += history.area * dissipated;
-    totals.friction += friction;
-    if (heat != nullptr)
-      *heat->node(node) += friction;
   }
 
   template <int dim>

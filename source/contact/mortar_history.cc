@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/mortar_history.h>
+#include <tombolo/contact/mortar_contact.h>
 
 #include <tombolo/base/format.h>
 #include <tombolo/contact/contact_balance.h>

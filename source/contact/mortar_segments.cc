@@ -55,17 +55,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MortarSegments<dim>::has_moved(const NodalVector &position) const
-  {
-    double farthest = 0;
-    for (const unsigned int node : nodes)
-      farthest = std::max(farthest, (vector_of<dim>(position.node(node)) -
-                                     vector_of<dim>(position_of_pairs.node(node)))
-                                        .norm_square());
-    return Utilities::MPI::max(farthest, communicator) > 0.25 * margin * margin;
-  }
-
-  template <int dim>
   void MortarSegments<dim>::receive_values(const NodalVector &position,
                                            const NodalVector &last_position,
                                            const NodalVector *const thermal)
@@ -87,15 +76,6 @@ namespace tombolo
           sent_values.push_back(thermal->node(node)[effusivity]);
       }
     exchange.send(n_corners * n_values, sent_values, values);
-  }
-
-  template <int dim>
-  FaceCorners<dim> MortarSegments<dim>::master_corners(const unsigned int master) const
-  {
-    FaceCorners<dim> result;
-    for (unsigned int k = 0; k < n_corners; ++k)
-      result[k] = vector_of<dim>(values.data() + (master * n_corners + k) * n_values);
-    return result;
   }
 
   template <int dim>
@@ -167,17 +147,6 @@ namespace tombolo
                        segment))
         segments.push_back(segment);
     }
-  }
-
-  template <int dim>
-  bool MortarSegments<dim>::find_normal(const unsigned int node, Tensor<1, dim> &normal) const
-  {
-    normal = vector_of<dim>(at_slaves.normal.node(node));
-    const double length = normal.norm();
-    if (!(area_of(node) > 0. && length > 0.))
-      return false;
-    normal /= -length;
-    return true;
   }
 
   template <int dim>

@@ -120,15 +120,6 @@ namespace tombolo
            });
   }
 
-  template <int dim>
-  Tensor<1, dim> OutwardAreas<dim>::area(const unsigned int node) const
-  {
-    Tensor<1, dim> result;
-    for (unsigned int d = 0; d < dim; ++d)
-      result[d] = sums.node(node)[d];
-    return result;
-  }
-
   template class OutwardAreas<2>;
   template class OutwardAreas<3>;
 } // namespace tombolo

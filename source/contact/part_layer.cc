@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/part_layer.h>
+#include <tombolo/contact/part_surface.h>
 
 #include <tombolo/base/of_all_ranks.h>
 

@@ -108,27 +108,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartSurface<dim>::refit()
-  {
-    std::vector<Tensor<1, dim>> vertices(node_of_vertex.size());
-    for (std::size_t v = 0; v < vertices.size(); ++v)
-      vertices[v] = positions[node_of_vertex[v]];
-    surface.move_vertices(vertices);
-  }
-
-  template <int dim>
-  void PartSurface<dim>::follow(const NodalState &state)
-  {
-    last_positions = std::move(positions);
-    positions = gather_positions(state.position);
-    if (!is_driven)
-      masses = layer->gather(1, Quantity::scalar,
-                             [&](const unsigned int node, double *const mass)
-                             { *mass = *state.mass.node(node); });
-    refit();
-  }
-
-  template <int dim>
   std::optional<FacedSides<dim>> PartSurface<dim>::faced_by(const Tensor<1, dim> &point,
                                                             const unsigned int node) const
   {
@@ -195,20 +174,6 @@ namespace tombolo
   }
 
   template <int dim>
-  Tensor<1, dim> PartSurface<dim>::normal(const Tensor<1, dim> &point, const double /*time*/) const
-  {
-    return surface.gap(point).normal;
-  }
-
-  template <int dim>
-  Tensor<1, dim> PartSurface<dim>::motion(const Tensor<1, dim> &point, const double /*from*/,
-                                          const double /*to*/) const
-  {
-    const unsigned int cell = layer->cell_of_facet()[surface.gap(point).facet];
-    return motion_of(cell, layer->weights(point, cell, positions));
-  }
-
-  template <int dim>
   Tensor<1, dim> PartSurface<dim>::motion_of(const unsigned int cell, const Weights &weights) const
   {
     Tensor<1, dim> result;
@@ -218,15 +183,6 @@ namespace tombolo
       result += weights[c] * (positions[a] - last_positions[a]);
     }
     return result;
-  }
-
-  template <int dim>
-  Tensor<1, dim> PartSurface<dim>::reference_point(const double /*time*/) const
-  {
-    Tensor<1, dim> sum;
-    for (const Tensor<1, dim> &vertex : surface.vertices)
-      sum += vertex;
-    return sum / std::max<double>(1., static_cast<double>(surface.vertices.size()));
   }
 
   template <int dim>
@@ -289,14 +245,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartSurface<dim>::add_reaction(const Place &place, const Tensor<1, dim> &force)
-  {
-    for (unsigned int c = 0; c < n_corners; ++c)
-      for (unsigned int d = 0; d < dim; ++d)
-        reactions[dim * cell(place)[c] + d] -= place.weights[c] * force[d];
-  }
-
-  template <int dim>
   void PartSurface<dim>::collect_reactions(NodalVector &loads,
                                            std::vector<unsigned int> &loaded_nodes)
   {
@@ -346,15 +294,6 @@ namespace tombolo
             positions[a] = vector_of<dim>(&all[dim * a]);
           refit();
         });
-  }
-
-  template <int dim>
-  std::string PartSurface<dim>::description() const
-  {
-    return "the boundary of the part \"" + section.get("Part") + "\", " +
-           std::to_string(surface.facets.size()) + (dim == 2 ? " sides" : " triangles") +
-           "; every rank gathers " + std::to_string(layer->n_nodes()) +
-           " nodes of its outermost cells in each step";
   }
 
   template class PartSurface<2>;

@@ -79,15 +79,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::add_contact(const std::size_t candidate, const double normal_force,
-                                        const double area, const Clock &clock)
-  {
-    totals.area += std::max(area, 0.);
-    if (heat)
-      heat->add_contact(candidate, normal_force, area, clock.previous_step);
-  }
-
-  template <int dim>
   bool SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock,
                                          const NodalHeat &nodal_heat)
   {
@@ -125,26 +116,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::forget_motion(const NodalState &state)
-  {
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
-    if (part)
-      part->forget_motion(state);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
-                                         const NodalVector &from, NodalVector &position,
-                                         NodalVector &is_bound)
-  {
-    std::vector<double> was, is;
-    find_gaps(from, candidates, clock.time, was);
-    find_gaps(position, candidates, clock.time, is);
-    push_out(*surface, candidates, was, is, clock.time, slides, from, position, is_bound);
-  }
-
-  template <int dim>
   void SurfaceContact<dim>::complete_step(const Clock &clock)
   {
     totals.add_impulse(clock.velocity_step());
@@ -157,16 +128,6 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       reaction[d] = -on_bodies[d];
     surface->translation().accelerate(clock, reaction);
-  }
-
-  template <int dim>
-  std::vector<unsigned int> SurfaceContact<dim>::nodes_in_contact() const
-  {
-    std::vector<unsigned int> result;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (histories[k].force.norm_square() > 0.)
-        result.push_back(candidates[k]);
-    return result;
   }
 
   template <int dim>

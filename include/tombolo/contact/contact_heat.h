@@ -126,7 +126,13 @@ namespace tombolo
 
     /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
      * normal_force on @p area. */
-    void add_contact(std::size_t k, double normal_force, double area, double time_step);
+    void add_contact(const std::size_t k, const double normal_force, const double area,
+                     const double time_step)
+    {
+      if (conducts() && area > 0.)
+        touches.push_back(
+            {k, candidates[k], partner.conductance.value(normal_force / area) * area * time_step});
+    }
 
     /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
     void add_exposure(NodalVector &exposure) const
@@ -183,7 +189,12 @@ namespace tombolo
     /** The mean of every @p stride -th value at the place of a candidate. */
     double at_place(std::size_t candidate, const std::vector<double> &of_nodes,
                     unsigned int stride = 1) const;
-    void add_to_part(std::size_t candidate, double heat);
+    void add_to_part(const std::size_t candidate, const double heat)
+    {
+      const auto &place = surface->place(candidate);
+      for (unsigned int c = 0; c < place.weights.size(); ++c)
+        incoming[surface->cell(place)[c]] += place.weights[c] * heat;
+    }
     /** The temperature T_s below touches, and of touches the heat capacity in the exchange. */
     void find_capacities(const NodalHeat &nodal_heat, const std::vector<double> &temperatures,
                          std::vector<double> &capacities);

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_heat.h>
+#include <tombolo/contact/contact_law.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/contact/mortar_history.h>
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +23,101 @@
 
 namespace tombolo
 {
+  class Records;
+
+  /**
+   * The stiffness per area κ = α / Δt² / (1/μ_s + 1/μ_m) of the springs between two surfaces, with
+   * μ = min m_k / A_k over the nodes of a side. It becomes softer where Δt or the masses per area
+   * demand it, and stiffer only while nothing touches. Masses per area are found every 16 steps.
+   */
+  template <int dim>
+  class MortarStiffness
+  {
+  public:
+    /** The present κ, of springs of @p law, for this @p share of the masses. Collective in every
+     * 16th step. */
+    void find(const NodalState &state, const Clock &clock, const ContactLaw &law, double share,
+              bool touches, ContactFaces<dim> &slaves, ContactFaces<dim> &masters);
+
+    double value() const ///< κ [M/(L^(dim-1) T^2)]; zero without contact
+    {
+      return stiffness;
+    }
+
+    /** Areas of owned nodes of each side. */
+    const std::vector<double> &of_slaves() const
+    {
+      return slave_areas;
+    }
+    const std::vector<double> &of_masters() const
+    {
+      return master_areas;
+    }
+
+    /** Lists what is kept from step to step, of nodes of these faces, which are referred to; @p
+     * continues: a run that starts from the end of another takes the stiffness from there. */
+    void list(Records &records, const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
+              bool continues);
+
+    /** Lets the next find() take the masses anew. */
+    void forget_masses()
+    {
+      mass_per_area = 0.;
+    }
+
+  private:
+    std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
+    double mass_per_area = 0;                      ///< 1/(1/μ_s + 1/μ_m); zero before it is known
+    double stiffness = 0;
+  };
+
+  /** What a slave node of a contact between bodies keeps from step to step. The normal is out of
+   * the master. */
+  template <int dim>
+  struct MortarHistory
+  {
+    ContactSpring<dim> spring; ///< per area
+    dealii::Tensor<1, dim> traction, normal;
+    double gap = 0;
+    double area = 0; ///< A_I; zero where no master is near
+    /** The overlap that has no force, or for tied surfaces the distance that they keep [L]. */
+    double offset = 0;
+    bool is_bonded = false;
+
+    /** Lists those of these owned nodes; @p continue_them: a run that starts from the end of
+     * another takes them from there. */
+    static void list(Records &records, const std::vector<unsigned int> &nodes,
+                     std::vector<MortarHistory> &histories, bool continue_them);
+
+    /** Those of @p former owned nodes become those of owned @p nodes. Returns the energy of the
+     * springs of nodes that are gone [M L^2/T^2]. */
+    static double move(const std::vector<unsigned int> &former,
+                       const std::vector<unsigned int> &nodes,
+                       std::vector<MortarHistory> &histories);
+
+    /** Where bodies have come from positions @p before to others without a motion: springs are as
+     * much deeper as the gap is smaller, and what comes to overlap has no force. Positions have
+     * current ghosts. Collective. */
+    static void place(const NodalVector &before, const NodalVector &position,
+                      const std::vector<unsigned int> &nodes, MortarSegments<dim> &segments,
+                      std::vector<MortarHistory> &histories);
+
+    /** Mean and largest of the temperatures of slave @p nodes in contact, which are in slot 0 of @p
+     * of_slave, or where that is null of the master below them. Collective. */
+    static std::array<double, 2> temperatures(const NodalVector *of_slave,
+                                              const std::vector<unsigned int> &nodes,
+                                              const std::vector<MortarHistory> &histories,
+                                              const MortarSegments<dim> &segments,
+                                              MPI_Comm communicator);
+
+    /** How many of these owned slave nodes are tied, those with an area, how many are not, and
+     * where the first of the others is, by x, y and z. The same on all ranks. Collective. */
+    static std::string describe_tie(const NodalVector &position,
+                                    const std::vector<unsigned int> &slave_nodes,
+                                    const std::vector<MortarHistory> &histories,
+                                    MPI_Comm communicator);
+  };
+
   /** The entries of a section "Body contact: NAME", without those that choose the faces. */
   struct MortarSettings : FrictionSettings
   {
@@ -89,7 +187,16 @@ namespace tombolo
     /** Takes the faces of the cells that are left, and cuts the springs of nodes that have none any
      * more. Not of tied surfaces. */
     void renew_faces(const Nodes<dim> &nodes, const Selector &is_slave, const Selector &is_master,
-                     const IsGone &is_gone);
+                     const IsGone &is_gone)
+    {
+      const std::vector<unsigned int> former_nodes = slaves.owned_nodes();
+      slaves = ContactFaces<dim>(nodes, is_slave, is_gone);
+      masters = ContactFaces<dim>(nodes, is_master, is_gone);
+      stiffness.forget_masses();
+      set_partition(std::shared_ptr<const NodePartition>(traction.partition()));
+      faces_are_new = true;
+      totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
+    }
 
     /** See ModelSignals::nodes_placed. Positions have current ghosts. Not of tied surfaces.
      * Collective. */
@@ -126,7 +233,15 @@ namespace tombolo
 
     /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.
      * Collective. */
-    void find_stiffness(const NodalState &state, const Clock &clock);
+    void find_stiffness(const NodalState &state, const Clock &clock)
+    {
+      const bool touches =
+          std::any_of(histories.begin(), histories.end(),
+                      [](const NodeHistory &history) { return history.spring.is_closed(); });
+      // A surface that touches itself presses from both of its sides.
+      stiffness.find(state, clock, settings.law, is_one_surface ? 0.5 : 1., touches, slaves,
+                     masters);
+    }
 
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
     double stable_fraction() const
@@ -208,8 +323,17 @@ namespace tombolo
     /** The same of a tied node, with its mean @p gap vector. */
     void hold(NodeHistory &history, const dealii::Tensor<1, dim> &gap, const Step &step);
     /** Heat of what the spring along the surface stored stays at the slave node. */
-    void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
-                 NodalVector *heat);
+    void release(NodeHistory &history, const unsigned int node, const double approach,
+                 const bool is_cut, NodalVector *const heat)
+    {
+      double dissipated = 0;
+      const double friction =
+          history.area * ContactLaw::release(approach, is_cut, history.spring, dissipated);
+      totals.damping += history.area * dissipated;
+      totals.friction += friction;
+      if (heat != nullptr)
+        *heat->node(node) += friction;
+    }
     void conduct(const NodeHistory &history, unsigned int node, double time_step);
     /** The share of the heat of friction at a slave node that the slave gets. */
     double heat_fraction(const unsigned int node) const

@@ -3,7 +3,7 @@
 
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_stiffness.h>
-#include <tombolo/contact/face_exchange.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
@@ -99,7 +99,15 @@ namespace tombolo
     }
 
     /** Whether a slave node has a master near, by sums(), and the normal out of it. */
-    bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
+    bool find_normal(const unsigned int node, dealii::Tensor<1, dim> &normal) const
+    {
+      normal = vector_of<dim>(at_slaves.normal.node(node));
+      const double length = normal.norm();
+      if (!(area_of(node) > 0. && length > 0.))
+        return false;
+      normal /= -length;
+      return true;
+    }
 
     /** Adds the forces Σ_I w^s_IJ t_I on slave nodes and -Σ_I w^m_IL t_I on master nodes to @p
      * loads, for the @p traction t per area at slave nodes, with current ghosts; ghosts of the
@@ -141,7 +149,15 @@ namespace tombolo
     };
 
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
-    bool has_moved(const NodalVector &position) const;
+    bool has_moved(const NodalVector &position) const
+    {
+      double farthest = 0;
+      for (const unsigned int node : nodes)
+        farthest = std::max(farthest, (vector_of<dim>(position.node(node)) -
+                                       vector_of<dim>(position_of_pairs.node(node)))
+                                          .norm_square());
+      return dealii::Utilities::MPI::max(farthest, communicator) > 0.25 * margin * margin;
+    }
     void find_pairs(const NodalVector &position)
     {
       exchange.find_pairs(slaves, masters, position, reach, margin);
@@ -155,7 +171,13 @@ namespace tombolo
     void find_segments(const NodalVector &position);
     bool make_segment(const FaceCorners<dim> &slave, const dealii::Tensor<1, dim> &normal,
                       const FaceCorners<dim> &master, double distance, Segment &segment) const;
-    FaceCorners<dim> master_corners(unsigned int master) const;
+    FaceCorners<dim> master_corners(const unsigned int master) const
+    {
+      FaceCorners<dim> result;
+      for (unsigned int k = 0; k < n_corners; ++k)
+        result[k] = vector_of<dim>(values.data() + (master * n_corners + k) * n_values);
+      return result;
+    }
     void add_segment(const Segment &segment, const NodalVector &position,
                      const NodalVector &last_position, const NodalVector *thermal);
 

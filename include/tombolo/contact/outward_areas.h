@@ -4,6 +4,7 @@
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/types.h>
 
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
@@ -44,7 +45,10 @@ namespace tombolo
     void update(const NodalVector &position);
 
     /** S of an owned node [L^(dim-1)]. */
-    dealii::Tensor<1, dim> area(unsigned int node) const;
+    dealii::Tensor<1, dim> area(const unsigned int node) const
+    {
+      return vector_of<dim>(sums.node(node));
+    }
 
     /** Whether an owned node is on any of the faces that count, of any rank. */
     bool has_face(const unsigned int node) const

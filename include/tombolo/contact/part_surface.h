@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deal.II/base/tensor.h>
+
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/outward_areas.h>
-#include <tombolo/contact/part_layer.h>
+#include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/contact/surfaces/facet_tree.h>
+#include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/nodal_vector.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +23,131 @@
 
 namespace tombolo
 {
+  /**
+   * The outermost layer of cells of a part, of degree 1, with their nodes: all ranks know it as a
+   * whole. Its facets are the faces where the part ends, at the boundary of the mesh or at another
+   * part, in three dimensions as two triangles each; so they enclose the part. Nodes of the layer
+   * are numbered in an order that does not depend on the number of ranks. Where the part touches a
+   * mirror (Images), images of its nodes and cells follow: with them the facets enclose the part
+   * and its images, and are not in the mirror.
+   *
+   * Values at these nodes are gathered from their owners, and sums are given back to them. Every
+   * rank takes part in each exchange, also one without cells of the part.
+   */
+  template <int dim>
+  class PartLayer
+  {
+  public:
+    static constexpr unsigned int n_corners = 1u << dim;
+    using Selector = std::function<bool(const typename Nodes<dim>::Cell &)>;
+
+    /** Numbers of the nodes of the layer, lexicographic. */
+    using Cell = std::array<unsigned int, n_corners>;
+    using Weights = std::array<double, n_corners>;
+
+    /** A node that this rank owns. */
+    struct OwnedNode
+    {
+      unsigned int number; ///< in the layer
+      unsigned int node;   ///< local
+    };
+
+    /** Takes the cells that @p is_of_part selects. Collective. */
+    PartLayer(const Nodes<dim> &nodes, const Selector &is_of_part);
+
+    /** Translates node numbers to those of @p partition. */
+    void set_partition(const NodePartition &partition);
+
+    /** The number of nodes of the layer. */
+    std::size_t n_nodes() const
+    {
+      return initial_positions.size();
+    }
+    const std::vector<Cell> &cells() const
+    {
+      return layer_cells;
+    }
+    /** Faces with numbers of nodes and their initial positions, not yet oriented. */
+    const FacetList<dim> &facets() const
+    {
+      return faces;
+    }
+    /** Of each facet: its cell, and the shortest distance of two corners of that [L]. */
+    const std::vector<unsigned int> &cell_of_facet() const
+    {
+      return cells_of_facets;
+    }
+    double size(const std::size_t facet) const
+    {
+      return sizes[cells_of_facets[facet]];
+    }
+
+    const std::vector<OwnedNode> &owned() const
+    {
+      return owned_nodes;
+    }
+
+    /** Whether a local node that this rank owns is a node of the layer. */
+    bool has_node(const unsigned int node) const
+    {
+      return std::binary_search(local_nodes.begin(), local_nodes.end(), node);
+    }
+
+    /** The shape functions N_a of a cell, whose nodes are at these @p positions, at a point in the
+     * cell or a little outside: Σ N_a = 1 and Σ N_a x_a = @p point to round-off. */
+    Weights weights(const dealii::Tensor<1, dim> &point, unsigned int cell,
+                    const std::vector<dealii::Tensor<1, dim>> &positions) const;
+
+    /** @p n_values of each node, by number in the layer: @p fill writes those of a local node that
+     * this rank owns. Images have those of their sources, @p kind says how. Collective. */
+    std::vector<double> gather(unsigned int n_values, Quantity kind,
+                               const std::function<void(unsigned int node, double *)> &fill) const;
+
+    /** Sums @p values, @p n_values of each node, over ranks in their order, and over images.
+     * Collective. */
+    void sum(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
+
+  private:
+    /** What the ranks tell each other at the start: owners of nodes of these, owners of cells of
+     * these. */
+    struct SurveyNode
+    {
+      std::uint64_t global_number, id; ///< the latter is the persistent one
+      std::array<double, dim> position;
+    };
+    struct SurveyCell
+    {
+      std::array<std::uint64_t, n_corners> nodes; ///< global numbers
+      unsigned int mask;                          ///< a bit for each face that is one of the part's
+      double size;
+    };
+    void take_survey(const std::vector<SurveyNode> &nodes, std::vector<SurveyCell> cells);
+    void add_facets(const Nodes<dim> &nodes);
+    /** Of nodes, cells and facets in the mirrors that the part touches. */
+    void add_images(const Nodes<dim> &nodes);
+    void fill_images(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
+
+    struct Image
+    {
+      unsigned int source; ///< number in the layer
+      Images::Map map;
+    };
+
+    MPI_Comm communicator;
+    std::vector<dealii::Tensor<1, dim>> initial_positions;
+    std::vector<Cell> layer_cells;
+    std::vector<double> sizes;       ///< of cells
+    std::vector<unsigned int> masks; ///< of cells, as in the survey
+    FacetList<dim> faces;
+    std::vector<unsigned int> cells_of_facets;
+    std::vector<dealii::types::global_dof_index> global_numbers; ///< of all nodes of the layer
+    std::vector<OwnedNode> owned_nodes;                          ///< by number
+    std::vector<unsigned int> local_nodes; ///< the same, local numbers, ascending
+    std::vector<unsigned int> received;    ///< numbers of the nodes of all ranks, by rank
+    std::vector<int> n_owned_of_rank;
+    std::vector<Image> images; ///< nodes behind all others
+  };
+
   class Records;
 
   /** What a PartSurface is made of. */
@@ -101,7 +234,16 @@ namespace tombolo
 
     /** The positions of the state, and masses; those that were known are the ones before.
      * Collective. */
-    void follow(const NodalState &state);
+    void follow(const NodalState &state)
+    {
+      last_positions = std::move(positions);
+      positions = gather_positions(state.position);
+      if (!is_driven)
+        masses = layer->gather(1, Quantity::scalar,
+                               [&](const unsigned int node, double *const mass)
+                               { *mass = *state.mass.node(node); });
+      refit();
+    }
 
     /** Finds the places of these candidates, of which @p nodes has the owned nodes, until the next
      * call. Collective. */
@@ -113,7 +255,12 @@ namespace tombolo
     }
 
     /** Adds minus the @p force on a candidate to the nodes of the part. */
-    void add_reaction(const Place &place, const dealii::Tensor<1, dim> &force);
+    void add_reaction(const Place &place, const dealii::Tensor<1, dim> &force)
+    {
+      for (unsigned int c = 0; c < n_corners; ++c)
+        for (unsigned int d = 0; d < dim; ++d)
+          reactions[dim * cell(place)[c] + d] -= place.weights[c] * force[d];
+    }
     /** Adds the reactions of all ranks to the owned nodes of @p loads and appends these to
      * @p loaded_nodes. Collective. */
     void collect_reactions(NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
@@ -136,19 +283,39 @@ namespace tombolo
     /** Lists where nodes of the part were, and the sides of @p candidates, which is referred to. */
     void list(Records &records, const std::vector<unsigned int> &candidates);
 
-    std::string description() const override;
+    std::string description() const override
+    {
+      return "the boundary of the part \"" + section.get("Part") + "\", " +
+             std::to_string(surface.facets.size()) + (dim == 2 ? " sides" : " triangles") +
+             "; every rank gathers " + std::to_string(layer->n_nodes()) +
+             " nodes of its outermost cells in each step";
+    }
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;
     void set_reach(const double distance) override
     {
       reach = std::max(reach, distance);
     }
-    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
+    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point,
+                                  const double /*time*/) const override
+    {
+      return surface.gap(point).normal;
+    }
     /** Over the last step. */
-    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
-                                  double to) const override;
+    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, const double /*from*/,
+                                  const double /*to*/) const override
+    {
+      const unsigned int cell = layer->cell_of_facet()[surface.gap(point).facet];
+      return motion_of(cell, layer->weights(point, cell, positions));
+    }
     /** The mean of the vertices. */
-    dealii::Tensor<1, dim> reference_point(double time) const override;
+    dealii::Tensor<1, dim> reference_point(const double /*time*/) const override
+    {
+      dealii::Tensor<1, dim> sum;
+      for (const dealii::Tensor<1, dim> &vertex : surface.vertices)
+        sum += vertex;
+      return sum / std::max<double>(1., static_cast<double>(surface.vertices.size()));
+    }
     RigidTranslation<dim> &translation() override
     {
       return no_translation;
@@ -160,7 +327,14 @@ namespace tombolo
 
   private:
     std::vector<dealii::Tensor<1, dim>> gather_positions(const NodalVector &position) const;
-    void refit();
+    void refit()
+    {
+      std::vector<dealii::Tensor<1, dim>> vertices(node_of_vertex.size());
+      for (std::size_t v = 0; v < vertices.size(); ++v)
+        vertices[v] = positions[node_of_vertex[v]];
+      surface.move_vertices(vertices);
+    }
+
     /** Of an owned node, relative to the sides that it faces. */
     enum class Side : unsigned char
     {

@@ -80,8 +80,13 @@ namespace tombolo
 
     /** See ModelSignals::nodes_move. Positions have ghosts. Collective. */
     virtual void keep_outside(const Clock &clock, const NodalVector &slides,
-                              const NodalVector &from, NodalVector &position,
-                              NodalVector &is_bound);
+                              const NodalVector &from, NodalVector &position, NodalVector &is_bound)
+    {
+      std::vector<double> was, is;
+      find_gaps(from, candidates, clock.time, was);
+      find_gaps(position, candidates, clock.time, is);
+      push_out(*surface, candidates, was, is, clock.time, slides, from, position, is_bound);
+    }
 
     /** See ModelSignals::nodes_placed. Collective. */
     virtual void place_nodes(const NodalState &state, const NodalVector &before, const Clock &)
@@ -111,7 +116,13 @@ namespace tombolo
     }
 
     /** Nodes are where they are: none has moved over the last step. Collective. */
-    virtual void forget_motion(const NodalState &state);
+    virtual void forget_motion(const NodalState &state)
+    {
+      for (std::size_t k = 0; k < candidates.size(); ++k)
+        histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+      if (part)
+        part->forget_motion(state);
+    }
 
     /** Adds how the last forces change with positions. Collective. */
     virtual void find_stiffness(const NodalState & /*state*/, const Clock & /*clock*/,
@@ -188,7 +199,14 @@ namespace tombolo
     Records records;
 
     /** Owned nodes on which it acted at t_n. */
-    std::vector<unsigned int> nodes_in_contact() const;
+    std::vector<unsigned int> nodes_in_contact() const
+    {
+      std::vector<unsigned int> result;
+      for (std::size_t k = 0; k < candidates.size(); ++k)
+        if (histories[k].force.norm_square() > 0.)
+          result.push_back(candidates[k]);
+      return result;
+    }
 
     /** Adds the forces at t_n on nodes in contact to owned nodes of @p forces, for pictures. */
     void add_present_forces(NodalVector &forces) const
@@ -286,7 +304,13 @@ namespace tombolo
                                      : inner_areas[candidate];
     }
     /** A candidate in contact on @p area with the @p normal_force on it. */
-    void add_contact(std::size_t candidate, double normal_force, double area, const Clock &clock);
+    void add_contact(const std::size_t candidate, const double normal_force, const double area,
+                     const Clock &clock)
+    {
+      totals.area += std::max(area, 0.);
+      if (heat)
+        heat->add_contact(candidate, normal_force, area, clock.previous_step);
+    }
     /** The largest force along the surface at a candidate: Coulomb's, and the limit of shear. */
     double tangential_limit(const std::size_t candidate, const double normal_force,
                             const double area, const NodalHeat &nodal_heat) const
@@ -369,4 +393,81 @@ namespace tombolo
   std::unique_ptr<SurfaceContact<dim>> make_penalty_contact(ContactScene<dim> &scene);
   template <int dim>
   std::unique_ptr<SurfaceContact<dim>> make_face_contact(ContactScene<dim> &scene);
+
+  /** Contact by penalty springs: each candidate node has a spring of ContactLaw, whether its depth
+   * is that of the node or a mean over its faces. */
+  template <int dim>
+  class SpringContact : public SurfaceContact<dim>
+  {
+  public:
+    /** As that of SurfaceContact. Throws InputError. Collective. */
+    explicit SpringContact(ContactScene<dim> &scene);
+
+    /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
+     */
+    double stable_fraction() const override
+    {
+      return this->settings.law.stable_fraction();
+    }
+
+    /** Springs in contact are deeper by as much as their nodes are. */
+    void place_nodes(const NodalState &state, const NodalVector &before,
+                     const Clock &clock) override;
+
+  protected:
+    using typename SurfaceContact<dim>::NodeHistory;
+
+    /** What a step does to a candidate in contact. */
+    struct Press
+    {
+      double depth;                          ///< δ [L]
+      dealii::Tensor<1, dim> motion, normal; ///< relative to the surface, out of it
+      double mass;
+      double share = 1.; ///< of the node's area that is pressed
+    };
+
+    /** Moves the spring of a candidate, with friction and heat. */
+    void press(std::size_t candidate, const Press &press, const Clock &clock,
+               const NodalHeat &nodal_heat);
+    /** Ends the contact of a candidate after its @p approach. */
+    void release(const std::size_t candidate, const double approach, const bool has_eroded,
+                 const NodalHeat &nodal_heat)
+    {
+      this->add_friction_heat(
+          candidate,
+          ContactLaw::release(approach, has_eroded, springs[candidate], this->totals.damping),
+          nodal_heat);
+    }
+
+    /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
+     * on this rank. Collective where the surface has a mass. */
+    double mass_ratio(const double mass) const
+    {
+      const double tool_mass = this->surface->translation().mass();
+      return tool_mass == 0. ? 1. : 1. + ordered_sum(mass, this->communicator) / tool_mass;
+    }
+
+    /** How deep candidates are at these positions, negative where they are outside. Collective. */
+    virtual std::vector<double> depths_at(const NodalVector &position, const Clock &clock) = 0;
+
+    void add_node_sums(ContactBalance &shares) const override
+    {
+      for (const ContactSpring<dim> &spring : springs)
+      {
+        shares.elastic += spring.elastic_energy();
+        shares.n_nodes += spring.is_closed() ? 1. : 0.;
+        shares.penetration = std::max(shares.penetration, spring.depth);
+      }
+    }
+
+    std::vector<ContactSpring<dim>> springs; ///< of each candidate
+
+  private:
+    /** Of all closed springs of all ranks; very large where there is none. Collective. */
+    double mean_stiffness() const;
+
+    /** Of a mesh that was divided: springs of new nodes are as stiff as those around them, those of
+     * all nodes are shared out by their masses, and they are as deep as nodes were. Collective. */
+    void close_springs(const NodalState &state, StateArchive &archive);
+  };
 } // namespace tombolo

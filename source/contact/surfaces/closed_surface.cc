@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/surfaces/closed_surface.h>
+#include <tombolo/contact/surfaces/facet_tree.h>
 
 #include <tombolo/base/format.h>
 
@@ -160,15 +160,6 @@ namespace tombolo
     refuse_common_points_of_fans(sides);
     number_edges(sides);
     set_normals();
-  }
-
-  template <int dim>
-  Tensor<1, dim> ClosedSurface<dim>::center(const std::size_t facet) const
-  {
-    Tensor<1, dim> sum;
-    for (const unsigned int v : facets[facet].vertex)
-      sum += vertices[v];
-    return sum / dim;
   }
 
   template <int dim>

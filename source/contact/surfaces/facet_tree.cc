@@ -373,15 +373,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double SearchedSurface<dim>::distance_to_box(const Tensor<1, dim> &point) const
-  {
-    double result = std::numeric_limits<double>::lowest();
-    for (unsigned int d = 0; d < dim; ++d)
-      result = std::max({result, this->low[d] - point[d], point[d] - this->high[d]});
-    return result;
-  }
-
-  template <int dim>
   bool FacedSides<dim>::are_of(const Tensor<1, dim> &area, const Tensor<1, dim> &normal)
   {
     return normal * area < facing_limit * area.norm();

@@ -128,16 +128,6 @@ namespace tombolo
   }
 
   template <int dim>
-  Tensor<1, dim> RigidTranslation<dim>::given_impulse(const Clock &clock) const
-  {
-    Tensor<1, dim> impulse;
-    if (free->force)
-      for (unsigned int d = 0; d < dim; ++d)
-        impulse[d] = clock.velocity_step() * free->force->value(Point<dim>(), clock.time, d);
-    return impulse;
-  }
-
-  template <int dim>
   void RigidTranslation<dim>::accelerate(const Clock &clock, const Tensor<1, dim> &reaction)
   {
     const double step = clock.velocity_step();
@@ -149,16 +139,6 @@ namespace tombolo
         free->velocity + free->free_directions * (impulse + step * reaction) / free->mass;
     free->kinetic_energy =
         0.5 * free->mass * free->velocity * (is_start ? free->velocity : free->next_velocity);
-  }
-
-  template <int dim>
-  void RigidTranslation<dim>::advance(const Clock &clock)
-  {
-    free->velocity = free->next_velocity;
-    free->previous_time = clock.time;
-    free->time = clock.time + clock.next_step;
-    free->previous_displacement = free->displacement;
-    free->displacement += clock.next_step * free->velocity;
   }
 
   template <int dim>

@@ -128,11 +128,6 @@ namespace tombolo
   }
 
   template <int dim>
-  FragmentFriction<dim>::FragmentFriction(TemperatureTable friction, TemperatureTable conductance)
-      : friction(std::move(friction)), conductance(std::move(conductance))
-  {}
-
-  template <int dim>
   void FragmentFriction<dim>::refuse_without_heat(const Section &section)
   {
     const std::unique_ptr<FragmentFriction> of_section = create(section);
@@ -298,15 +293,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void FragmentFriction<dim>::release(const unsigned int row, Spring &spring)
-  {
-    const double taken = 0.25 * spring.stiffness * spring.slip.norm_square();
-    friction_heat += taken;
-    released_heat[row] += taken;
-    spring = {};
-  }
-
-  template <int dim>
   void FragmentFriction<dim>::end_step(const Stencils &shape, const FragmentHeat &heat,
                                        NodalVector &loads)
   {
@@ -376,18 +362,6 @@ namespace tombolo
                                         (ends.node(exchange.other)[temperature_slot] -
                                          ends.node(exchange.own)[temperature_slot]));
     }
-  }
-
-  template <int dim>
-  double FragmentFriction<dim>::stored() const
-  {
-    return stored_energy;
-  }
-
-  template <int dim>
-  double FragmentFriction<dim>::dissipated() const
-  {
-    return friction_heat;
   }
 
   template <int dim>

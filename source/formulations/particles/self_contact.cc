@@ -163,20 +163,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SelfContact<dim>::set_partition(const NodePartition &partition)
-  {
-    pairs_are_current = false;
-    if (is_searched)
-      neighbourhoods.set_partition(partition, candidates);
-  }
-
-  template <int dim>
-  double SelfContact<dim>::present_radius(const unsigned int i, const double shrinkage) const
-  {
-    return 0.5 * std::pow(particles.volumes[i], 1. / dim) * (1. - shrinkage);
-  }
-
-  template <int dim>
   void SelfContact<dim>::find_pairs(const NodalVector &position, const NodalVector &element_mass,
                                     const Stencils &shape, MaterialPoints &points)
   {

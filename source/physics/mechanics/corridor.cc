@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/corridor.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>

@@ -7,7 +7,7 @@
 #include <tombolo/model/process.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
-#include <tombolo/physics/mechanics/rigid_body_setup.h>
+#include <tombolo/physics/mechanics/rigid_bodies.h>
 
 #include <limits>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/nodal_yield_stress.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <algorithm>
 #include <limits>

@@ -163,18 +163,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidBodies<dim>::masses_have_changed(const Model<dim> &model)
-  {
-    std::vector<double> now;
-    for (const JoinedParts &body : joined)
-      for (const unsigned int node : body.nodes)
-        now.push_back(*model.bridge->mass().node(node));
-    const bool has_changed = Utilities::MPI::max(now == masses ? 0 : 1, model.communicator) == 1;
-    masses.swap(now);
-    return has_changed;
-  }
-
-  template <int dim>
   ModelChange RigidBodies<dim>::change_model(Model<dim> &model, const Clock &clock)
   {
     if (!std::exchange(masses_can_be_old, false) || !masses_have_changed(model))
@@ -227,18 +215,6 @@ namespace tombolo
           (motion.axis * angular_momentum) / (motion.axis * (inertia * motion.axis)) * motion.axis;
     body.start(momentum / body.inertia().mass, spin, start_interval);
     set_velocity(index, model.state);
-  }
-
-  template <int dim>
-  void RigidBodies<dim>::set_velocity(const std::size_t index, NodalState &state) const
-  {
-    for (const unsigned int node : joined[index].nodes)
-    {
-      const Tensor<1, 3> velocity =
-          bodies[index].velocity_at_start(vector_of<3>(state.position.node(node)));
-      for (unsigned int d = 0; d < dim; ++d)
-        state.unsmoothed_velocity.node(node)[d] = velocity[d];
-    }
   }
 
   template <int dim>

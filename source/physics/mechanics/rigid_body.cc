@@ -46,24 +46,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBody<dim>::set_inertia(const RigidInertia &inertia)
-  {
-    present.centre += orientation(present) * (inertia.centre - initial.centre);
-    initial = inertia;
-    body_inertia = inertia_of(inertia.second);
-    inertia_beyond_nodes = inertia_of(inertia.second - inertia.nodal_second);
-    reference_arm = reference_place - inertia.centre;
-  }
-
-  template <int dim>
-  typename RigidBody<dim>::Matrix RigidBody<dim>::orientation(const State &state) const
-  {
-    return settings.rotation == RigidRotation::free
-               ? rigid_rotation::matrix_of(state.turn)
-               : rigid_rotation::exponential(state.angle * settings.axis);
-  }
-
-  template <int dim>
   void RigidBody<dim>::set_motion(const Vector &velocity, const Vector &spin, const double interval,
                                   const bool is_continued)
   {
@@ -217,6 +199,16 @@ namespace tombolo
   }
 
   template <int dim>
+  void RigidBody<dim>::set_inertia(const RigidInertia &inertia)
+  {
+    present.centre += orientation(present) * (inertia.centre - initial.centre);
+    initial = inertia;
+    body_inertia = inertia_of(inertia.second);
+    inertia_beyond_nodes = inertia_of(inertia.second - inertia.nodal_second);
+    reference_arm = reference_place - inertia.centre;
+  }
+
+  template <int dim>
   typename RigidBody<dim>::Placement RigidBody<dim>::placement() const
   {
     // A body that has not moved leaves its points where they are, to the last digit.
@@ -227,16 +219,6 @@ namespace tombolo
     for (unsigned int a = 0; a < 3; ++a)
       for (unsigned int b = 0; b < 3; ++b)
         result.turn[a][b] = axes[a][b] - (a == b ? 1. : 0.);
-    return result;
-  }
-
-  template <int dim>
-  typename RigidBody<dim>::Placement RigidBody<dim>::motion_of_step(const Clock &clock) const
-  {
-    Placement result;
-    result.centre_at_start = initial.centre;
-    result.shift = clock.next_step / initial.mass * next.momentum;
-    result.turn = orientation(present) * rigid_rotation::exponential_less_one(next.increment);
     return result;
   }
 
@@ -264,14 +246,6 @@ namespace tombolo
     next.increment *= -1.;
     present = next;
     return result;
-  }
-
-  template <int dim>
-  double RigidBody<dim>::energy_beyond_nodes_before(const double interval) const
-  {
-    const Matrix before =
-        1. / interval * rigid_rotation::exponential_less_one(-1. * present.increment);
-    return 0.5 * trace(before * (initial.second - initial.nodal_second) * transpose(before));
   }
 
   template <int dim>
@@ -363,15 +337,6 @@ namespace tombolo
     records.value("work of the drive", drive_work);
     records.value("work of given forces", force_work);
     records.value("energy beyond nodes", beyond_nodes_energy).optional().continues();
-  }
-
-  template <int dim>
-  void RigidBody<dim>::continue_motion(const double interval)
-  {
-    reference_at_start = present.centre + arm(present);
-    angle_at_start = present.angle;
-    set_motion(present.momentum / initial.mass, present.spin, interval, true);
-    next = present;
   }
 
   template class RigidBody<2>;

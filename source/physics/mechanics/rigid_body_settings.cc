@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/rigid_body_settings.h>
+#include <tombolo/physics/mechanics/rigid_body.h>
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/contact/read_vector.h>

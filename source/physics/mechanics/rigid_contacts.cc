@@ -11,7 +11,7 @@
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/physics/mechanics/named_parts.h>
-#include <tombolo/physics/mechanics/rigid_body_settings.h>
+#include <tombolo/physics/mechanics/rigid_body.h>
 
 #include <nlohmann/json.hpp>
 
@@ -247,13 +247,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidContacts<dim>::has_tool_mass() const
-  {
-    return std::any_of(members.begin(), members.end(),
-                       [](const auto &contact) { return contact->has_tool_mass(); });
-  }
-
-  template <int dim>
   void RigidContacts<dim>::model_changed(const Model<dim> &model)
   {
     ContactNodes<dim>(model).take_faces_of_full_cells(members);
@@ -322,35 +315,6 @@ namespace tombolo
     solver->solve(model, clock, present_heat(model), kinematic_force->at_touched_nodes(),
                   kinematic_force->touched_nodes());
     exchange_heat(model);
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::after_acceleration(const Model<dim> &, const Clock &clock)
-  {
-    for (const auto &contact : members)
-      contact->complete_step(clock);
-  }
-
-  template <int dim>
-  Tensor<1, 3> RigidContacts<dim>::nodal_force(const unsigned int node) const
-  {
-    return force.nodal_force(node) + (solver ? kinematic_force->nodal_force(node) : Tensor<1, 3>());
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::after_motion(const Model<dim> &, const Clock &clock, NodalState &)
-  {
-    for (const auto &contact : members)
-      contact->advance(clock);
-  }
-
-  template <int dim>
-  ContactBalance RigidContacts<dim>::balance() const
-  {
-    ContactBalance sum;
-    for (const auto &contact : members)
-      sum.add(contact->balance(communicator));
-    return sum;
   }
 
   template <int dim>

@@ -2,8 +2,8 @@
 // ranks: 1 3
 #include <mesh_testing.h>
 
-#include <tombolo/contact/part_layer.h>
-#include <tombolo/contact/surfaces/closed_surface.h>
+#include <tombolo/contact/part_surface.h>
+#include <tombolo/contact/surfaces/facet_tree.h>
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/mpi.h>

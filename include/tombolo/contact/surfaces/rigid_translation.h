@@ -68,7 +68,14 @@ namespace tombolo
     }
 
     /** The mass from t_n to t_{n+1}. */
-    void advance(const Clock &clock);
+    void advance(const Clock &clock)
+    {
+      free->velocity = free->next_velocity;
+      free->previous_time = clock.time;
+      free->time = clock.time + clock.next_step;
+      free->previous_displacement = free->displacement;
+      free->displacement += clock.next_step * free->velocity;
+    }
 
     /** v_{n-1/2} of the mass [L/T]. */
     const dealii::Tensor<1, dim> &velocity() const
@@ -106,7 +113,15 @@ namespace tombolo
       double kinetic_energy = 0;
       double work_of_force = 0;
     };
-    dealii::Tensor<1, dim> given_impulse(const Clock &clock) const;
+    dealii::Tensor<1, dim> given_impulse(const Clock &clock) const
+    {
+      dealii::Tensor<1, dim> impulse;
+      if (free->force)
+        for (unsigned int d = 0; d < dim; ++d)
+          impulse[d] =
+              clock.velocity_step() * free->force->value(dealii::Point<dim>(), clock.time, d);
+      return impulse;
+    }
     static dealii::Tensor<2, dim> read_directions(const Section &section);
     static Mass read_mass(const Section &section);
 

@@ -113,14 +113,24 @@ namespace tombolo
      * Collective. */
     void end_step(const Stencils &shape, const FragmentHeat &heat, NodalVector &loads);
 
-    double stored() const;     ///< in the springs, of this rank [M L^2/T^2]
-    double dissipated() const; ///< heat of friction since the start, of this rank
+    /** In the springs, of this rank [M L^2/T^2]. */
+    double stored() const
+    {
+      return stored_energy;
+    }
+    /** Heat of friction since the start, of this rank. */
+    double dissipated() const
+    {
+      return friction_heat;
+    }
 
     /** Writes to a checkpoint or reads it: rows of the particles @p own_ids. Collective. */
     void serialize(StateArchive &archive, const std::vector<std::uint64_t> &own_ids);
 
   private:
-    FragmentFriction(TemperatureTable friction, TemperatureTable conductance);
+    FragmentFriction(TemperatureTable friction, TemperatureTable conductance)
+        : friction(std::move(friction)), conductance(std::move(conductance))
+    {}
 
     /** The spring of a pair that is in contact. */
     struct Spring
@@ -142,7 +152,13 @@ namespace tombolo
     /** Moves the springs that are closed to the known ones, which are sorted. */
     void remember_springs();
     /** Ends a contact of a row: what the spring stores becomes heat. Half of it is this end's. */
-    void release(unsigned int row, Spring &spring);
+    void release(const unsigned int row, Spring &spring)
+    {
+      const double taken = 0.25 * spring.stiffness * spring.slip.norm_square();
+      friction_heat += taken;
+      released_heat[row] += taken;
+      spring = {};
+    }
     void spread_couples(const Stencils &shape, NodalVector &loads);
     void conduct(const FragmentHeat &heat);
 

@@ -82,7 +82,12 @@ namespace tombolo
     }
 
     /** Translates node numbers to those of a partition that has required_nodes(). */
-    void set_partition(const NodePartition &partition);
+    void set_partition(const NodePartition &partition)
+    {
+      pairs_are_current = false;
+      if (is_searched)
+        neighbourhoods.set_partition(partition, candidates);
+    }
 
     /** Adds the forces on this rank's particles to @p loads, forces at positions, and their nodes
      * to @p loaded_nodes; with friction, loads of other nodes, ghosts among them, as well. @p
@@ -118,7 +123,10 @@ namespace tombolo
     /** Whether two nodes with these tags are of different fragments, without elements between them.
      */
     static bool is_pair(const double *of_one, const double *of_other);
-    double present_radius(unsigned int i, double shrinkage) const;
+    double present_radius(const unsigned int i, const double shrinkage) const
+    {
+      return 0.5 * std::pow(particles.volumes[i], 1. / dim) * (1. - shrinkage);
+    }
     /** Which particles of this rank touch another fragment. */
     void find_touching(const NodalVector &position);
     /** Makes spheres of pairs that were none before as small as it takes for no overlap.

@@ -1,15 +1,50 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
-#include <tombolo/physics/mechanics/rigid_body_setup.h>
 
 #include <array>
 #include <vector>
 
 namespace tombolo
 {
+  template <int dim>
+  class Model;
+
+  /** The owned nodes of the cells of a part, ascending local numbers. */
+  template <int dim>
+  std::vector<unsigned int> owned_nodes_of_part(const Model<dim> &model, unsigned int part);
+
+  /** A rigid body: the parts of cells that common nodes join, the first of which is the one whose
+   * section gives the motion, and their owned nodes, ascending local numbers. */
+  struct JoinedParts
+  {
+    std::vector<unsigned int> parts, nodes;
+  };
+
+  /** The rigid bodies of a model, whose parts have the sections @p sections. Throws the InputError
+   * of a body whose motion two parts give. Collective. */
+  template <int dim>
+  std::vector<JoinedParts> find_rigid_bodies(const std::vector<Section> &sections,
+                                             const Model<dim> &model);
+
+  /** The inertia of a body: that of its cells, and the masses that other parts have at shared
+   * nodes. Collective. */
+  template <int dim>
+  RigidInertia inertia_of(const JoinedParts &body, const Model<dim> &model);
+
+  /** Refuses scenes in which the nodes of a body, whose section is @p section, cannot move as a
+   * rigid body: nodes shared with particles or cells that become such, nodes that depend on nodes
+   * of other parts, conditions and contacts that move its nodes one by one, motion out of a plane
+   * of symmetry. Leaves out of @p body the nodes that depend on others. Throws InputError.
+   * Collective.
+   */
+  template <int dim>
+  void check_rigid_body(const Section &section, const RigidBodySettings<dim> &motion,
+                        const Model<dim> &model, JoinedParts &body);
+
   class NodalState;
 
   /**
@@ -65,7 +100,17 @@ namespace tombolo
     Wrench momentum_of_nodes(std::size_t index, const Model<dim> &model) const;
 
     /** Whether nodes have other masses than when this was asked last. Collective. */
-    bool masses_have_changed(const Model<dim> &model);
+    bool masses_have_changed(const Model<dim> &model)
+    {
+      std::vector<double> now;
+      for (const JoinedParts &body : joined)
+        for (const unsigned int node : body.nodes)
+          now.push_back(*model.bridge->mass().node(node));
+      const bool has_changed =
+          dealii::Utilities::MPI::max(now == masses ? 0 : 1, model.communicator) == 1;
+      masses.swap(now);
+      return has_changed;
+    }
 
     /** Gives all bodies the inertia for the masses that nodes have now. Collective. */
     void renew_inertia(const Model<dim> &model)
@@ -78,7 +123,16 @@ namespace tombolo
     void start(const Section &section, std::size_t index, Model<dim> &model);
 
     /** Gives the nodes of a body its velocity at the start. */
-    void set_velocity(std::size_t index, NodalState &state) const;
+    void set_velocity(const std::size_t index, NodalState &state) const
+    {
+      for (const unsigned int node : joined[index].nodes)
+      {
+        const dealii::Tensor<1, 3> velocity =
+            bodies[index].velocity_at_start(vector_of<3>(state.position.node(node)));
+        for (unsigned int d = 0; d < dim; ++d)
+          state.unsmoothed_velocity.node(node)[d] = velocity[d];
+      }
+    }
 
     /** Sets the acceleration of the nodes of a body for the step that it has found. */
     void move_nodes(std::size_t index, const Clock &clock, NodalState &state) const;

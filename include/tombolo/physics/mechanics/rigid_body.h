@@ -1,15 +1,68 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deal.II/base/tensor.h>
+
 #include <tombolo/base/clock.h>
+#include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/expression.h>
 #include <tombolo/output/rigid_body_balance.h>
-#include <tombolo/physics/mechanics/rigid_body_settings.h>
 #include <tombolo/physics/mechanics/rigid_rotation.h>
 
+#include <array>
+#include <optional>
 #include <string>
 
 namespace tombolo
 {
+  /** How a rigid body turns. */
+  enum class RigidRotation
+  {
+    by_angle,   ///< as a function of time says, about an axis
+    about_axis, ///< as moments say, about an axis that keeps its direction
+    free        ///< as moments say
+  };
+
+  /**
+   * What the section "Part: NAME/rigid" says of the motion of a body: the displacement of its
+   * reference point and its angle as functions of time, or which of them forces move, given forces
+   * and the motion at the start. In the words of the motion of rigid tools (RigidMotion). Vectors
+   * have three components; in two dimensions rotation is about z.
+   */
+  template <int dim>
+  struct RigidBodySettings
+  {
+    using Vector = dealii::Tensor<1, 3>;
+
+    /** Throws InputError. */
+    explicit RigidBodySettings(const Entries &e);
+
+    /** Whether forces move the reference point along an axis of coordinates. */
+    bool is_free(const unsigned int component) const
+    {
+      return displacement && component < dim && displacement->is_free(component);
+    }
+
+    /** Whether forces move the body in any way. */
+    bool moves_by_forces() const;
+
+    /** u(t) of the reference point, zero in free components [L]. */
+    Vector displacement_at(double time) const;
+    double angle_at(double time) const;  ///< [rad]
+    Vector force_at(double time) const;  ///< given, at the reference point [M L/T^2]
+    Vector moment_at(double time) const; ///< given, about the reference point [M L^2/T^2]
+
+    std::optional<Vector> origin; ///< none: the centre of mass
+    RigidRotation rotation;
+    Vector axis; ///< of by_angle and about_axis; of length one
+    std::optional<Vector> initial_velocity, initial_spin;
+
+  private:
+    void read_initial_motion(const Entries &e);
+
+    std::optional<Expression<dim>> displacement, angle, force, moment;
+  };
+
   class Records;
   class ImpulseAccount;
 
@@ -76,7 +129,14 @@ namespace tombolo
     Placement placement() const;
 
     /** Of the coming step, after find_motion(), with all digits of small motions. */
-    Placement motion_of_step(const Clock &clock) const;
+    Placement motion_of_step(const Clock &clock) const
+    {
+      Placement result;
+      result.centre_at_start = initial.centre;
+      result.shift = clock.next_step / initial.mass * next.momentum;
+      result.turn = orientation(present) * rigid_rotation::exponential_less_one(next.increment);
+      return result;
+    }
 
     /** The velocity at the start of a point of the body that is at @p position. */
     Vector velocity_at_start(const Vector &position) const
@@ -96,7 +156,12 @@ namespace tombolo
                             const Vector &angular_momentum);
 
     /** What kinetic_energy_beyond_nodes() was in the last step, @p interval long. */
-    double energy_beyond_nodes_before(double interval) const;
+    double energy_beyond_nodes_before(const double interval) const
+    {
+      const Matrix before =
+          1. / interval * rigid_rotation::exponential_less_one(-1. * present.increment);
+      return 0.5 * trace(before * (initial.second - initial.nodal_second) * transpose(before));
+    }
 
     /** Works and impulses of the step, after find_motion(). What the nodes get from outside, with
      * what the inertia of the body differs from that of the masses of nodes, is added to @p
@@ -148,7 +213,13 @@ namespace tombolo
     /** Begins where the body of this name was at the end of another run, which was read, with the
      * velocities that it had there; where they are prescribed, with the rates over the short @p
      * interval after the start. Displacement and angle that are prescribed count from there. */
-    void continue_motion(double interval);
+    void continue_motion(const double interval)
+    {
+      reference_at_start = present.centre + arm(present);
+      angle_at_start = present.angle;
+      set_motion(present.momentum / initial.mass, present.spin, interval, true);
+      next = present;
+    }
 
   private:
     /** What changes from step to step. Velocities are those of t_{n-1/2}. */
@@ -168,7 +239,12 @@ namespace tombolo
     /** The velocities at the start, of which @p velocity (of the centre) and @p spin are what
      * nothing else gives. */
     void set_motion(const Vector &velocity, const Vector &spin, double interval, bool is_continued);
-    Matrix orientation(const State &state) const;
+    Matrix orientation(const State &state) const
+    {
+      return settings.rotation == RigidRotation::free
+                 ? rigid_rotation::matrix_of(state.turn)
+                 : rigid_rotation::exponential(state.angle * settings.axis);
+    }
     /** Of the reference point from the centre of mass. */
     Vector arm(const State &state) const
     {

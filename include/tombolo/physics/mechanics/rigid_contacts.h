@@ -1,19 +1,84 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/clock.h>
+#include <tombolo/base/input/expression.h>
 #include <tombolo/contact/surface_contact.h>
+#include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
-#include <tombolo/physics/mechanics/corridor.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
-#include <tombolo/physics/mechanics/nodal_yield_stress.h>
+#include <tombolo/state/nodal_state.h>
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
+  /**
+   * The present yield stress at nodes, for a limit of shear in contacts: the flow stress of a slow
+   * test at the plastic strain and the temperature there. That strain is that of the particle, or
+   * the mean of the points of all cells at the node; of several materials it is their mean by the
+   * number of points.
+   */
+  template <int dim>
+  class NodalYieldStress
+  {
+  public:
+    using Contacts = std::vector<std::unique_ptr<SurfaceContact<dim>>>;
+
+    /** Throws InputError where a contact asks for what no material of the parts has. */
+    static void validate(const Section &contact, const std::vector<Part<dim>> &parts);
+
+    /** Null where no contact asks for it. */
+    static std::unique_ptr<NodalYieldStress> create(const Contacts &contacts);
+
+    /** Finds it at the nodes of contacts that ask for it, and tells them; as large as numbers are
+     * where no material flows. Collective. */
+    void update(const Model<dim> &model, const Contacts &contacts);
+
+  private:
+    /** Sums strain, number and temperature of the points of a part at nodes. Collective. */
+    void sum_points(const Model<dim> &model, unsigned int part);
+
+    NodalVector sums; ///< plastic strain, number, temperature that points keep
+    std::vector<double> yield_stress, n_points; ///< of owned nodes
+  };
+
+  /**
+   * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of
+   * nodes, such as those of the particles or of the refined cells along the way of a tool. Cells
+   * outside of it are not made for what the surface does to them.
+   */
+  template <int dim>
+  class Corridor
+  {
+  public:
+    /** Of the contact with this section; throws InputError where the condition cannot be read. */
+    explicit Corridor(const Section &section);
+
+    /** Throws InputError where the condition has no value at a node that @p contact can touch, and
+     * where no such node is inside. Collective. */
+    void check(const SurfaceContact<dim> &contact, const NodalState &state) const;
+
+    /** A sentence the first time that @p contact touches a node outside; else nothing. The same on
+     * all ranks. Collective. */
+    std::optional<std::string> find_exit(const SurfaceContact<dim> &contact,
+                                         const NodalState &state, const Clock &clock);
+
+    void list(Records &records)
+    {
+      records.value("corridor was left", was_left);
+    }
+
+  private:
+    Section section;
+    Predicate<dim> is_inside;
+    bool was_left = false;
+  };
+
   /**
    * All contacts of a scene with rigid surfaces (the sections `Contact: NAME`). Their forces act at
    * positions and enter the nodal force by Φᵀ; those of kinematic contacts follow when all other
@@ -31,15 +96,33 @@ namespace tombolo
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
     void constrain_acceleration(const Model<dim> &model, const Clock &clock,
                                 NodalState &state) override;
-    void after_acceleration(const Model<dim> &model, const Clock &clock) override;
-    void after_motion(const Model<dim> &model, const Clock &clock, NodalState &state) override;
+    void after_acceleration(const Model<dim> &, const Clock &clock) override
+    {
+      for (const auto &contact : members)
+        contact->complete_step(clock);
+    }
+    void after_motion(const Model<dim> &, const Clock &clock, NodalState &) override
+    {
+      for (const auto &contact : members)
+        contact->advance(clock);
+    }
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
 
     /** On an owned node [M L/T^2]. */
-    dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
+    dealii::Tensor<1, 3> nodal_force(const unsigned int node) const
+    {
+      return force.nodal_force(node) +
+             (solver ? kinematic_force->nodal_force(node) : dealii::Tensor<1, 3>());
+    }
 
     /** The sum of all contacts over all ranks; the largest penetration. Collective. */
-    ContactBalance balance() const;
+    ContactBalance balance() const
+    {
+      ContactBalance sum;
+      for (const auto &contact : members)
+        sum.add(contact->balance(communicator));
+      return sum;
+    }
 
     const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts() const
     {
@@ -53,7 +136,11 @@ namespace tombolo
     void create_heat(bool has_heat);
     /** Connects to signals of the model, and shows what there is. */
     void observe(const Model<dim> &model);
-    bool has_tool_mass() const;
+    bool has_tool_mass() const
+    {
+      return std::any_of(members.begin(), members.end(),
+                         [](const auto &contact) { return contact->has_tool_mass(); });
+    }
     /** What contacts see of the heat, and where they put theirs. */
     NodalHeat present_heat(const Model<dim> &model);
     /** Exchanges heat after the forces of all contacts. Collective. */

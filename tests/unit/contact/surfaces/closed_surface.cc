@@ -3,7 +3,7 @@
 #include "material_testing.h"
 #include "tool_surfaces.h"
 
-#include <tombolo/contact/surfaces/closed_surface.h>
+#include <tombolo/contact/surfaces/facet_tree.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
-#include <tombolo/contact/surfaces/closed_surface.h>
 #include <tombolo/contact/surfaces/facet_tree.h>
 
 #include <gtest/gtest.h>
