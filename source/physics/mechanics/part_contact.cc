@@ -6,13 +6,16 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/process.h>
 
+#include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/tensor.h>
+#include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -99,14 +102,15 @@ namespace tombolo
         is_current = true;
       }
       const std::vector<Sphere> spheres = spheres_nearby(model, model.state.position);
-      const Grid grid = sort_into_grid(spheres);
+      const std::vector<Point<dim>> places = places_of(spheres);
+      const auto tree = pack_rtree_of_indices(places);
       double elastic = 0, work = 0;
       for (Particle &particle : particles)
       {
         const Sphere own = sphere(particle, model, model.state.position);
         const auto x = vector_of<dim>(own.position.data());
         const Tensor<1, dim> of_others =
-            spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, grid, elastic);
+            spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, tree, elastic);
         work += 0.5 * (particle.force + of_others) * (x - particle.position);
         particle.force = of_others;
         particle.position = x;
@@ -165,8 +169,14 @@ namespace tombolo
     {
       return vector_of<dim>(other.data()) - vector_of<dim>(one.data());
     }
-    using Cell = std::array<long, 3>;
-    using Grid = std::vector<std::pair<Cell, std::size_t>>;
+
+    static std::vector<Point<dim>> places_of(const std::vector<Sphere> &spheres)
+    {
+      std::vector<Point<dim>> result;
+      for (const Sphere &sphere : spheres)
+        result.emplace_back(vector_of<dim>(sphere.position.data()));
+      return result;
+    }
 
     /** Finds the particles of this rank; keeps what is known of those of before. Collective. */
     void collect_particles(const Model<dim> &model)
@@ -219,12 +229,13 @@ namespace tombolo
     void shrink_spheres(const Model<dim> &model)
     {
       const std::vector<Sphere> spheres = spheres_nearby(model, model.state.initial_position);
-      const Grid grid = sort_into_grid(spheres);
+      const std::vector<Point<dim>> places = places_of(spheres);
+      const auto tree = pack_rtree_of_indices(places);
       for (Particle &particle : particles)
       {
         const Sphere own = sphere(particle, model, model.state.initial_position);
         double factor = 1.;
-        for_partners(own, spheres, grid,
+        for_partners(own, spheres, tree,
                      [&](const Sphere &other)
                      {
                        factor = std::min(factor, difference(own.position, other.position).norm() /
@@ -286,59 +297,34 @@ namespace tombolo
       return of_all_ranks(sent, model.communicator);
     }
 
-    Grid sort_into_grid(const std::vector<Sphere> &spheres) const
-    {
-      Grid grid;
-      for (std::size_t i = 0; i < spheres.size(); ++i)
-        grid.emplace_back(cell_of(spheres[i].position), i);
-      std::sort(grid.begin(), grid.end());
-      return grid;
-    }
-
-    Cell cell_of(const std::array<double, dim> &position) const
-    {
-      Cell cell{};
-      for (unsigned int d = 0; d < dim; ++d)
-        cell[d] = std::lround(std::floor(position[d] / reach));
-      return cell;
-    }
-
     /** Calls @p action with all spheres that can touch this one, by the number of the node. */
-    template <typename Action>
-    void for_partners(const Sphere &one, const std::vector<Sphere> &spheres, const Grid &grid,
+    template <typename Tree, typename Action>
+    void for_partners(const Sphere &one, const std::vector<Sphere> &spheres, const Tree &tree,
                       const Action &action) const
     {
-      const Cell middle = cell_of(one.position);
-      std::vector<std::size_t> partners;
-      constexpr long depth = dim == 3 ? 1 : 0;
-      for (long i = -1; i <= 1; ++i)
-        for (long j = -1; j <= 1; ++j)
-          for (long k = -depth; k <= depth; ++k)
-          {
-            const Cell cell{{middle[0] + i, middle[1] + j, middle[2] + k}};
-            for (auto entry = std::lower_bound(grid.begin(), grid.end(),
-                                               std::make_pair(cell, std::size_t(0)));
-                 entry != grid.end() && entry->first == cell; ++entry)
-            {
-              const Sphere &other = spheres[entry->second];
-              if ((other.parts & one.parts) == 0 && other.body != one.body &&
-                  !(other.has_elements && one.has_elements))
-                partners.push_back(entry->second);
-            }
-          }
-      std::sort(partners.begin(), partners.end(),
+      constexpr double beyond_round_off = 1.001;
+      const Point<dim> place(vector_of<dim>(one.position.data()));
+      BoundingBox<dim> around(std::make_pair(place, place));
+      around.extend(beyond_round_off * reach);
+      std::vector<std::size_t> near;
+      tree.query(boost::geometry::index::intersects(around), std::back_inserter(near));
+      std::sort(near.begin(), near.end(),
                 [&](const std::size_t a, const std::size_t b)
                 { return spheres[a].node < spheres[b].node; });
-      for (const std::size_t partner : partners)
-        action(spheres[partner]);
+      for (const std::size_t i : near)
+        if (const Sphere &other = spheres[i]; (other.parts & one.parts) == 0 &&
+                                              other.body != one.body &&
+                                              !(other.has_elements && one.has_elements))
+          action(other);
     }
 
     /** The force on @p one; adds its half of what the springs store. */
-    dealii::Tensor<1, dim> force_on(const Sphere &one, const std::vector<Sphere> &spheres,
-                                    const Grid &grid, double &elastic) const
+    template <typename Tree>
+    Tensor<1, dim> force_on(const Sphere &one, const std::vector<Sphere> &spheres, const Tree &tree,
+                            double &elastic) const
     {
       Tensor<1, dim> force;
-      for_partners(one, spheres, grid,
+      for_partners(one, spheres, tree,
                    [&](const Sphere &other)
                    {
                      const Tensor<1, dim> offset = difference(one.position, other.position);
