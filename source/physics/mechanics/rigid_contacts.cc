@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/section_names.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_section.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -13,15 +17,217 @@
 #include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <ostream>
+#include <set>
+#include <sstream>
+#include <string>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  /**
+   * The present yield stress at nodes, for a limit of shear in contacts: the flow stress of a slow
+   * test at the plastic strain and the temperature there. That strain is that of the particle, or
+   * the mean of the points of all cells at the node; of several materials it is their mean by the
+   * number of points.
+   */
+  template <int dim>
+  class NodalYieldStress
+  {
+  public:
+    using Contacts = std::vector<std::unique_ptr<SurfaceContact<dim>>>;
+
+    /** Throws InputError where a contact asks for what no material of the parts has. */
+    static void validate(const Section &contact, const std::vector<Part<dim>> &parts)
+    {
+      if (contact.get("Shear limit") == "yield" && !parts.empty() &&
+          std::none_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) { return part.material->can_yield(); }))
+        contact.fail("Shear limit", "no material of the scene has a yield stress; allowed is a "
+                                    "number.");
+    }
+
+    /** Null where no contact asks for it. */
+    static std::unique_ptr<NodalYieldStress<dim>> create(const Contacts &contacts)
+    {
+      if (std::any_of(contacts.begin(), contacts.end(),
+                      [](const auto &contact) { return contact->needs_yield_stress(); }))
+        return std::make_unique<NodalYieldStress>();
+      return nullptr;
+    }
+
+    /** Finds it at the nodes of contacts that ask for it, and tells them; as large as numbers are
+     * where no material flows. Collective. */
+    void update(const Model<dim> &model, const Contacts &contacts)
+    {
+      std::set<unsigned int> nodes;
+      for (const auto &contact : contacts)
+        if (contact->needs_yield_stress())
+        {
+          nodes.insert(contact->candidate_nodes().begin(), contact->candidate_nodes().end());
+          contact->set_yield_stress(yield_stress);
+        }
+      yield_stress.assign(model.state.partition()->n_owned(), 0.);
+      n_points.assign(yield_stress.size(), 0.);
+      for (unsigned int part = 0; part < model.parts.size(); ++part)
+      {
+        const Material &material = *model.parts[part].material;
+        if (!material.can_yield())
+          continue;
+        sum_points(model, part);
+        const bool has_heat = model.heat != nullptr;
+        for (const unsigned int node : nodes)
+        {
+          const double *const sum = sums.node(node);
+          if (!(sum[1] > 0.))
+            continue;
+          const double temperature =
+              has_heat ? *model.heat->state.present_temperature.node(node) : sum[2] / sum[1];
+          yield_stress[node] += sum[1] * material.slow_yield_stress(sum[0] / sum[1], temperature);
+          n_points[node] += sum[1];
+        }
+      }
+      for (const unsigned int node : nodes)
+        yield_stress[node] = n_points[node] > 0. ? yield_stress[node] / n_points[node]
+                                                 : std::numeric_limits<double>::max();
+    }
+
+  private:
+    /** Sums strain, number and temperature of the points of a part at nodes. Collective. */
+    void sum_points(const Model<dim> &model, const unsigned int part)
+    {
+      sums.fit_to(model.state.partition(), Quantity::scalars);
+      sums.set_zero();
+      const Formulation<dim> &formulation = *model.parts[part].formulation;
+      const MaterialPoints &points = formulation.points();
+      const double *const strain =
+          points.component(points.find_field("effective plastic strain"), 0);
+      const unsigned int kept = points.find_field("temperature");
+      const double *const temperature =
+          kept < points.fields().size() ? points.component(kept, 0) : nullptr;
+      const auto add = [&](const unsigned int node, const unsigned int point)
+      {
+        double *const sum = sums.node(node);
+        sum[0] += strain[point];
+        sum[1] += 1.;
+        sum[2] += temperature != nullptr ? temperature[point] : 0.;
+      };
+      if (const ParticleFormulation<dim> *const particles = model.parts[part].particles)
+      {
+        const std::vector<unsigned int> &node_of_row = particles->stencils().particle_node;
+        for (unsigned int row = 0; row < node_of_row.size(); ++row)
+          add(node_of_row[row], row);
+      }
+      else if (formulation.n_points_per_cell() > 0)
+      {
+        std::vector<types::global_dof_index> cell_nodes;
+        unsigned int cell_of_part = 0;
+        for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+        {
+          if (!cell->is_locally_owned() || model.part_cells->part_of(cell) != part)
+            continue;
+          const unsigned int number = cell_of_part++;
+          if (formulation.is_removed(number))
+            continue;
+          model.nodes->cell_nodes(cell, cell_nodes);
+          for (const types::global_dof_index node : cell_nodes)
+            for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
+              add(model.state.partition()->local_index(node), formulation.point_of_cell(number, q));
+        }
+      }
+      sums.add_to_owners();
+    }
+
+    NodalVector sums; ///< plastic strain, number, temperature that points keep
+    std::vector<double> yield_stress, n_points; ///< of owned nodes
+  };
+
+  constexpr const char *corridor_entry = "Corridor";
+
+  /**
+   * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of
+   * nodes, such as those of the particles or of the refined cells along the way of a tool. Cells
+   * outside of it are not made for what the surface does to them.
+   */
+  template <int dim>
+  class Corridor
+  {
+  public:
+    /** Of the contact with this section; throws InputError where the condition cannot be read. */
+    explicit Corridor(const Section &section) : section(section), is_inside(section, corridor_entry)
+    {}
+
+    /** Throws InputError where the condition has no value at a node that @p contact can touch, and
+     * where no such node is inside. Collective. */
+    void check(const SurfaceContact<dim> &contact, const NodalState &state) const
+    {
+      bool any = false;
+      std::string failure;
+      try
+      {
+        for (const unsigned int node : contact.candidate_nodes())
+          any = is_inside(Point<dim>(vector_of<dim>(state.initial_position.node(node)))) || any;
+      }
+      catch (const InputError &error)
+      {
+        failure = error.what();
+      }
+      throw_on_all_ranks<InputError>(failure, state.partition()->communicator());
+      if (Utilities::MPI::max(any ? 1 : 0, state.partition()->communicator()) == 0)
+        section.fail(corridor_entry, "no node that the surface can touch is there; allowed is a "
+                                     "condition on x, y, z that some of them meet at the start.");
+    }
+
+    /** A sentence the first time that @p contact touches a node outside; else nothing. The same on
+     * all ranks. Collective. */
+    std::optional<std::string> find_exit(const SurfaceContact<dim> &contact,
+                                         const NodalState &state, const Clock &clock)
+    {
+      if (was_left)
+        return {};
+      const std::vector<unsigned int> nodes = contact.nodes_in_contact();
+      const auto outside = std::find_if(
+          nodes.begin(), nodes.end(),
+          [&](const unsigned int node)
+          { return !is_inside(Point<dim>(vector_of<dim>(state.initial_position.node(node)))); });
+      std::string place;
+      if (outside != nodes.end())
+        place = place_text(vector_of<dim>(state.position.node(*outside)));
+      for (const std::string &of_rank : texts_of_ranks(state.partition()->communicator(), place))
+      {
+        if (of_rank.empty())
+          continue;
+        was_left = true;
+        std::ostringstream text;
+        text << "At t = " << clock.time << " the contact \"" << contact.name()
+             << "\" touches a node at " << of_rank << " that is outside of its `Corridor`, \""
+             << section.get(corridor_entry)
+             << "\". What is deformed there is not made for it: a shorter way of the tool, or a "
+                "wider "
+                "corridor with the particles or the refined cells in it, helps.";
+        return text.str();
+      }
+      return {};
+    }
+
+    void list(Records &records)
+    {
+      records.value("corridor was left", was_left);
+    }
+
+  private:
+    Section section;
+    Predicate<dim> is_inside;
+    bool was_left = false;
+  };
 
   namespace
   {
@@ -119,6 +325,9 @@ namespace tombolo
   }
 
   template <int dim>
+  RigidContacts<dim>::~RigidContacts() = default;
+
+  template <int dim>
   void RigidContacts<dim>::create_contact(const Section &section, const Model<dim> &model,
                                           const std::vector<bool> &can_be_exposed,
                                           const std::vector<double> &volume,
@@ -144,9 +353,9 @@ namespace tombolo
     this->records.group("contact " + section.name(), members.back()->records);
     if (section.get("Corridor").empty())
       return;
-    Corridor<dim> &corridor = corridors.try_emplace(members.size() - 1, section).first->second;
-    corridor.check(*members.back(), model.state);
-    corridor.list(this->records.group("corridor of " + section.name()));
+    auto &corridor = corridors[members.size() - 1] = std::make_unique<Corridor<dim>>(section);
+    corridor->check(*members.back(), model.state);
+    corridor->list(this->records.group("corridor of " + section.name()));
   }
 
   template <int dim>
@@ -241,7 +450,7 @@ namespace tombolo
                 result.push_back("Surface of the contact \"" + contact->name() + "\": " + remark);
           for (auto &[member, corridor] : corridors)
             if (occasion == Process<dim>::Occasion::row)
-              if (const auto exit = corridor.find_exit(*members[member], model.state, clock))
+              if (const auto exit = corridor->find_exit(*members[member], model.state, clock))
                 result.push_back(*exit);
         });
   }

@@ -1,83 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/clock.h>
-#include <tombolo/base/input/expression.h>
 #include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
-#include <tombolo/state/nodal_state.h>
 
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
-  /**
-   * The present yield stress at nodes, for a limit of shear in contacts: the flow stress of a slow
-   * test at the plastic strain and the temperature there. That strain is that of the particle, or
-   * the mean of the points of all cells at the node; of several materials it is their mean by the
-   * number of points.
-   */
   template <int dim>
-  class NodalYieldStress
-  {
-  public:
-    using Contacts = std::vector<std::unique_ptr<SurfaceContact<dim>>>;
-
-    /** Throws InputError where a contact asks for what no material of the parts has. */
-    static void validate(const Section &contact, const std::vector<Part<dim>> &parts);
-
-    /** Null where no contact asks for it. */
-    static std::unique_ptr<NodalYieldStress> create(const Contacts &contacts);
-
-    /** Finds it at the nodes of contacts that ask for it, and tells them; as large as numbers are
-     * where no material flows. Collective. */
-    void update(const Model<dim> &model, const Contacts &contacts);
-
-  private:
-    /** Sums strain, number and temperature of the points of a part at nodes. Collective. */
-    void sum_points(const Model<dim> &model, unsigned int part);
-
-    NodalVector sums; ///< plastic strain, number, temperature that points keep
-    std::vector<double> yield_stress, n_points; ///< of owned nodes
-  };
-
-  /**
-   * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of
-   * nodes, such as those of the particles or of the refined cells along the way of a tool. Cells
-   * outside of it are not made for what the surface does to them.
-   */
+  class Corridor;
   template <int dim>
-  class Corridor
-  {
-  public:
-    /** Of the contact with this section; throws InputError where the condition cannot be read. */
-    explicit Corridor(const Section &section);
-
-    /** Throws InputError where the condition has no value at a node that @p contact can touch, and
-     * where no such node is inside. Collective. */
-    void check(const SurfaceContact<dim> &contact, const NodalState &state) const;
-
-    /** A sentence the first time that @p contact touches a node outside; else nothing. The same on
-     * all ranks. Collective. */
-    std::optional<std::string> find_exit(const SurfaceContact<dim> &contact,
-                                         const NodalState &state, const Clock &clock);
-
-    void list(Records &records)
-    {
-      records.value("corridor was left", was_left);
-    }
-
-  private:
-    Section section;
-    Predicate<dim> is_inside;
-    bool was_left = false;
-  };
+  class NodalYieldStress;
 
   /**
    * All contacts of a scene with rigid surfaces (the sections `Contact: NAME`). Their forces act at
@@ -91,6 +29,7 @@ namespace tombolo
   public:
     /** Throws InputError. Collective. */
     RigidContacts(const std::vector<Section> &sections, const Model<dim> &model);
+    ~RigidContacts() override;
 
     void model_changed(const Model<dim> &model) override;
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &force) override;
@@ -148,8 +87,8 @@ namespace tombolo
 
     MPI_Comm communicator;
     std::vector<std::unique_ptr<SurfaceContact<dim>>> members;
-    std::map<std::size_t, Corridor<dim>> corridors; ///< of members that have one
-    std::unique_ptr<KinematicSolver<dim>> solver;   ///< null where no contact is kinematic
+    std::map<std::size_t, std::unique_ptr<Corridor<dim>>> corridors; ///< of members that have one
+    std::unique_ptr<KinematicSolver<dim>> solver; ///< null where no contact is kinematic
     Action &force;
     Action *kinematic_force = nullptr; ///< where a contact is kinematic
     HeatAction *friction_heat = nullptr, *conducted_heat = nullptr; ///< where there is some
