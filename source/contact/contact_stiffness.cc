@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_stiffness.h>
 
-#include <deal.II/base/mpi.h>
+#include <tombolo/base/of_all_ranks.h>
 
 #include <algorithm>
 
@@ -25,9 +25,13 @@ namespace tombolo
   template <int dim>
   void ContactRows<dim>::collect(const NodePartition &partition)
   {
-    // Numbers of nodes are exact as doubles up to 2^53. Pieces that others own are few: those of
-    // nodes at the border of two ranks.
-    std::vector<double> pieces;
+    // Pieces that others own are few: those of nodes at the border of two ranks.
+    struct Piece
+    {
+      types::global_dof_index place;
+      Entry entry;
+    };
+    std::vector<Piece> pieces;
     for (auto row = rows.begin(); row != rows.end();)
     {
       if (partition.owned().is_element(row->first))
@@ -36,34 +40,12 @@ namespace tombolo
         continue;
       }
       for (const auto &[node, entry] : row->second)
-      {
-        pieces.insert(pieces.end(), {static_cast<double>(row->first), static_cast<double>(node)});
-        pieces.insert(pieces.end(), entry.normal.begin_raw(), entry.normal.end_raw());
-        pieces.push_back(entry.weight);
-        pieces.insert(pieces.end(), entry.shift.begin_raw(), entry.shift.end_raw());
-        pieces.insert(pieces.end(), entry.shares.begin_raw(), entry.shares.end_raw());
-      }
+        pieces.push_back({row->first, entry});
       row = rows.erase(row);
     }
-    for (const std::vector<double> &of_rank :
-         Utilities::MPI::all_gather(partition.communicator(), pieces))
-      for (auto piece = of_rank.begin(); piece != of_rank.end();)
-      {
-        const auto place = static_cast<types::global_dof_index>(*piece++);
-        Entry entry{static_cast<types::global_dof_index>(*piece++), {}, 0.};
-        const auto next = [&](auto &tensor)
-        {
-          const auto begin = piece;
-          piece += tensor.n_independent_components;
-          std::copy(begin, piece, tensor.begin_raw());
-        };
-        next(entry.normal);
-        entry.weight = *piece++;
-        next(entry.shift);
-        next(entry.shares);
-        if (partition.owned().is_element(place))
-          add(place, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
-      }
+    for (const auto &[place, entry] : of_all_ranks(pieces, partition.communicator()))
+      if (partition.owned().is_element(place))
+        add(place, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
   }
 
   template <int dim>

@@ -141,11 +141,7 @@ namespace tombolo
     vertices = places;
     low = high = places[0];
     for (const Tensor<1, dim> &place : places)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        low[d] = std::min(low[d], place[d]);
-        high[d] = std::max(high[d], place[d]);
-      }
+      widen_box(low, high, place);
     set_normals();
   }
 
@@ -181,11 +177,7 @@ namespace tombolo
     low = high = list.vertices[list.facets[0].vertex[0]];
     for (const Facet &facet : list.facets)
       for (const unsigned int v : facet.vertex)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          low[d] = std::min(low[d], list.vertices[v][d]);
-          high[d] = std::max(high[d], list.vertices[v][d]);
-        }
+        widen_box(low, high, list.vertices[v]);
     // Squares and cubes of these are numbers, too.
     const double extent = (high - low).norm();
     if (!(extent > 1e-50 && low.norm() < 1e50 && high.norm() < 1e50))
@@ -403,11 +395,7 @@ namespace tombolo
       piece.area += area_of_facet.norm();
       piece.volume += (center(f) - middle) * area_of_facet / dim;
       for (const unsigned int v : facets[f].vertex)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          piece.low[d] = std::min(piece.low[d], vertices[v][d]);
-          piece.high[d] = std::max(piece.high[d], vertices[v][d]);
-        }
+        widen_box(piece.low, piece.high, vertices[v]);
     }
     for (const Piece &piece : pieces)
     {

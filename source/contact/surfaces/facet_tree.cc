@@ -34,11 +34,7 @@ namespace tombolo
     box.low = box.high = surface.vertices[surface.facets[order[begin]].vertex[0]];
     for (std::size_t i = begin; i < end; ++i)
       for (const unsigned int v : surface.facets[order[i]].vertex)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          box.low[d] = std::min(box.low[d], surface.vertices[v][d]);
-          box.high[d] = std::max(box.high[d], surface.vertices[v][d]);
-        }
+        widen_box(box.low, box.high, surface.vertices[v]);
     const std::size_t number = boxes.size();
     if (end - begin <= largest_leaf)
     {
@@ -85,18 +81,6 @@ namespace tombolo
     build(surface, order, begin, middle);
     boxes[number].begin = static_cast<unsigned int>(boxes.size());
     build(surface, order, middle, end);
-  }
-
-  template <int dim>
-  double FacetTree<dim>::distance_square(const Box &box, const Tensor<1, dim> &point)
-  {
-    double sum = 0;
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      const double outside = std::max({box.low[d] - point[d], point[d] - box.high[d], 0.});
-      sum += outside * outside;
-    }
-    return sum;
   }
 
   template <int dim>
@@ -188,8 +172,12 @@ namespace tombolo
             consider(box.begin + k, point, result);
         continue;
       }
-      const Waiting first = {next.box + 1, distance_square(boxes[next.box + 1], point)};
-      const Waiting second = {box.begin, distance_square(boxes[box.begin], point)};
+      const auto waits = [&](const unsigned int number) -> Waiting
+      {
+        const Box &within = boxes[number];
+        return {number, distance_square_to_box(within.low, within.high, point)};
+      };
+      const Waiting first = waits(next.box + 1), second = waits(box.begin);
       const bool first_is_nearer = first.distance_square <= second.distance_square;
       waiting[n_waiting++] = first_is_nearer ? second : first;
       waiting[n_waiting++] = first_is_nearer ? first : second;
@@ -249,19 +237,12 @@ namespace tombolo
       const bool is_leaf = box.n_facets > 0;
       box.low = is_leaf ? facets[box.begin].corners[0] : boxes[number + 1].low;
       box.high = is_leaf ? facets[box.begin].corners[0] : boxes[number + 1].high;
-      const auto include = [&](const Tensor<1, dim> &low, const Tensor<1, dim> &high)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          box.low[d] = std::min(box.low[d], low[d]);
-          box.high[d] = std::max(box.high[d], high[d]);
-        }
-      };
       if (!is_leaf)
-        include(boxes[box.begin].low, boxes[box.begin].high);
+        for (const auto &corner : {boxes[box.begin].low, boxes[box.begin].high})
+          widen_box(box.low, box.high, corner);
       for (unsigned int k = 0; k < box.n_facets; ++k)
         for (const Tensor<1, dim> &corner : facets[box.begin + k].corners)
-          include(corner, corner);
+          widen_box(box.low, box.high, corner);
     }
   }
 

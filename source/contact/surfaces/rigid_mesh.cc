@@ -251,13 +251,7 @@ namespace tombolo
   template <int dim>
   double RigidMesh<dim>::gap_or_less(const Tensor<1, dim> &point) const
   {
-    double square = 0;
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      const double outside =
-          std::max({sharp_surface.low[d] - point[d], point[d] - sharp_surface.high[d], 0.});
-      square += outside * outside;
-    }
+    const double square = distance_square_to_box(sharp_surface.low, sharp_surface.high, point);
     if (!(square <= reach * reach)) // nor is what is not a number near the box
       return std::sqrt(square);
     Tensor<1, dim> middle;

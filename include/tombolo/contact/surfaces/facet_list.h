@@ -5,6 +5,7 @@
 
 #include <tombolo/mesh/readers/text_scanner.h>
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -25,6 +26,33 @@ namespace tombolo
     std::vector<dealii::Tensor<1, dim>> vertices; ///< [L]
     std::vector<Facet> facets;
   };
+
+  /** Widens the box from @p low to @p high by a @p place. */
+  template <int dim>
+  void widen_box(dealii::Tensor<1, dim> &low, dealii::Tensor<1, dim> &high,
+                 const dealii::Tensor<1, dim> &place)
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      low[d] = std::min(low[d], place[d]);
+      high[d] = std::max(high[d], place[d]);
+    }
+  }
+
+  /** The square of the distance of a point from this box, zero within it [L^2]. */
+  template <int dim>
+  double distance_square_to_box(const dealii::Tensor<1, dim> &low,
+                                const dealii::Tensor<1, dim> &high,
+                                const dealii::Tensor<1, dim> &point)
+  {
+    double sum = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double outside = std::max({low[d] - point[d], point[d] - high[d], 0.});
+      sum += outside * outside;
+    }
+    return sum;
+  }
 
   /** How many facets a file may have: what is said about larger ones is quick, and they would be on
    * every rank. */

@@ -186,7 +186,6 @@ namespace tombolo
 
     void build(const ClosedSurface<dim> &surface, std::vector<unsigned int> &order,
                std::size_t begin, std::size_t end);
-    static double distance_square(const Box &box, const dealii::Tensor<1, dim> &point);
     void consider(unsigned int place, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
     /** Considers all facets that @p takes and that can be nearer than what is known. */
     template <typename Takes>
