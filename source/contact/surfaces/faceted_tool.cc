@@ -45,7 +45,7 @@ namespace tombolo
         axis = e.read("Axis", "0, 0, 1", "",
                       "The direction through the tool's origin that `Angle` is about.",
                       &read_direction<dim>);
-      this->rigid_motion = RigidMotion<dim>(e, axis);
+      this->read_motion(e, axis);
     }
 
     /** Throws InputError where the file cannot be read or bounds no body. */
@@ -97,14 +97,14 @@ namespace tombolo
                        const double time, std::vector<double> &gap) const override
     {
       gap.resize(nodes.size());
-      const Tensor<1, dim> origin = this->rigid_motion.origin(time);
+      const Tensor<1, dim> origin = this->origin(time);
       // Axes of the tool as they stand now: components along them are those of the tool.
-      const double angle = this->rigid_motion.angle(time);
+      const double angle = this->angle(time);
       Tensor<1, dim> axes[dim];
       for (unsigned int d = 0; d < dim; ++d)
       {
         axes[d][d] = 1.;
-        axes[d] = this->rigid_motion.turned(axes[d], angle);
+        axes[d] = this->turned(axes[d], angle);
       }
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
@@ -125,10 +125,9 @@ namespace tombolo
 
     dealii::Tensor<1, dim> normal(const Tensor<1, dim> &point, const double time) const override
     {
-      const double angle = this->rigid_motion.angle(time);
-      const Tensor<1, dim> place =
-          this->rigid_motion.turned(point - this->rigid_motion.origin(time), -angle);
-      return this->rigid_motion.turned(body.nearest(place).normal, angle);
+      const double angle = this->angle(time);
+      const Tensor<1, dim> place = this->turned(point - this->origin(time), -angle);
+      return this->turned(body.nearest(place).normal, angle);
     }
 
     FacetList<dim> picture(const double time, const Tensor<1, dim> &,
@@ -136,10 +135,10 @@ namespace tombolo
     {
       FacetList<dim> result;
       result.facets = body.surface().facets;
-      const Tensor<1, dim> origin = this->rigid_motion.origin(time);
-      const double angle = this->rigid_motion.angle(time);
+      const Tensor<1, dim> origin = this->origin(time);
+      const double angle = this->angle(time);
       for (const Tensor<1, dim> &vertex : body.surface().vertices)
-        result.vertices.push_back(origin + this->rigid_motion.turned(vertex, angle));
+        result.vertices.push_back(origin + this->turned(vertex, angle));
       return result;
     }
 

@@ -162,7 +162,7 @@ namespace tombolo
       axis = e.read("Axis", dim == 2 ? "0, 1" : "0, 0, 1", "",
                     "The direction from the tool's origin into the tool, at t = 0.",
                     &read_direction<dim>);
-      this->rigid_motion = RigidMotion<dim>(e, axis);
+      this->read_motion(e, axis);
       if (e.declares())
         return;
       try
@@ -179,7 +179,7 @@ namespace tombolo
                        const double time, std::vector<double> &gap) const override
     {
       gap.resize(nodes.size());
-      const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
+      const Tensor<1, dim> origin = this->origin(time), along = axis_at(time);
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
         const double *const x = position.node(nodes[k]);
@@ -202,8 +202,7 @@ namespace tombolo
     }
     Tensor<1, dim> normal(const Tensor<1, dim> &point, const double time) const override
     {
-      const Tensor<1, dim> along = axis_at(time),
-                           from_origin = point - this->rigid_motion.origin(time);
+      const Tensor<1, dim> along = axis_at(time), from_origin = point - this->origin(time);
       const double z = from_origin * along;
       const Tensor<1, dim> across = from_origin - z * along;
       const double r = across.norm();
@@ -221,7 +220,7 @@ namespace tombolo
     FacetList<dim> picture(const double time, const Tensor<1, dim> &,
                            const Tensor<1, dim> &) const override
     {
-      const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
+      const Tensor<1, dim> origin = this->origin(time), along = axis_at(time);
       const std::vector<RigidProfile::Place> outline =
           profile.outline(numbers::PI / (dim == 2 ? 180 : 18));
       FacetList<dim> result;
@@ -242,7 +241,7 @@ namespace tombolo
       {
         constexpr unsigned int n = 48;
         const Tensor<1, 3> first = direction_across(along), second = cross_product_3d(along, first);
-        const double start = this->rigid_motion.angle(time);
+        const double start = this->angle(time);
         for (const RigidProfile::Place &place : outline)
           for (unsigned int k = 0; k < n; ++k)
           {
@@ -267,7 +266,7 @@ namespace tombolo
   private:
     Tensor<1, dim> axis_at(const double time) const
     {
-      return dim == 2 ? this->rigid_motion.turned(axis, this->rigid_motion.angle(time)) : axis;
+      return dim == 2 ? this->turned(axis, this->angle(time)) : axis;
     }
 
     Tensor<1, dim> axis;

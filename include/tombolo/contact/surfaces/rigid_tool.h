@@ -14,19 +14,39 @@
 
 namespace tombolo
 {
-  /** The motion of a rigid tool: it turns about an axis through its origin (in two dimensions about
-   * the origin) by an angle that is a function of time, and its origin moves by a RigidTranslation.
-   */
+  /** A rigid surface that moves as a whole, what tools of any shape share: it turns about an axis
+   * through its origin (in two dimensions about the origin) by an angle that is a function of time,
+   * and its origin moves by a RigidTranslation. */
   template <int dim>
-  class RigidMotion
+  class RigidTool : public ContactSurface<dim>
   {
   public:
-    RigidMotion() = default;
-
-    /** "Origin", "Angle", and the entries of RigidTranslation. Turns about @p axis, a unit vector,
-     * which is not used in two dimensions. */
-    RigidMotion(const Entries &e, const dealii::Tensor<1, dim> &axis) : axis(axis)
+    /** The turn is the one around the middle of the time, so that a surface that turns about its
+     * own axis moves along itself, and not towards what it touches. */
+    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, const double from,
+                                  const double to) const override
     {
+      const dealii::Tensor<1, dim> arm = point - origin(to);
+      const double half = 0.5 * (angle(to) - angle(from));
+      return origin(to) - origin(from) + turned(arm, half) - turned(arm, -half);
+    }
+
+    dealii::Tensor<1, dim> reference_point(const double time) const override
+    {
+      return origin(time);
+    }
+
+    RigidTranslation<dim> &translation() override
+    {
+      return rigid_translation;
+    }
+
+  protected:
+    /** "Origin", "Angle", and the entries of RigidTranslation. Turns about @p through_origin, a
+     * unit vector, which is not used in two dimensions. */
+    void read_motion(const Entries &e, const dealii::Tensor<1, dim> &through_origin)
+    {
+      turning_axis = through_origin;
       initial_origin = e.read(
           "Origin", mandatory, "L",
           "The origin of the tool's own coordinates at t = 0, as numbers separated by commas.",
@@ -53,11 +73,6 @@ namespace tombolo
       return rotation ? rotation->value(dealii::Point<dim>(), time) : 0.;
     }
 
-    RigidTranslation<dim> &translation()
-    {
-      return rigid_translation;
-    }
-
     /** @p vector turned about the axis. */
     dealii::Tensor<1, dim> turned(const dealii::Tensor<1, dim> &vector, const double angle) const
     {
@@ -69,51 +84,16 @@ namespace tombolo
             {cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1]});
       else
       {
-        const dealii::Tensor<1, dim> along = (vector * axis) * axis, across = vector - along;
-        return along + cosine * across + sine * dealii::cross_product_3d(axis, across);
+        const dealii::Tensor<1, dim> along = (vector * turning_axis) * turning_axis,
+                                     across = vector - along;
+        return along + cosine * across + sine * dealii::cross_product_3d(turning_axis, across);
       }
     }
 
-    /** How far the point of the body that is at @p point moves from time @p from to time @p to [L].
-     * The turn is the one around the middle of the time, so that a surface that turns about its own
-     * axis moves along itself, and not towards what it touches. */
-    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, const double from,
-                                  const double to) const
-    {
-      const dealii::Tensor<1, dim> arm = point - origin(to);
-      const double half = 0.5 * (angle(to) - angle(from));
-      return origin(to) - origin(from) + turned(arm, half) - turned(arm, -half);
-    }
-
   private:
-    dealii::Tensor<1, dim> axis;
+    dealii::Tensor<1, dim> turning_axis;
     dealii::Tensor<1, dim> initial_origin;
     RigidTranslation<dim> rigid_translation;
     std::optional<Expression<dim>> rotation;
-  };
-
-  /** A rigid surface that moves as a whole by a RigidMotion: what tools of any shape share. */
-  template <int dim>
-  class RigidTool : public ContactSurface<dim>
-  {
-  public:
-    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, const double from,
-                                  const double to) const override
-    {
-      return rigid_motion.motion(point, from, to);
-    }
-
-    dealii::Tensor<1, dim> reference_point(const double time) const override
-    {
-      return rigid_motion.origin(time);
-    }
-
-    RigidTranslation<dim> &translation() override
-    {
-      return rigid_motion.translation();
-    }
-
-  protected:
-    RigidMotion<dim> rigid_motion;
   };
 } // namespace tombolo

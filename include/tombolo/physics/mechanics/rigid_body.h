@@ -26,7 +26,7 @@ namespace tombolo
   /**
    * What the section "Part: NAME/rigid" says of the motion of a body: the displacement of its
    * reference point and its angle as functions of time, or which of them forces move, given forces
-   * and the motion at the start. In the words of the motion of rigid tools (RigidMotion). Vectors
+   * and the motion at the start. In the words of the motion of rigid tools (RigidTool). Vectors
    * have three components; in two dimensions rotation is about z.
    */
   template <int dim>
