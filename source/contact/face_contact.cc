@@ -28,7 +28,7 @@ namespace tombolo
                                    "kinematic.");
       if (!section.get("Where").empty())
         section.fail("Where", "with `Method = surface` faces touch; allowed is a `Boundary`.");
-      const std::set<types::boundary_id> boundaries = contact_boundaries(scene);
+      const std::set<types::boundary_id> boundaries = scene.boundaries();
       return ContactFaces<dim>(
           nodes, [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
           { return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0; });

@@ -24,8 +24,8 @@ namespace tombolo
     if (part)
       part->take(std::move(scene.master), state);
     totals.position = surface->reference_point(0.);
-    const auto boundaries = contact_boundaries(scene);
-    candidates = find_contact_candidates(scene, boundaries);
+    const auto boundaries = scene.boundaries();
+    candidates = scene.candidates(boundaries);
     if (part)
       part->drop_own_nodes(section, candidates);
     if (settings.has_heat)
@@ -75,7 +75,7 @@ namespace tombolo
     if (heat)
       heat->list(records);
 
-    refuse_motion_out_of_mirrors(scene, *surface);
+    scene.refuse_motion_out_of_mirrors(*surface);
   }
 
   template <int dim>
@@ -124,10 +124,7 @@ namespace tombolo
     std::array<double, dim> on_bodies;
     std::copy_n(totals.force.begin_raw(), dim, on_bodies.begin());
     on_bodies = ordered_sum(on_bodies, communicator);
-    Tensor<1, dim> reaction;
-    for (unsigned int d = 0; d < dim; ++d)
-      reaction[d] = -on_bodies[d];
-    surface->translation().accelerate(clock, reaction);
+    surface->translation().accelerate(clock, -vector_of<dim>(on_bodies.data()));
   }
 
   template <int dim>

@@ -92,46 +92,44 @@ namespace tombolo
   }
 
   template <int dim>
-  std::set<types::boundary_id> contact_boundaries(const ContactScene<dim> &scene)
+  std::set<types::boundary_id> ContactScene<dim>::boundaries() const
   {
-    if (scene.section.get("Boundary").empty())
+    if (section.get("Boundary").empty())
       return {};
-    return boundary_ids(scene.mesh, scene.section, "Boundary");
+    return boundary_ids(mesh, section, "Boundary");
   }
 
   template <int dim>
-  std::vector<unsigned int> find_contact_candidates(const ContactScene<dim> &scene,
-                                                    const std::set<types::boundary_id> &boundaries)
+  std::vector<unsigned int>
+  ContactScene<dim>::candidates(const std::set<types::boundary_id> &boundaries) const
   {
-    const Section &section = scene.section;
-    const NodalState &state = scene.state;
     const NodePartition &partition = *state.partition();
     std::vector<bool> is_candidate(partition.n_owned(), false);
     if (section.get("Boundary").empty())
-      is_candidate = scene.can_be_exposed;
-    mark_surface_nodes(scene.nodes, partition, boundaries, is_candidate);
+      is_candidate = can_be_exposed;
+    mark_surface_nodes(nodes, partition, boundaries, is_candidate);
 
     std::optional<Predicate<dim>> where;
     if (!section.get("Where").empty())
       where.emplace(section, "Where");
-    std::vector<unsigned int> candidates;
+    std::vector<unsigned int> result;
     std::string failure;
     try
     {
       for (unsigned int i = 0; i < partition.n_owned(); ++i)
         if (is_candidate[i] &&
             (!where || (*where)(Point<dim>(vector_of<dim>(state.initial_position.node(i))))))
-          candidates.push_back(i);
+          result.push_back(i);
     }
     catch (const InputError &error)
     {
       failure = error.what();
     }
-    throw_on_all_ranks<InputError>(failure, scene.nodes.communicator());
-    if (Utilities::MPI::sum(candidates.size(), scene.nodes.communicator()) == 0)
+    throw_on_all_ranks<InputError>(failure, nodes.communicator());
+    if (Utilities::MPI::sum(result.size(), nodes.communicator()) == 0)
       section.fail(where ? "Where" : "Boundary",
                    "no node can touch; the contact would do nothing.");
-    return candidates;
+    return result;
   }
 
   template <int dim>
@@ -164,44 +162,13 @@ namespace tombolo
   }
 
   template <int dim>
-  void refuse_motion_out_of_mirrors(const ContactScene<dim> &scene, ContactSurface<dim> &surface)
+  void ContactScene<dim>::refuse_motion_out_of_mirrors(ContactSurface<dim> &surface) const
   {
-    const Section &section = scene.section;
     for (unsigned int d = 0; d < dim; ++d)
-      if (scene.nodes.images()->are_opposite_along(d) && surface.translation().moves_along(d))
+      if (nodes.images()->are_opposite_along(d) && surface.translation().moves_along(d))
         section.subsection(section.get("Surface"))
             .fail("Directions", "a body with a mass would move out of a " + Images::words(true) +
                                     "; allowed are directions without " + "xyz"[d] + ".");
-  }
-
-  template <int dim>
-  void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
-                const std::vector<double> &was, const std::vector<double> &gap, const double time,
-                const NodalVector &slides, const NodalVector &from, NodalVector &position,
-                NodalVector &is_bound)
-  {
-    constexpr double clearance = 1e-6, largest_slope = 0.3;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-    {
-      if (!(was[k] < 0. || gap[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
-        continue;
-      *is_bound.node(candidates[k]) = 1.;
-      double *const x = position.node(candidates[k]);
-      // Beyond the surface by some of its way: on it, round-off would decide whether a node
-      // touches.
-      double excess = -(1. + clearance) * gap[k];
-      if (was[k] < 0.)
-      {
-        // Faces are chords of a round surface, and beside the last node that touches they go away
-        // from it: what touched it touches it still.
-        const double along = (vector_of<dim>(x) - vector_of<dim>(from.node(candidates[k]))).norm();
-        const bool may_leave = *slides.node(candidates[k]) < 1.;
-        excess = may_leave && gap[k] - was[k] > largest_slope * along ? 0. : was[k] - gap[k];
-      }
-      const Tensor<1, dim> way = excess * surface.normal(vector_of<dim>(x), time);
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] += way[d];
-    }
   }
 
   template std::unique_ptr<ContactSurface<2>> create_surface(const Section &);
@@ -210,12 +177,6 @@ namespace tombolo
   template void declare_surface_contact<3>(const Entries &);
   template void validate_surface_contact<2>(const Section &, bool);
   template void validate_surface_contact<3>(const Section &, bool);
-  template std::set<types::boundary_id> contact_boundaries(const ContactScene<2> &);
-  template std::set<types::boundary_id> contact_boundaries(const ContactScene<3> &);
-  template std::vector<unsigned int> find_contact_candidates(const ContactScene<2> &,
-                                                             const std::set<types::boundary_id> &);
-  template std::vector<unsigned int> find_contact_candidates(const ContactScene<3> &,
-                                                             const std::set<types::boundary_id> &);
   template void
   refuse_depth(const Nodes<2> &, const NodalState &, const std::vector<unsigned int> &,
                const std::vector<double> &,
@@ -224,12 +185,6 @@ namespace tombolo
   refuse_depth(const Nodes<3> &, const NodalState &, const std::vector<unsigned int> &,
                const std::vector<double> &,
                const std::function<std::string(const std::string &, const std::string &)> &);
-  template void push_out(const ContactSurface<2> &, const std::vector<unsigned int> &,
-                         const std::vector<double> &, const std::vector<double> &, double,
-                         const NodalVector &, const NodalVector &, NodalVector &, NodalVector &);
-  template void push_out(const ContactSurface<3> &, const std::vector<unsigned int> &,
-                         const std::vector<double> &, const std::vector<double> &, double,
-                         const NodalVector &, const NodalVector &, NodalVector &, NodalVector &);
-  template void refuse_motion_out_of_mirrors(const ContactScene<2> &, ContactSurface<2> &);
-  template void refuse_motion_out_of_mirrors(const ContactScene<3> &, ContactSurface<3> &);
+  template struct ContactScene<2>;
+  template struct ContactScene<3>;
 } // namespace tombolo

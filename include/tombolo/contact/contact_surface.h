@@ -4,6 +4,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/input/registry.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>
@@ -69,6 +70,40 @@ namespace tombolo
                                    const dealii::Tensor<1, dim> & /*high*/) const
     {
       return {};
+    }
+
+    /** Moves candidates of which @p slides is positive and whose gap @p from (positions) was
+     * negative along the normal of the surface until it is as it was; where @p slides is less than
+     * one, only if the surface of the body and this one differ in slope by little. Moves others
+     * with a negative gap out of the surface. Marks those with a gap that is or was negative in @p
+     * is_bound. */
+    void push_out(const std::vector<unsigned int> &candidates, const std::vector<double> &was,
+                  const std::vector<double> &gap, const double time, const NodalVector &slides,
+                  const NodalVector &from, NodalVector &position, NodalVector &is_bound) const
+    {
+      constexpr double clearance = 1e-6, largest_slope = 0.3;
+      for (std::size_t k = 0; k < candidates.size(); ++k)
+      {
+        if (!(was[k] < 0. || gap[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
+          continue;
+        *is_bound.node(candidates[k]) = 1.;
+        double *const x = position.node(candidates[k]);
+        // Beyond the surface by some of its way: on it, round-off would decide whether a node
+        // touches.
+        double excess = -(1. + clearance) * gap[k];
+        if (was[k] < 0.)
+        {
+          // Faces are chords of a round surface, and beside the last node that touches they go away
+          // from it: what touched it touches it still.
+          const double along =
+              (vector_of<dim>(x) - vector_of<dim>(from.node(candidates[k]))).norm();
+          const bool may_leave = *slides.node(candidates[k]) < 1.;
+          excess = may_leave && gap[k] - was[k] > largest_slope * along ? 0. : was[k] - gap[k];
+        }
+        const dealii::Tensor<1, dim> way = excess * normal(vector_of<dim>(x), time);
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] += way[d];
+      }
     }
 
     /** What moves the surface as a whole: a contact advances it where it has a mass, and

@@ -85,7 +85,7 @@ namespace tombolo
       std::vector<double> was, is;
       find_gaps(from, candidates, clock.time, was);
       find_gaps(position, candidates, clock.time, is);
-      push_out(*surface, candidates, was, is, clock.time, slides, from, position, is_bound);
+      surface->push_out(candidates, was, is, clock.time, slides, from, position, is_bound);
     }
 
     /** See ModelSignals::nodes_placed. Collective. */

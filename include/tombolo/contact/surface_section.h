@@ -29,6 +29,19 @@ namespace tombolo
      * and where the surface is that of a part. */
     std::vector<double> volume;
     MasterPart<dim> master; ///< whose own nodes are no candidates
+
+    /** The boundaries that the section of a contact names; none for the whole surface. Throws
+     * InputError. */
+    std::set<dealii::types::boundary_id> boundaries() const;
+
+    /** The owned nodes (local numbers, ascending) that a contact can touch: those on faces of
+     * @p boundaries or, where the section names none, of the whole surface of the mesh and all that
+     * can be exposed. Throws InputError where there is none on any rank. Collective. */
+    std::vector<unsigned int>
+    candidates(const std::set<dealii::types::boundary_id> &boundaries) const;
+
+    /** Throws the InputError of a @p surface with a mass that would leave a plane of symmetry. */
+    void refuse_motion_out_of_mirrors(ContactSurface<dim> &surface) const;
   };
 
   /** Declares the section "Contact: NAME" of a contact with a rigid surface. */
@@ -43,19 +56,6 @@ namespace tombolo
   template <int dim>
   std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section);
 
-  /** The boundaries that the section of a contact names; none for the whole surface. Throws
-   * InputError. */
-  template <int dim>
-  std::set<dealii::types::boundary_id> contact_boundaries(const ContactScene<dim> &scene);
-
-  /** The owned nodes (local numbers, ascending) that a contact can touch: those on faces of
-   * @p boundaries or, where the section names none, of the whole surface of the mesh and all that
-   * can be exposed. Throws InputError where there is none on any rank. Collective. */
-  template <int dim>
-  std::vector<unsigned int>
-  find_contact_candidates(const ContactScene<dim> &scene,
-                          const std::set<dealii::types::boundary_id> &boundaries);
-
   /** Throws an InputError where these owned nodes are deeper in something than round-off, each by
    * its entry of @p depths [L]: what @p message says of the depth of the deepest node of all ranks
    * and of the node, "the node with the number 3 at (1, 2)". Collective. */
@@ -64,19 +64,4 @@ namespace tombolo
       const Nodes<dim> &nodes, const NodalState &state, const std::vector<unsigned int> &candidates,
       const std::vector<double> &depths,
       const std::function<std::string(const std::string &depth, const std::string &node)> &message);
-
-  /** Moves candidates of which @p slides is positive and whose gap @p from (positions) was negative
-   * along the normal of the surface until it is as it was; where @p slides is less than one, only
-   * if the surface of the body and this one differ in slope by little. Moves others with a negative
-   * gap out of the surface. Marks those with a gap that is or was negative in @p is_bound. */
-  template <int dim>
-  void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
-                const std::vector<double> &was, const std::vector<double> &gap, double time,
-                const NodalVector &slides, const NodalVector &from, NodalVector &position,
-                NodalVector &is_bound);
-
-  /** Throws the InputError of a @p surface with a mass that would move out of a plane of symmetry.
-   */
-  template <int dim>
-  void refuse_motion_out_of_mirrors(const ContactScene<dim> &scene, ContactSurface<dim> &surface);
 } // namespace tombolo

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surface_section.h>
 
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ namespace tombolo
         std::vector<double> was, gap;
         disc.evaluate_gaps(before, {0}, 0., was);
         disc.evaluate_gaps(position, {0}, 0., gap);
-        push_out<2>(disc, {0}, was, gap, 0., sliding, before, position, is_bound);
+        disc.push_out({0}, was, gap, 0., sliding, before, position, is_bound);
         disc.evaluate_gaps(position, {0}, 0., gap);
         return {gap[0], *is_bound.node(0) > 0.};
       }
