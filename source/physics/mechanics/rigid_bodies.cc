@@ -153,13 +153,7 @@ namespace tombolo
     }
     std::copy(moment.begin(), moment.end(), sums.begin() + 3);
     sums = ordered_sum(sums, model.communicator);
-    Wrench result;
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      result.force[d] = sums[d];
-      result.moment[d] = sums[3 + d];
-    }
-    return result;
+    return {vector_of<3>(sums.data()), vector_of<3>(sums.data() + 3)};
   }
 
   template <int dim>
@@ -239,13 +233,7 @@ namespace tombolo
     sums = ordered_sum(sums, model.communicator);
     for (std::size_t b = 0; b < bodies.size(); ++b)
     {
-      Tensor<1, 3> force, moment;
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        force[d] = sums[6 * b + d];
-        moment[d] = sums[6 * b + 3 + d];
-      }
-      bodies[b].find_motion(clock, force, moment);
+      bodies[b].find_motion(clock, vector_of<3>(&sums[6 * b]), vector_of<3>(&sums[6 * b + 3]));
       move_nodes(b, clock, state);
     }
   }
