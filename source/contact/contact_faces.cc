@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_faces.h>
 
+#include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/surfaces/facet_list.h>
+
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/numerics/rtree.h>
@@ -290,19 +293,12 @@ namespace tombolo
     template <int dim>
     BoundingBox<dim> box_around(const FaceCorners<dim> &corners, const double by)
     {
-      std::pair<Point<dim>, Point<dim>> ends;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        ends.first[d] = ends.second[d] = corners[0][d];
-        for (const auto &corner : corners)
-        {
-          ends.first[d] = std::min(ends.first[d], corner[d]);
-          ends.second[d] = std::max(ends.second[d], corner[d]);
-        }
-        ends.first[d] -= by;
-        ends.second[d] += by;
-      }
-      return BoundingBox<dim>(ends);
+      Tensor<1, dim> low = corners[0], high = low;
+      for (const auto &corner : corners)
+        widen_box(low, high, corner);
+      BoundingBox<dim> result({Point<dim>(low), Point<dim>(high)});
+      result.extend(by);
+      return result;
     }
 
     /** The exchange of a number of doubles per item between all ranks. Collective. */
@@ -415,16 +411,14 @@ namespace tombolo
     std::vector<double> to_send, values;
     for (const unsigned int f : sent)
       for (const auto &corner : masters.corners(masters.faces()[f], position))
-        for (unsigned int d = 0; d < dim; ++d)
-          to_send.push_back(corner[d]);
+        to_send.insert(to_send.end(), corner.begin_raw(), corner.end_raw());
     send(n_corners * dim, to_send, values);
     std::vector<BoundingBox<dim>> boxes;
     for (std::size_t m = 0; m < received.size(); ++m)
     {
       FaceCorners<dim> corners;
       for (unsigned int k = 0; k < n_corners; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          corners[k][d] = values[(m * n_corners + k) * dim + d];
+        corners[k] = vector_of<dim>(&values[(m * n_corners + k) * dim]);
       boxes.push_back(box_around<dim>(corners, 0.));
     }
     const auto tree = pack_rtree_of_indices(boxes);

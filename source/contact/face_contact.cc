@@ -243,15 +243,15 @@ namespace tombolo
     void find_points(const NodalVector &position, const Clock &clock)
     {
       const double begin = clock.time - clock.previous_step;
-      const auto numbers_of = [](const std::size_t n)
-      {
-        std::vector<unsigned int> numbers(n);
-        std::iota(numbers.begin(), numbers.end(), 0u);
-        return numbers;
-      };
-      // Faces that are farther from the surface than their size have no point behind it.
       std::vector<Tensor<1, dim>> places;
       std::vector<double> sizes, gaps;
+      const auto find_gaps = [&]
+      {
+        std::vector<unsigned int> numbers(places.size());
+        std::iota(numbers.begin(), numbers.end(), 0u);
+        this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers, clock.time, gaps);
+      };
+      // Faces that are farther from the surface than their size have no point behind it.
       for (const auto &face : faces.faces())
       {
         const FaceCorners<dim> corners = faces.corners(face, position);
@@ -264,8 +264,7 @@ namespace tombolo
         places.push_back(middle);
         sizes.push_back(size);
       }
-      this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
-                                   clock.time, gaps);
+      find_gaps();
       points.clear();
       places.clear();
       for (unsigned int f = 0; f < faces.faces().size(); ++f)
@@ -287,8 +286,7 @@ namespace tombolo
           places.push_back(place);
         }
       }
-      this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
-                                   clock.time, gaps);
+      find_gaps();
       std::size_t n_behind = 0;
       for (std::size_t p = 0; p < points.size(); ++p)
       {

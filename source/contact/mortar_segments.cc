@@ -65,8 +65,7 @@ namespace tombolo
     for (const unsigned int f : exchange.sent_faces())
       for (const unsigned int node : masters.faces()[f].nodes)
       {
-        for (unsigned int d = 0; d < dim; ++d)
-          sent_values.push_back(position.node(node)[d]);
+        sent_values.insert(sent_values.end(), position.node(node), position.node(node) + dim);
         for (unsigned int d = 0; d < dim; ++d)
           sent_values.push_back(position.node(node)[d] - last_position.node(node)[d]);
         if (thermal != nullptr)

@@ -108,10 +108,8 @@ namespace tombolo
       }
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
-        const double *const x = position.node(nodes[k]);
-        Tensor<1, dim> from_origin, place;
-        for (unsigned int d = 0; d < dim; ++d)
-          from_origin[d] = x[d] - origin[d];
+        const Tensor<1, dim> from_origin = vector_of<dim>(position.node(nodes[k])) - origin;
+        Tensor<1, dim> place;
         for (unsigned int d = 0; d < dim; ++d)
           place[d] = axes[d] * from_origin;
         gap[k] = body.gap_or_less(place);

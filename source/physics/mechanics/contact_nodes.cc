@@ -148,13 +148,9 @@ namespace tombolo
     std::set<unsigned int> fast;
     for (const Part<dim> &part : model.parts)
       for (const unsigned int node : part.formulation->particle_nodes())
-      {
-        double square = 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          square += std::pow(model.state.velocity.node(node)[d], 2);
-        if (square > std::pow(of_cutting_speed * speed, 2))
+        if (vector_of<dim>(model.state.velocity.node(node)).norm_square() >
+            std::pow(of_cutting_speed * speed, 2))
           fast.insert(node);
-      }
     return ordered_sum(static_cast<double>(fast.size()), model.communicator);
   }
 

@@ -12,7 +12,6 @@
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -108,7 +107,7 @@ namespace tombolo
       for (Particle &particle : particles)
       {
         const Sphere own = sphere(particle, model, model.state.position);
-        const auto x = vector_of<dim>(own.position.data());
+        const Tensor<1, dim> &x = own.position;
         const Tensor<1, dim> of_others =
             spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, tree, elastic);
         work += 0.5 * (particle.force + of_others) * (x - particle.position);
@@ -160,21 +159,14 @@ namespace tombolo
       std::uint64_t node, parts, body;
       bool has_elements;
       double mass, radius;
-      std::array<double, dim> position, velocity;
+      Tensor<1, dim> position, velocity;
     };
-
-    /** From one to the other. */
-    static Tensor<1, dim> difference(const std::array<double, dim> &one,
-                                     const std::array<double, dim> &other)
-    {
-      return vector_of<dim>(other.data()) - vector_of<dim>(one.data());
-    }
 
     static std::vector<Point<dim>> places_of(const std::vector<Sphere> &spheres)
     {
       std::vector<Point<dim>> result;
       for (const Sphere &sphere : spheres)
-        result.emplace_back(vector_of<dim>(sphere.position.data()));
+        result.emplace_back(sphere.position);
       return result;
     }
 
@@ -238,7 +230,7 @@ namespace tombolo
         for_partners(own, spheres, tree,
                      [&](const Sphere &other)
                      {
-                       factor = std::min(factor, difference(own.position, other.position).norm() /
+                       factor = std::min(factor, (other.position - own.position).norm() /
                                                      (own.radius + other.radius));
                      });
         particle.radius *= factor;
@@ -248,17 +240,15 @@ namespace tombolo
     Sphere sphere(const Particle &particle, const Model<dim> &model,
                   const NodalVector &position) const
     {
-      Sphere result{model.state.partition()->global_index(particle.node),
-                    particle.parts,
-                    particle.body,
-                    particle.has_elements,
-                    *model.state.mass.node(particle.node),
-                    particle.radius,
-                    {},
-                    {}};
-      std::copy_n(position.node(particle.node), dim, result.position.begin());
-      std::copy_n(model.state.velocity.node(particle.node), dim, result.velocity.begin());
-      return result;
+      const NodalState &state = model.state;
+      return {state.partition()->global_index(particle.node),
+              particle.parts,
+              particle.body,
+              particle.has_elements,
+              *state.mass.node(particle.node),
+              particle.radius,
+              vector_of<dim>(position.node(particle.node)),
+              vector_of<dim>(state.velocity.node(particle.node))};
     }
 
     /** The spheres of all ranks in the box around another part, by the number of the node.
@@ -303,7 +293,7 @@ namespace tombolo
                       const Action &action) const
     {
       constexpr double beyond_round_off = 1.001;
-      const Point<dim> place(vector_of<dim>(one.position.data()));
+      const Point<dim> place(one.position);
       BoundingBox<dim> around(std::make_pair(place, place));
       around.extend(beyond_round_off * reach);
       std::vector<std::size_t> near;
@@ -327,13 +317,13 @@ namespace tombolo
       for_partners(one, spheres, tree,
                    [&](const Sphere &other)
                    {
-                     const Tensor<1, dim> offset = difference(one.position, other.position);
+                     const Tensor<1, dim> offset = other.position - one.position;
                      const double r = offset.norm();
                      const double overlap = one.radius + other.radius - r;
                      if (!(overlap > 0.) || r == 0.)
                        return;
                      const Tensor<1, dim> normal = offset / r;
-                     const double approach = -(difference(one.velocity, other.velocity) * normal);
+                     const double approach = -((other.velocity - one.velocity) * normal);
                      const double reduced = one.mass * other.mass / (one.mass + other.mass);
                      const auto least = [&](const Sphere &sphere, double PartLaw::*const what)
                      { return least_of(sphere.parts, what); };
