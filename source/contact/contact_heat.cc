@@ -12,33 +12,34 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void HeatPartner::declare_parameters(const Entries &e)
+  HeatPartner::HeatPartner(const Entries &e, const bool is_part) : is_part(is_part)
   {
-    e.text("Conductance", "0", "M/(T^3 temperature)",
-           "h of the heat h (tool temperature - temperature) that enters the body per area in "
-           "contact and time: one number, or pairs `pressure: value` separated by commas, joined "
-           "by straight lines. 0: nothing is conducted. Only in scenes with heat.");
-    e.number("Tool temperature", mandatory, any_number(), "temperature",
-             "The temperature of the tool, at the start where it has a `Heat capacity`. Needed for "
-             "a tool that conducts or has one.");
-    e.number("Heat capacity", "0", any_number(), "M L^2/(T^2 temperature)",
-             "Of the whole tool, whose temperature then changes by its share of the heat of "
-             "friction and by what it conducts; 0 for a tool that keeps its temperature. Only in "
-             "scenes with heat.");
-  }
-
-  HeatPartner::HeatPartner(const Section &section, const bool is_part)
-      : is_part(is_part), conductance(section, "Conductance", "pressure")
-  {
-    if (conductance.smallest() < 0.)
-      section.fail("Conductance", "allowed are numbers from zero on.");
-    if (is_part)
+    conductance = e.object<TemperatureTable>(
+        "Conductance", "0", "M/(T^3 temperature)",
+        "h of the heat h (tool temperature - temperature) that enters the body per area in "
+        "contact and time: one number, or pairs `pressure: value` separated by commas, joined "
+        "by straight lines. 0: nothing is conducted. Only in scenes with heat.",
+        "pressure");
+    e.refuse(conductance.smallest() < 0., "Conductance", "allowed are numbers from zero on.");
+    if (!e.when(!is_part))
       return;
-    capacity = section.get_double("Heat capacity");
-    if (!(capacity >= 0.))
-      section.fail("Heat capacity", "allowed is zero or a positive number.");
-    if (has_temperature())
-      initial_temperature = section.get_double("Tool temperature");
+    const auto read_temperature = [&]
+    {
+      initial_temperature = e.number(
+          "Tool temperature", mandatory, any_number(), "temperature",
+          "The temperature of the tool, at the start where it has a `Heat capacity`. Needed for "
+          "a tool that conducts or has one.");
+    };
+    if (e.declares()) // before what decides whether it is read
+      read_temperature();
+    capacity = e.number(
+        "Heat capacity", "0", any_number(), "M L^2/(T^2 temperature)",
+        "Of the whole tool, whose temperature then changes by its share of the heat of "
+        "friction and by what it conducts; 0 for a tool that keeps its temperature. Only in "
+        "scenes with heat.");
+    e.refuse(!(capacity >= 0.), "Heat capacity", "allowed is zero or a positive number.");
+    if (!e.declares() && has_temperature())
+      read_temperature();
   }
 
   template <int dim>

@@ -3,8 +3,9 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surface_section.h>
+#include <tombolo/contact/surface_contact.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -100,24 +101,21 @@ namespace tombolo
                                       const std::vector<unsigned int> &master_nodes,
                                       const MPI_Comm communicator)
     {
-      std::vector<double> places;
+      std::vector<Tensor<1, dim>> places;
       for (const unsigned int node : master_nodes)
-        for (unsigned int d = 0; d < dim; ++d)
-          places.push_back(state.initial_position.node(node)[d]);
+        places.push_back(vector_of<dim>(state.initial_position.node(node)));
       double least = std::numeric_limits<double>::max();
       std::string where;
-      for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, places))
-        for (std::size_t i = 0; i < of_rank.size(); i += dim)
-          for (const unsigned int node : slave_nodes)
+      for (const Tensor<1, dim> &place : of_all_ranks(places, communicator))
+        for (const unsigned int node : slave_nodes)
+        {
+          const auto x = vector_of<dim>(state.initial_position.node(node));
+          if (const double distance = (x - place).norm(); distance < least)
           {
-            const double *const x = state.initial_position.node(node);
-            const double distance = (vector_of<dim>(x) - vector_of<dim>(of_rank.data() + i)).norm();
-            if (distance < least)
-            {
-              least = distance;
-              where = place_text(vector_of<dim>(x));
-            }
+            least = distance;
+            where = place_text(x);
           }
+        }
       const double least_of_all = Utilities::MPI::min(least, communicator);
       std::ostringstream message;
       message << section.describe("Type") << ": the tied bodies are apart: the nearest nodes, at "

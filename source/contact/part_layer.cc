@@ -73,8 +73,7 @@ namespace tombolo
     for (const auto &[node, point] : owned_points)
     {
       survey_nodes.push_back(
-          {node, nodes.persistent_ids()[nodes.owned().index_within_set(node)], {}});
-      std::copy_n(&point[0], dim, survey_nodes.back().position.begin());
+          {node, nodes.persistent_ids()[nodes.owned().index_within_set(node)], point});
     }
     take_survey(of_all_ranks(survey_nodes, communicator), of_all_ranks(survey_cells, communicator));
     std::vector<unsigned int> numbers_of_owned;
@@ -208,8 +207,7 @@ namespace tombolo
     {
       number_by_id[id] = static_cast<unsigned int>(initial_positions.size());
       global_numbers.push_back(static_cast<types::global_dof_index>(node->global_number));
-      initial_positions.emplace_back();
-      std::copy_n(node->position.begin(), dim, initial_positions.back().begin_raw());
+      initial_positions.push_back(node->position);
     }
     for (const SurveyCell &of_cell : cells)
     {

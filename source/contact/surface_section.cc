@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/surface_section.h>
+#include <tombolo/contact/surface_contact.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
@@ -63,7 +63,7 @@ namespace tombolo
            "nodes of the whole surface, all particles, and all nodes of elements that erode.");
     e.text("Where", "", "", "A predicate of the initial position that nodes must fulfil to touch.");
     declare<ContactSettings>(e);
-    HeatPartner::declare_parameters(e);
+    declare<HeatPartner>(e);
   }
 
   template <int dim>

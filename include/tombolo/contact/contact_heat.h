@@ -55,10 +55,8 @@ namespace tombolo
    * `Conductance`, `Tool temperature` and `Heat capacity`. */
   struct HeatPartner
   {
-    static void declare_parameters(const Entries &e);
-
     /** That of a rigid tool, or of a part, which has temperatures of its own. Throws InputError. */
-    HeatPartner(const Section &section, bool is_part);
+    explicit HeatPartner(const Entries &e, bool is_part = false);
 
     bool conducts() const
     {

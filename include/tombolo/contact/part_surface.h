@@ -113,7 +113,7 @@ namespace tombolo
     struct SurveyNode
     {
       std::uint64_t global_number, id; ///< the latter is the persistent one
-      std::array<double, dim> position;
+      dealii::Tensor<1, dim> position;
     };
     struct SurveyCell
     {

@@ -6,7 +6,7 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surface_section.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
