@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
 
