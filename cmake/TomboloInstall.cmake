@@ -32,10 +32,13 @@ foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/${command} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/scripts/common.bash DESTINATION ${data_directory}/scripts)
-foreach(module plotting reporting importing studying)
+foreach(module plotting reporting importing studying tombolo)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/${module} DESTINATION ${data_directory}/scripts
-    PATTERN "__pycache__" EXCLUDE)
+    PATTERN "__pycache__" EXCLUDE PATTERN "build" EXCLUDE PATTERN "*.egg-info" EXCLUDE)
 endforeach()
+# Where Python of Debian looks for packages.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/tombolo DESTINATION lib/python3/dist-packages
+  FILES_MATCHING PATTERN "*.py" PATTERN "build" EXCLUDE PATTERN "*.egg-info" EXCLUDE)
 
 # The manual page is made from what the program says of itself.
 find_program(TOMBOLO_PYTHON python3 HINTS /usr/bin)

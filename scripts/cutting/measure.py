@@ -1,43 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What a cut is measured by, from the tables of a run."""
 
-import csv
 import json
 import math
 from pathlib import Path
 
+import tombolo
+from tombolo import TomboloError
 
-class CutError(Exception):
-    """The run cannot be measured: a sentence."""
+
+CutError = TomboloError
 
 
-class Table:
-    """A table of a run: columns by name, without their units; an empty place is not a number."""
+class Table(tombolo.Table):
+    """A table of a run with at least two rows, as lists."""
 
     def __init__(self, path):
-        path = Path(path)
-        if not path.exists():
-            raise CutError(f"there is no {path}")
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        if len(rows) < 3:
-            raise CutError(f"{path} has {max(0, len(rows) - 1)} rows, and at least two are needed")
-        self.path = path
-        self.columns = {}
-        for k, heading in enumerate(rows[0]):
-            try:
-                values = [float(row[k]) if row[k] else math.nan for row in rows[1:]]
-            except (IndexError, ValueError) as error:
-                raise CutError(f"{path} is damaged: {error}") from error
-            self.columns[heading.partition(" [")[0]] = values
-
-    def __contains__(self, name):
-        return name in self.columns
-
-    def __getitem__(self, name):
-        if name not in self.columns:
-            raise CutError(f"{self.path} has no column \"{name}\"")
-        return self.columns[name]
+        super().__init__(path, arrays=False, least_rows=2)
 
 
 def interpolated(times, values, time):

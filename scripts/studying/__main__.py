@@ -7,7 +7,7 @@ import signal
 import sys
 from pathlib import Path
 
-from .parameter_file import InputError, ParameterFile
+from tombolo.parameter_file import InputError, ParameterFile
 from .report import StudyReport
 from .runs import Executor, StudyError, StudyInterrupted, make_runs
 from .settings import StudySettings

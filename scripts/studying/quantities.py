@@ -7,7 +7,7 @@ import math
 import re
 from pathlib import Path
 
-from .parameter_file import nearest
+from tombolo.errors import nearest
 
 
 class NoValue(Exception):

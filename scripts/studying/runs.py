@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from fnmatch import translate
 from pathlib import Path
 
-from .parameter_file import InputError, ParameterFile
+from tombolo.parameter_file import InputError, ParameterFile
 from .quantities import NoValue
 from .settings import BASE_FILE, OUTPUT_MARK
 

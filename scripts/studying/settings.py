@@ -8,7 +8,8 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .parameter_file import InputError, nearest
+from tombolo.errors import nearest
+from tombolo.parameter_file import InputError
 from .quantities import Quantity
 
 OUTPUT_MARK = "{output}"

@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Parameter files as Tombolo reads them: sections, entries, includes, with the lines where they stand."""
 
-import difflib
 from pathlib import Path
 
+from .errors import TomboloError, nearest
 
-class InputError(Exception):
+
+class InputError(TomboloError):
     """What a user has to mend."""
-
-
-def nearest(name, known):
-    """A hint at the nearest known name, or nothing."""
-    found = difflib.get_close_matches(name.lower(), [one.lower() for one in known], 1, 0.6)
-    return next((f' Did you mean "{one}"?' for one in known if found and one.lower() == found[0]), "")
 
 
 class ParameterFile:

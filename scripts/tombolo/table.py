@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Tables that a run leaves behind: columns by name."""
+
+import csv
+import io
+import math
+import re
+from pathlib import Path
+
+from .errors import TomboloError, nearest
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+
+class Table:
+    """A CSV file whose header is made of `name [unit]`: `columns` and `units` by name, an empty place
+    being no number. Columns are arrays where numpy is there and `arrays` is true, and lists else. Rows
+    that are no numbers, of another length than the header, or without the end of their line, are
+    refused, or left out and listed in `damaged_rows`."""
+
+    def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0):
+        self.path = Path(path)
+        if not self.path.exists():
+            raise TomboloError(f"there is no {path}")
+        text = self.path.read_text("utf-8", errors="replace").replace("\0", "?")
+        rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
+        if len(rows) <= least_rows and least_rows:
+            raise TomboloError(f"{path} has {max(0, len(rows) - 1)} rows, and at least {least_rows} are needed")
+        if not rows:
+            raise TomboloError(f"{path} is empty")
+        self.units, self.columns, self.damaged_rows = {}, {}, []
+        values = []
+        for number, row in enumerate(rows[1:], start=1):
+            try:
+                is_cut = number + 1 == len(rows) and not text.endswith("\n")
+                if len(row) != len(rows[0]) or is_cut:
+                    raise ValueError
+                values.append([float(entry) if entry else math.nan for entry in row])
+            except ValueError:
+                self.damaged_rows.append(number)
+        if self.damaged_rows and not leaves_out_damaged_rows:
+            raise TomboloError(f"row {self.damaged_rows[0]} of {path} is not a line of {len(rows[0])} "
+                               "numbers, as its header asks for: the file is damaged")
+        for index, title in enumerate(rows[0]):
+            name, unit = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*", title).groups()
+            column = [row[index] for row in values]
+            self.units[name] = unit or ""
+            self.columns[name] = numpy.array(column) if numpy and arrays else column
+
+    def __contains__(self, name):
+        return name in self.columns
+
+    def __getitem__(self, name):
+        if name not in self.columns:
+            raise TomboloError(f'{self.path} has no column "{name}".' + nearest(name, self.columns))
+        return self.columns[name]
+
+    def __iter__(self):
+        return iter(self.columns)
+
+    def __len__(self):
+        return len(self.columns)
+
+    def heading(self, name):
+        return heading(name, self.units[name])
+
+    def frame(self):
+        """A DataFrame of pandas, which must be installed."""
+        import pandas  # only where it is asked for
+        return pandas.DataFrame(self.columns)
+
+
+def heading(name, unit):
+    """`name [unit]` for an axis, with powers set as powers."""
+    unit = re.sub(r"\^(-?\d+)", r"$^{\1}$", unit)
+    return f"{name} [{unit}]" if unit else name
