@@ -38,7 +38,7 @@ foreach(module plotting reporting importing studying tombolo)
 endforeach()
 # Where Python of Debian looks for packages.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/tombolo DESTINATION lib/python3/dist-packages
-  FILES_MATCHING PATTERN "*.py" PATTERN "build" EXCLUDE PATTERN "*.egg-info" EXCLUDE)
+  FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE PATTERN "build" EXCLUDE PATTERN "*.egg-info" EXCLUDE)
 
 # The manual page is made from what the program says of itself.
 find_program(TOMBOLO_PYTHON python3 HINTS /usr/bin)
