@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/mortar_contacts.h>
+#include <tombolo/contact/mortar_contact.h>
+#include <tombolo/model/process.h>
 
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/mesh/boundary_names.h>
@@ -147,180 +148,194 @@ namespace tombolo
     }
   } // namespace
 
+  /**
+   * All contacts of a scene between bodies (the sections `Body contact: NAME`). Their forces act at
+   * positions and enter the nodal force by Φᵀ; they are internal forces of the scene. With heat,
+   * the bodies get the heat of friction and exchange heat.
+   */
   template <int dim>
-  MortarContacts<dim>::MortarContacts(const std::vector<Section> &sections, Model<dim> &model)
-      : communicator(model.communicator),
-        force(this->actions.add("contact between bodies", ActsAt::positions))
+  class MortarContacts : public Process<dim>
   {
-    if (model.heat)
-      heat = &this->actions.add_heat("heat between bodies", "friction heat of bodies");
-    for (const Section &section : sections)
+  public:
+    /** Throws InputError. Collective. */
+    MortarContacts(const std::vector<Section> &sections, Model<dim> &model)
+        : communicator(model.communicator),
+          force(this->actions.add("contact between bodies", ActsAt::positions))
     {
-      if (model.degree > 1)
-        section.fail("", "elements have degree " + std::to_string(model.degree) +
-                             "; contact between bodies needs degree 1.");
-      selectors.push_back(
-          {{selector(section, "Slave", model), selector(section, "Master", model)}});
-      members.push_back(std::make_unique<MortarContact<dim>>(section, heat != nullptr, *model.nodes,
-                                                             model.state, selectors.back()[0],
-                                                             selectors.back()[1]));
-      this->records.group("body contact " + section.name(), members.back()->records);
+      if (model.heat)
+        heat = &this->actions.add_heat("heat between bodies", "friction heat of bodies");
+      for (const Section &section : sections)
+      {
+        if (model.degree > 1)
+          section.fail("", "elements have degree " + std::to_string(model.degree) +
+                               "; contact between bodies needs degree 1.");
+        selectors.push_back(
+            {{selector(section, "Slave", model), selector(section, "Master", model)}});
+        members.push_back(std::make_unique<MortarContact<dim>>(
+            section, heat != nullptr, *model.nodes, model.state, selectors.back()[0],
+            selectors.back()[1]));
+        this->records.group("body contact " + section.name(), members.back()->records);
+      }
+      this->roles.divided_cells = ProcessRole::is_refused;
+      if (std::any_of(members.begin(), members.end(),
+                      [](const auto &contact) { return contact->is_tied(); }))
+        this->roles.placed_nodes = ProcessRole::is_refused;
+      this->records.on_continuation([this, &model]
+                                    { last_position.copy_from(model.state.position); });
+      Records &of_all = this->records.group("contact between bodies");
+      of_all.nodal("last position", dim, last_position);
+      of_all.archived([this](StateArchive &archive)
+                      { archive.nodal("force", dim, force.at_all_nodes()); });
+      observe(model);
     }
-    this->roles.divided_cells = ProcessRole::is_refused;
-    if (std::any_of(members.begin(), members.end(),
-                    [](const auto &contact) { return contact->is_tied(); }))
-      this->roles.placed_nodes = ProcessRole::is_refused;
-    this->records.on_continuation([this, &model]
-                                  { last_position.copy_from(model.state.position); });
-    Records &of_all = this->records.group("contact between bodies");
-    of_all.nodal("last position", dim, last_position);
-    of_all.archived([this](StateArchive &archive)
-                    { archive.nodal("force", dim, force.at_all_nodes()); });
-    observe(model);
-  }
 
-  template <int dim>
-  void MortarContacts<dim>::observe(Model<dim> &model)
-  {
-    model.signals.nodes_placed.connect([this, &model](const Clock &, const NodalVector &before)
-                                       { place_nodes(before, model); });
-    model.signals.trials.connect(
-        [this, &model](const Clock &clock, const double touch_distance)
-        {
-          for (const auto &contact : members)
+    void model_changed(const Model<dim> &model) override
+    {
+      const auto &partition = model.state.partition();
+      renew_faces(model);
+      for (const auto &contact : members)
+        contact->set_partition(partition);
+      nodes.clear();
+      for (const auto &contact : members)
+        for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
+          nodes.insert(nodes.end(), side->owned_nodes().begin(), side->owned_nodes().end());
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      if (last_position.partition() == nullptr)
+        last_position = model.state.position.copy();
+      else if (last_position.partition() != partition)
+        last_position.move_to(partition);
+    }
+
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
+    {
+      NodalHeat nodal_heat;
+      if (heat != nullptr)
+      {
+        nodal_heat.temperature = &model.heat->state.present_temperature;
+        nodal_heat.enthalpy = &model.heat->nodal_enthalpy;
+        nodal_heat.pending = &model.heat->state.pending;
+        heat->touched_nodes() = nodes;
+      }
+      for (const auto &contact : members)
+        contact->add_forces(model.state, last_position, clock, nodal_heat, force.at_touched_nodes(),
+                            heat != nullptr ? &heat->at_touched_nodes() : nullptr);
+      force.touched_nodes() = nodes;
+      last_position.copy_from(model.state.position);
+    }
+
+    void after_acceleration(const Model<dim> &, const Clock &clock) override
+    {
+      for (const auto &contact : members)
+        contact->complete_step(clock);
+    }
+
+    void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override
+    {
+      if (tangent.springs == nullptr)
+        return;
+      for (const auto &contact : members)
+      {
+        add_mortar_stiffness(*contact, model.state.position, *tangent.springs);
+        for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
+          for (const unsigned int node : side->owned_nodes())
+            tangent.add_bound(
+                node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
+      }
+    }
+
+  private:
+    /** Connects to signals of the model, and shows what there is. */
+    void observe(Model<dim> &model)
+    {
+      model.signals.nodes_placed.connect([this, &model](const Clock &, const NodalVector &before)
+                                         { place_nodes(before, model); });
+      model.signals.trials.connect(
+          [this, &model](const Clock &clock, const double touch_distance)
           {
-            contact->become_static(touch_distance);
-            contact->find_stiffness(model.state, clock); // one for all evaluations of the step
-          }
-          if (clock.step == 0)
-            last_position.copy_from(model.state.position);
-        });
-    this->observed.step_limits.connect(
-        [this](double, double &fraction)
-        {
-          for (const auto &contact : members)
-            fraction = std::min(fraction, contact->stable_fraction());
-        });
-    this->observed.energies.connect(
-        [this](EnergyAccounts &accounts)
-        {
-          ContactBalance sum;
-          for (const auto &contact : members)
-            sum.add(contact->balance());
-          accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
-          accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
-          accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
-        });
-    this->observed.audit.connect(
-        [this, &model](std::ostream &text)
-        {
-          for (const auto &contact : members)
-            if (contact->is_tied())
-              text << "  contact \"" << contact->name() << "\": "
-                   << MortarHistory<dim>::describe_tie(model.state.initial_position,
-                                                       contact->slave_faces().owned_nodes(),
-                                                       contact->node_histories(), communicator)
-                   << "\n";
-        });
-    this->observed.views.connect(
-        [this](OutputView<dim> &view)
-        {
-          for (const auto &contact : members)
-            view.body_contacts.push_back(contact.get());
-          view.body_contact_force = &force.given();
-        });
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::renew_faces(const Model<dim> &model)
-  {
-    std::vector<bool> now = removed_cells(model);
-    if (Utilities::MPI::max(now == is_gone ? 0 : 1, communicator) == 0)
-      return;
-    is_gone = std::move(now);
-    for (std::size_t k = 0; k < members.size(); ++k)
-      members[k]->renew_faces(*model.nodes, selectors[k][0], selectors[k][1],
-                              [&](const typename Nodes<dim>::Cell &cell)
-                              { return is_gone[cell->active_cell_index()]; });
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::model_changed(const Model<dim> &model)
-  {
-    const auto &partition = model.state.partition();
-    renew_faces(model);
-    for (const auto &contact : members)
-      contact->set_partition(partition);
-    nodes.clear();
-    for (const auto &contact : members)
-      for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
-        nodes.insert(nodes.end(), side->owned_nodes().begin(), side->owned_nodes().end());
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    if (last_position.partition() == nullptr)
-      last_position = model.state.position.copy();
-    else if (last_position.partition() != partition)
-      last_position.move_to(partition);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::place_nodes(const NodalVector &before, Model<dim> &model)
-  {
-    const NodalVector places = nodal_field(model.state.partition(), Quantity::position,
-                                           [&](const unsigned int i, double *const place)
-                                           { std::copy_n(before.node(i), dim, place); });
-    last_position.fill(
-        [&](const unsigned int i, double *const place)
-        {
-          for (unsigned int d = 0; d < dim; ++d)
-            place[d] += model.state.position.node(i)[d] - before.node(i)[d];
-        });
-    model.state.position.update_ghosts();
-    for (const auto &contact : members)
-      contact->place_nodes(places, model.state.position);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::add_forces(const Model<dim> &model, const Clock &clock,
-                                       const NodalVector &)
-  {
-    NodalHeat nodal_heat;
-    if (heat != nullptr)
-    {
-      nodal_heat.temperature = &model.heat->state.present_temperature;
-      nodal_heat.enthalpy = &model.heat->nodal_enthalpy;
-      nodal_heat.pending = &model.heat->state.pending;
-      heat->touched_nodes() = nodes;
+            for (const auto &contact : members)
+            {
+              contact->become_static(touch_distance);
+              contact->find_stiffness(model.state, clock); // one for all evaluations of the step
+            }
+            if (clock.step == 0)
+              last_position.copy_from(model.state.position);
+          });
+      this->observed.step_limits.connect(
+          [this](double, double &fraction)
+          {
+            for (const auto &contact : members)
+              fraction = std::min(fraction, contact->stable_fraction());
+          });
+      this->observed.energies.connect(
+          [this](EnergyAccounts &accounts)
+          {
+            ContactBalance sum;
+            for (const auto &contact : members)
+              sum.add(contact->balance());
+            accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
+            accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
+            accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
+          });
+      this->observed.audit.connect(
+          [this, &model](std::ostream &text)
+          {
+            for (const auto &contact : members)
+              if (contact->is_tied())
+                text << "  contact \"" << contact->name() << "\": "
+                     << MortarHistory<dim>::describe_tie(model.state.initial_position,
+                                                         contact->slave_faces().owned_nodes(),
+                                                         contact->node_histories(), communicator)
+                     << "\n";
+          });
+      this->observed.views.connect(
+          [this](OutputView<dim> &view)
+          {
+            for (const auto &contact : members)
+              view.body_contacts.push_back(contact.get());
+            view.body_contact_force = &force.given();
+          });
     }
-    for (const auto &contact : members)
-      contact->add_forces(model.state, last_position, clock, nodal_heat, force.at_touched_nodes(),
-                          heat != nullptr ? &heat->at_touched_nodes() : nullptr);
-    force.touched_nodes() = nodes;
-    last_position.copy_from(model.state.position);
-  }
 
-  template <int dim>
-  void MortarContacts<dim>::after_acceleration(const Model<dim> &, const Clock &clock)
-  {
-    for (const auto &contact : members)
-      contact->complete_step(clock);
-  }
-
-  template <int dim>
-  void MortarContacts<dim>::linearize(const Model<dim> &model, const Clock &clock,
-                                      Tangent<dim> &tangent)
-  {
-    if (tangent.springs == nullptr)
-      return;
-    for (const auto &contact : members)
+    void renew_faces(const Model<dim> &model)
     {
-      add_mortar_stiffness(*contact, model.state.position, *tangent.springs);
-      for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
-        for (const unsigned int node : side->owned_nodes())
-          tangent.add_bound(
-              node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
+      std::vector<bool> now = removed_cells(model);
+      if (Utilities::MPI::max(now == is_gone ? 0 : 1, communicator) == 0)
+        return;
+      is_gone = std::move(now);
+      for (std::size_t k = 0; k < members.size(); ++k)
+        members[k]->renew_faces(*model.nodes, selectors[k][0], selectors[k][1],
+                                [&](const typename Nodes<dim>::Cell &cell)
+                                { return is_gone[cell->active_cell_index()]; });
     }
-  }
+
+    /** For nodes that were @p before where no motion has led them from. Collective. */
+    void place_nodes(const NodalVector &before, Model<dim> &model)
+    {
+      const NodalVector places = nodal_field(model.state.partition(), Quantity::position,
+                                             [&](const unsigned int i, double *const place)
+                                             { std::copy_n(before.node(i), dim, place); });
+      last_position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            for (unsigned int d = 0; d < dim; ++d)
+              place[d] += model.state.position.node(i)[d] - before.node(i)[d];
+          });
+      model.state.position.update_ghosts();
+      for (const auto &contact : members)
+        contact->place_nodes(places, model.state.position);
+    }
+
+    MPI_Comm communicator;
+    /** Of slave and master of each contact. */
+    std::vector<std::array<typename MortarContact<dim>::Selector, 2>> selectors;
+    std::vector<bool> is_gone; ///< active cells, ghosts among them; empty: none can
+    std::vector<std::unique_ptr<MortarContact<dim>>> members;
+    std::vector<unsigned int> nodes; ///< owned, on faces of any contact
+    NodalVector last_position;       ///< at t_{n-1}; empty before the first step
+    Action &force;
+    HeatAction *heat = nullptr; ///< null without heat
+  };
 
   namespace
   {
@@ -385,9 +400,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class MortarContacts<2>;
-  template class MortarContacts<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(MortarContactsKind, process_order::contact)
 } // namespace tombolo
