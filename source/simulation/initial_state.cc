@@ -50,15 +50,12 @@ namespace tombolo
   CheckpointHeader header_at_start(const Parameters &parameters, const unsigned int dimension,
                                    const MPI_Comm communicator)
   {
-    CheckpointHeader result;
-    if (const Section root = parameters.section(""); !root.get(initial_state_entry).empty())
-    {
-      StateArchive archive(Checkpoints::find_state(root, initial_state_entry, communicator),
-                           StateArchive::Mode::read, communicator);
-      result = read_header(archive, dimension, parameters);
-    }
-    result.entries = text_of_entries(parameters);
-    return result;
+    const Section root = parameters.section("");
+    if (root.get(initial_state_entry).empty())
+      return {};
+    StateArchive archive(Checkpoints::find_state(root, initial_state_entry, communicator),
+                         StateArchive::Mode::read, communicator);
+    return read_header(archive, dimension, parameters);
   }
 
   template <int dim>

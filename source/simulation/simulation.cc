@@ -37,6 +37,7 @@ namespace tombolo
       exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
+    header.entries = text_of_entries(parameters);
     const bool is_continued = InitialState<dim>::read(parameters, *model, run_clock, log);
     if (model->heat)
     {

@@ -29,8 +29,8 @@ namespace tombolo
     static bool read(const Parameters &parameters, Model<dim> &model, Clock &clock, Log &log);
   };
 
-  /** The header of a run that begins: on the mesh of the state that the entry names, or on that of
-   * the file. Collective. */
+  /** The header of a run that begins, on the mesh of the state that the entry names, or on that of
+   * the file. Its entries are known when the model has read them. Collective. */
   CheckpointHeader header_at_start(const Parameters &parameters, unsigned int dimension,
                                    MPI_Comm communicator);
 
