@@ -4,6 +4,8 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -204,7 +206,8 @@ namespace tombolo
         if (touches)
         {
           const double mass = *state.mass.node(candidates[k]) / below.mass_ratio;
-          this->press(k, {-this->gap[k], motion, normal, mass}, clock, nodal_heat);
+          // What only touches is not deep: no spring pulls.
+          this->press(k, {std::max(0., -this->gap[k]), motion, normal, mass}, clock, nodal_heat);
           force = springs[k].force(normal);
         }
         else
@@ -226,9 +229,14 @@ namespace tombolo
     void find_stiffness(const NodalState &state, const Clock &clock,
                         std::vector<ContactStiffness<dim>> &result) override
     {
+      const auto has_depth = [](const ContactSpring<dim> &spring)
+      { return spring.is_closed() && spring.depth > 0.; };
+      // Nodes that touch and have no depth resist where nothing else does.
+      const bool is_any_here = std::any_of(this->springs.begin(), this->springs.end(), has_depth);
+      const bool is_pressed = Utilities::MPI::max(is_any_here ? 1 : 0, this->communicator) == 1;
       for (std::size_t k = 0; k < this->springs.size(); ++k)
       {
-        if (!this->springs[k].is_closed())
+        if (!(is_pressed ? has_depth(this->springs[k]) : this->springs[k].is_closed()))
           continue;
         const auto x = vector_of<dim>(state.position.node(this->candidates[k]));
         ContactStiffness<dim> stiffness;

@@ -123,10 +123,19 @@ namespace tombolo
         contact.mortar_segments().add_changes_of_weights(position, pressed, rows);
       }
       rows.collect(*partition);
+      const auto holds = [&](const MortarHistory<dim> &history)
+      {
+        return history.spring.is_closed() && history.area > 0. &&
+               (history.spring.depth > 0. || history.is_bonded || contact.is_tied());
+      };
+      // Nodes that touch and have no depth resist where nothing else does.
+      const bool is_any_here = std::any_of(histories.begin(), histories.end(), holds);
+      const bool is_pressed =
+          Utilities::MPI::max(is_any_here ? 1 : 0, partition->communicator()) == 1;
       for (std::size_t k = 0; k < histories.size(); ++k)
       {
         const MortarHistory<dim> &history = histories[k];
-        if (!(history.spring.is_closed() && history.area > 0.))
+        if (!(is_pressed ? holds(history) : history.spring.is_closed() && history.area > 0.))
           continue;
         ContactStiffness<dim> stiffness;
         stiffness.node = nodes[k];

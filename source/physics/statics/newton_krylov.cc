@@ -19,6 +19,9 @@ namespace tombolo
 
   namespace
   {
+    /** Bodies that are pressed together lift off from each other node by node. */
+    constexpr unsigned int most_with_other_contacts = 5;
+
     /** What to do where these residuals, by iteration, are too many. */
     std::string advice_on_iterations(const std::vector<double> &residuals, const double tolerance)
     {
@@ -55,8 +58,11 @@ namespace tombolo
                    "factorization, for small bodies and thin ones).") == "direct";
       solver =
           is_direct ? TangentMatrix<dim>::Solver::direct : TangentMatrix<dim>::Solver::multigrid;
-      max_iterations = e.integer("Max iterations", "20", at_least(1),
-                                 "A step that needs more iterations of Newton's method is halved.");
+      max_iterations =
+          e.integer("Max iterations", "20", at_least(1),
+                    "A step that needs more iterations of Newton's method is halved. Those "
+                    "that find other nodes in contact do not count, up to four times "
+                    "as many.");
     }
 
     StaticSolution solve(StaticProblem<dim> &problem, const double tolerance) override
@@ -82,6 +88,7 @@ namespace tombolo
       double norm = problem.residual_norm();
       bool is_driven = problem.is_driven();
       double best = norm;
+      unsigned int n_counted = 0;
       std::vector<double> residuals;
       for (result.n_iterations = 0;; ++result.n_iterations)
       {
@@ -91,10 +98,13 @@ namespace tombolo
         result.has_converged = !is_driven && result.residual <= tolerance;
         if (result.has_converged)
           return result;
-        if (result.n_iterations == max_iterations)
+        n_counted += result.n_iterations > 0 && !matrix->contacts_changed() ? 1 : 0;
+        if (n_counted == max_iterations ||
+            result.n_iterations == most_with_other_contacts * max_iterations)
         {
           result.advice = advice_on_iterations(residuals, tolerance);
-          return fail("no convergence within " + std::to_string(max_iterations) + " iterations");
+          return fail("no convergence within " + std::to_string(result.n_iterations) +
+                      " iterations");
         }
         // What is left is largest at the start of a step that is driven; later it must shrink.
         if (result.n_iterations > 4 && norm > 1e4 * best)

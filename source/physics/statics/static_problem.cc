@@ -19,7 +19,7 @@ namespace tombolo
   template <int dim>
   StaticProblem<dim>::StaticProblem(Model<dim> &model, const double spring_factor)
       : model(model), assembly(model.parts),
-        spring_time(round_down(courant_limit(model).time_step) / std::sqrt(spring_factor))
+        spring_time(courant_limit(model).time_step / std::sqrt(spring_factor))
   {
     double extent = 0;
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)

@@ -261,7 +261,14 @@ namespace tombolo
     problem.linearize_processes(springs, spring_bound);
     spring_bound.condense();
     const bool had_springs = has_springs;
-    has_springs = Utilities::MPI::max(springs.empty() ? 0 : 1, problem.model.communicator) == 1;
+    std::vector<unsigned int> nodes_before(springs.size());
+    std::transform(springs.begin(), springs.end(), nodes_before.begin(),
+                   [](const ContactStiffness<dim> &spring) { return spring.node; });
+    nodes_before.swap(nodes_with_springs);
+    std::vector<int> flags{springs.empty() ? 0 : 1, nodes_before != nodes_with_springs ? 1 : 0};
+    Utilities::MPI::max(flags, problem.model.communicator, flags);
+    has_springs = flags[0] == 1;
+    has_other_springs = flags[1] == 1;
     if (has_springs || had_springs)
     {
       find_far_constraints(springs);

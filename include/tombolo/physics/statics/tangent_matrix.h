@@ -83,6 +83,13 @@ namespace tombolo
       return absolute_row_sums;
     }
 
+    /** Whether, at the last assembly, other nodes were in contact than at the one before. The same
+     * on all ranks. */
+    bool contacts_changed() const
+    {
+      return has_other_springs;
+    }
+
     std::uint64_t n_assemblies() const
     {
       return count;
@@ -133,6 +140,8 @@ namespace tombolo
     /** By node that is none of this rank, a bit for each component. */
     std::map<dealii::types::global_dof_index, unsigned int> far_constraints;
     bool has_springs = false; ///< in the pattern
+    bool has_other_springs = false;
+    std::vector<unsigned int> nodes_with_springs; ///< of this rank
     NodalVector cell_forces, absolute_row_sums;
     NodalVector spring_bound;   ///< of springs
     NodalVector rounded_forces; ///< Σ_j |K_ij x_j|, by how much forces change with rounding
