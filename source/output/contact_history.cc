@@ -22,8 +22,7 @@ namespace tombolo
   public:
     explicit ContactHistory(const Entries &e)
         : BalanceHistory<dim, ContactBalance>(
-              "contact.csv", History<dim>::interval(e, "contact.csv"),
-              {"works at row", &ContactBalance::work},
+              e, "contact.csv", {"works at row", &ContactBalance::work},
               {"contact", {&ContactBalance::friction, &ContactBalance::damping}})
     {
       this->records.value("time of row", time_of_row);

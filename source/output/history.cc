@@ -3,26 +3,48 @@
 
 #include <tombolo/base/input/entries.h>
 
+#include <cmath>
+
 namespace tombolo
 {
   template <int dim>
-  History<dim>::History(const std::string &file_name, const unsigned int steps_between)
-      : table(file_name, TimeTable::Rows::in_file), steps_between(steps_between)
+  History<dim>::History(const Entries &e, const std::string &file_name, const RowEntries &names)
+      : table(file_name, TimeTable::Rows::in_file), section(e.section())
   {
     table.list(this->records);
+    this->records.value("next time", next_time).optional();
+    time_between = e.number(names.time, "0", at_least(0.), "",
+                            "The time between rows of " + file_name + ". Units: T. 0: see `" +
+                                names.steps + "`.");
+    steps_between = e.integer(names.steps, names.by_default, at_least(1),
+                              "The number of steps between rows of " + file_name + ". Excludes `" +
+                                  names.time + "`.");
+    e.refuse(e.is_set(names.steps) && time_between > 0, names.steps,
+             std::string("only one of ") + names.time + " and " + names.steps +
+                 " can be set: remove one");
+    table.choose(e.list("Columns", "",
+                        "Columns of " + file_name +
+                            " beside time and step, without units; * stands "
+                            "for any text. Empty: all."));
   }
 
   template <int dim>
-  unsigned int History<dim>::interval(const Entries &e, const std::string &file_name)
+  void History<dim>::check(const OutputView<dim> &view)
   {
-    return e.integer("Steps between rows", "10", at_least(1),
-                     file_name + " has a row every so many steps.");
+    if (!table.has_choice())
+      return;
+    begin(view);
+    table.begin_row(view.time, view.step);
+    add_columns(view);
+    table.refuse_unknown(section, "Columns");
   }
 
   template <int dim>
   void History<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
                            const UnitLabels &unit_labels)
   {
+    if (!table.is_continued())
+      next_time = view.time;
     begin(view);
     table.begin_row(view.time, view.step);
     add_columns(view);
@@ -38,13 +60,17 @@ namespace tombolo
     table.begin_row(view.time, view.step);
     add_columns(view);
     table.write_row();
+    if (time_between > 0.)
+      next_time += time_between * (std::floor((view.time - next_time) / time_between + 1e-9) + 1.);
     end_row(view);
   }
 
   template <int dim>
-  bool History<dim>::has_row(const OutputView<dim> &view)
+  bool History<dim>::has_row(const OutputView<dim> &view) const
   {
-    return view.has_row(steps_between);
+    // Times that are sums of steps may fall short of a multiple by their rounding.
+    return time_between == 0. ? view.has_row(steps_between)
+                              : view.time >= next_time - 1e-9 * time_between;
   }
 
   template <int dim>

@@ -14,10 +14,10 @@ namespace tombolo
   class ImpulseHistory : public BalanceHistory<dim, Balance>
   {
   public:
-    ImpulseHistory(const std::string &file_name, const unsigned int steps_between,
+    ImpulseHistory(const Entries &e, const std::string &file_name,
                    const typename BalanceHistory<dim, Balance>::Summary &summary)
-        : BalanceHistory<dim, Balance>(file_name, steps_between,
-                                       {"times of row", &Balance::time_of_impulse}, summary)
+        : BalanceHistory<dim, Balance>(e, file_name, {"times of row", &Balance::time_of_impulse},
+                                       summary)
     {}
 
   protected:
@@ -53,8 +53,7 @@ namespace tombolo
   {
   public:
     explicit ConditionHistory(const Entries &e)
-        : ImpulseHistory<dim, ConditionBalance>("conditions.csv",
-                                                History<dim>::interval(e, "conditions.csv"),
+        : ImpulseHistory<dim, ConditionBalance>(e, "conditions.csv",
                                                 {"conditions", {&ConditionBalance::work}})
     {
       const std::vector<double> point =
@@ -113,8 +112,7 @@ namespace tombolo
   {
   public:
     explicit SectionHistory(const Entries &e)
-        : ImpulseHistory<dim, SectionBalance>(
-              "sections.csv", History<dim>::interval(e, "sections.csv"), {"sections", {}})
+        : ImpulseHistory<dim, SectionBalance>(e, "sections.csv", {"sections", {}})
     {}
 
   private:

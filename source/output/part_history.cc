@@ -49,9 +49,7 @@ namespace tombolo
   class PartHistory : public History<dim>
   {
   public:
-    explicit PartHistory(const Entries &e)
-        : History<dim>("parts.csv", History<dim>::interval(e, "parts.csv")), section(e.section())
-    {}
+    explicit PartHistory(const Entries &e) : History<dim>(e, "parts.csv"), section(e.section()) {}
 
     /** Throws InputError in scenes of heat alone. */
     void check(const OutputView<dim> &view) override
@@ -59,6 +57,7 @@ namespace tombolo
       if (!view.has_mechanics)
         section.parent().fail("Further outputs", "the scene has no mechanics, so that its parts "
                                                  "have no energies: remove \"part history\".");
+      History<dim>::check(view);
     }
 
   private:

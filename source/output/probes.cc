@@ -50,20 +50,13 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  Probes<dim>::Probes(const Entries &e) : History<dim>(probes_file, 1), section(e.section())
+  Probes<dim>::Probes(const Entries &e)
+      : History<dim>(e, probes_file, {"Steps", "1", "Interval"}), section(e.section())
   {
-    this->records.value("next time", next_time);
     const std::string locations = e.text(
         "Locations", "", "L",
         "Nodes whose motion is written to probes.csv, by initial coordinates, to which the nearest "
         "node is taken: a list, separated by semicolons, of `name: x, y, z`, or without a name.");
-    interval = e.number("Interval", "0", at_least(0.), "",
-                        "The time between rows of probes.csv. Units: T. 0: see `Steps`.");
-    this->steps_between =
-        e.integer("Steps", "1", at_least(1),
-                  "The number of steps between rows of probes.csv. Excludes `Interval`.");
-    e.refuse(e.is_set("Steps") && interval > 0, "Steps",
-             "only one of Interval and Steps can be set: remove one");
     for (const std::string &text : Utilities::split_string_list(locations, ';'))
       read_location(text);
     e.refuse(probes.empty(), "Locations",
@@ -153,13 +146,7 @@ namespace tombolo
         view.nodes->communicator());
     for (Probe &probe : probes)
       find_node(probe, view, largest_cell);
-  }
-
-  template <int dim>
-  void Probes<dim>::begin(const OutputView<dim> &view)
-  {
-    if (!this->table.is_continued())
-      next_time = view.time;
+    History<dim>::check(view);
   }
 
   template <int dim>
@@ -170,20 +157,6 @@ namespace tombolo
                    "the probes are not those of the run that is resumed, whose rows are in " +
                        directory.file(probes_file) +
                        ": set them back, or resume into another output directory");
-  }
-
-  template <int dim>
-  bool Probes<dim>::has_row(const OutputView<dim> &view)
-  {
-    // Times that are sums of steps may fall short of a multiple by their rounding.
-    return interval == 0 ? History<dim>::has_row(view) : view.time >= next_time - 1e-9 * interval;
-  }
-
-  template <int dim>
-  void Probes<dim>::end_row(const OutputView<dim> &view)
-  {
-    if (interval > 0)
-      next_time += interval * (std::floor((view.time - next_time) / interval + 1e-9) + 1);
   }
 
   template <int dim>

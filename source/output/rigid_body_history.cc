@@ -15,8 +15,7 @@ namespace tombolo
   {
   public:
     explicit RigidBodyHistory(const Entries &e)
-        : BalanceHistory<dim, RigidBodyBalance>("rigid_bodies.csv",
-                                                History<dim>::interval(e, "rigid_bodies.csv"),
+        : BalanceHistory<dim, RigidBodyBalance>(e, "rigid_bodies.csv",
                                                 {"works at row", &RigidBodyBalance::work}, {})
     {
       this->records.value("time of row", time_of_row);

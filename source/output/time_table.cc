@@ -2,9 +2,13 @@
 #include <tombolo/output/time_table.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/registry.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/exceptions.h>
+
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <limits>
@@ -17,6 +21,31 @@ namespace tombolo
   TimeTable::TimeTable(const std::string &file_name, const Rows rows)
       : file_name(file_name), rows(rows)
   {}
+
+  bool TimeTable::is_chosen(const std::string &name) const
+  {
+    return chosen.empty() || name == "time" || name == "step" ||
+           std::any_of(chosen.begin(), chosen.end(),
+                       [&](const std::string &pattern)
+                       { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; });
+  }
+
+  void TimeTable::refuse_unknown(const Section &section, const std::string &entry) const
+  {
+    const std::vector<std::string> known = names();
+    for (const std::string &pattern : chosen)
+      if (std::none_of(known.begin(), known.end(),
+                       [&](const std::string &name)
+                       { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; }))
+      {
+        const std::string nearest = nearest_name(pattern, known);
+        std::string message = file_name + " has no column \"" + pattern + "\"";
+        message += nearest.empty() ? ". It has:" : ", did you mean \"" + nearest + "\"? It has:";
+        for (const std::string &name : known)
+          message += (&name == known.data() ? " " : ", ") + name;
+        section.fail(entry, message);
+      }
+  }
 
   void TimeTable::begin_row()
   {
@@ -47,7 +76,7 @@ namespace tombolo
         AssertThrow(rows == Rows::in_memory || directory == nullptr,
                     ExcMessage("The column \"" + name + "\" comes after the header of " +
                                file_name + " was written."));
-        columns.push_back({name, unit, {}, {}});
+        columns.push_back({name, unit, {}, {}, is_chosen(name)});
       }
     }
     return columns[next_column++];
@@ -70,20 +99,22 @@ namespace tombolo
   {
     std::string result;
     for (const Column &column : columns)
-      result += (result.empty() ? "" : ",") + csv_field(labels.heading(column.name, column.unit));
+      if (column.is_in_file)
+        result += (result.empty() ? "" : ",") + csv_field(labels.heading(column.name, column.unit));
     return result;
   }
 
   std::string TimeTable::text_of_row(const std::size_t index) const
   {
     std::string result;
-    for (std::size_t c = 0; c < columns.size(); ++c)
-    {
-      if (c > 0)
-        result += ',';
-      if (columns[c].is_given[index])
-        result += format_number(columns[c].values[index]);
-    }
+    for (const Column &column : columns)
+      if (column.is_in_file)
+      {
+        if (&column != columns.data()) // the first one is the time
+          result += ',';
+        if (column.is_given[index])
+          result += format_number(column.values[index]);
+      }
     return result + '\n';
   }
 
@@ -212,7 +243,11 @@ namespace tombolo
     {
       const auto begin = static_cast<std::ptrdiff_t>(c * n_kept_rows);
       const auto end = static_cast<std::ptrdiff_t>((c + 1) * n_kept_rows);
-      columns.push_back({names[c], units[c], {values.begin() + begin, values.begin() + end}, {}});
+      columns.push_back({names[c],
+                         units[c],
+                         {values.begin() + begin, values.begin() + end},
+                         {},
+                         is_chosen(names[c])});
       columns.back().is_given.assign(given.begin() + begin, given.begin() + end);
     }
   }

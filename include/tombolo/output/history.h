@@ -13,19 +13,25 @@
 namespace tombolo
 {
   /**
-   * A table with a row every n steps, `Steps between rows`, of what a derived class adds. Rows are
-   * in the file after each output.
+   * A table of what a derived class adds, with a row every n steps or at each multiple of a time,
+   * and with all columns or those that its entry `Columns` names. Rows are in the file after each
+   * output.
    */
   template <int dim>
   class History : public Output<dim>
   {
   public:
+    /** The names of the entries that say when there are rows, and the default of the first. */
+    struct RowEntries
+    {
+      const char *steps = "Steps between rows", *by_default = "10", *time = "Time between rows";
+    };
+
     /** The table is written to @p file_name of the output directory. */
-    History(const std::string &file_name, unsigned int steps_between);
+    History(const Entries &e, const std::string &file_name, const RowEntries &names = RowEntries());
 
-    /** The entry `Steps between rows` of a section. */
-    static unsigned int interval(const Entries &e, const std::string &file_name);
-
+    /** Throws InputError where there is no column that `Columns` names. */
+    void check(const OutputView<dim> &view) override;
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;
     void after_step(const OutputView<dim> &view) override;
@@ -45,7 +51,7 @@ namespace tombolo
     virtual void check_columns(const OutputDirectory & /*directory*/, const UnitLabels &) {}
 
     /** Whether the step that has ended has a row. */
-    virtual bool has_row(const OutputView<dim> &view);
+    bool has_row(const OutputView<dim> &view) const;
 
     /** The row was written. */
     virtual void end_row(const OutputView<dim> & /*view*/) {}
@@ -61,7 +67,12 @@ namespace tombolo
                   double elapsed, bool is_of_rotation = false);
 
     TimeTable table;
+
+  private:
+    Section section;
     unsigned int steps_between;
+    double time_between;  ///< zero: steps count [T]
+    double next_time = 0; ///< of a row, with a time between rows
   };
 
   /**
@@ -86,9 +97,9 @@ namespace tombolo
       std::vector<double Balance::*> numbers;
     };
 
-    BalanceHistory(const std::string &file_name, const unsigned int steps_between, const Kept &kept,
+    BalanceHistory(const Entries &e, const std::string &file_name, const Kept &kept,
                    const Summary &summary)
-        : History<dim>(file_name, steps_between), summary(summary)
+        : History<dim>(e, file_name), summary(summary)
     {
       const auto impulses = [](Balance &balance)
       {

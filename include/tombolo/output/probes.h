@@ -12,9 +12,7 @@ namespace tombolo
   /**
    * Histories at nodes: `probes.csv`, whose rows have time, step, and for each probe position,
    * displacement and velocity (of half a step before) and, in scenes with heat, temperature of the
-   * node that was nearest to its location at the start. A row comes every step, every n steps, or
-   * at the first step that reaches each multiple of an interval of time; the time in the row is
-   * that of the step. Rows are in the file after each output.
+   * node that was nearest to its location at the start.
    *
    * `Locations` lists them: `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called
    * "probe" and its number in the list. Of nodes at the same distance the one
@@ -44,15 +42,10 @@ namespace tombolo
 
     void read_location(const std::string &text);
     void find_node(Probe &probe, const OutputView<dim> &view, double largest_distance);
-    void begin(const OutputView<dim> &view) override;
     void add_columns(const OutputView<dim> &view) override;
     void check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels) override;
-    bool has_row(const OutputView<dim> &view) override;
-    void end_row(const OutputView<dim> &view) override;
 
     Section section;
     std::vector<Probe> probes;
-    double interval;
-    double next_time = 0;
   };
 } // namespace tombolo

@@ -12,6 +12,7 @@
 namespace tombolo
 {
   class Records;
+  class Section;
   class StateArchive;
 
   /**
@@ -36,6 +37,21 @@ namespace tombolo
 
     /** An empty table, to be written to the file @p file_name of the directory given to open(). */
     TimeTable(const std::string &file_name, Rows rows);
+
+    /** The file has time, step and these columns only, by name without units; a `*` stands for any
+     * text. Empty: all. */
+    void choose(const std::vector<std::string> &names)
+    {
+      chosen = names;
+    }
+
+    bool has_choice() const
+    {
+      return !chosen.empty();
+    }
+
+    /** Throws the InputError that one of them is no column of the present row. */
+    void refuse_unknown(const Section &section, const std::string &entry) const;
 
     /** Starts a row: values that were added since the last row was written are discarded. */
     void begin_row();
@@ -92,8 +108,10 @@ namespace tombolo
       std::string unit;
       std::vector<double> values; ///< of kept rows and the present one
       std::vector<bool> is_given;
+      bool is_in_file = true;
     };
 
+    bool is_chosen(const std::string &name) const;
     Column &find_column(const std::string &name, const std::string &unit);
     std::string header(const UnitLabels &labels) const;
     std::string text_of_row(std::size_t index) const;
@@ -103,6 +121,7 @@ namespace tombolo
 
     std::string file_name;
     Rows rows;
+    std::vector<std::string> chosen; ///< empty: all
     std::vector<Column> columns;
     std::size_t next_column = 0; ///< that a row in the same order as the last one fills next
     std::size_t n_kept_rows = 0; ///< in memory; the present row is the one after them

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <sstream>
 
 #include "output/mock_scene.h"
@@ -106,6 +107,19 @@ TEST(Probes, rows_come_at_multiples_of_the_interval_or_of_steps)
   EXPECT_EQ(times("set Interval = 0.3\n"), (std::vector<std::string>{"0", "3", "6", "9"}));
   EXPECT_EQ(times("set Interval = 0.25\n"), (std::vector<std::string>{"0", "3", "5", "8", "10"}));
   EXPECT_EQ(times("set Steps = 4\n"), (std::vector<std::string>{"0", "4", "8"}));
+}
+
+TEST(Probes, columns_are_those_that_are_named)
+{
+  const std::string tip = "set Locations = tip: 3.9, 1.2; 1.2, 0\n";
+  const auto lines =
+      lines_of(history<2>(tip + "set Columns = tip velocity *, probe 2 position y\n"));
+  EXPECT_EQ(lines[0], "time [T],step,tip velocity x [L/T],tip velocity y [L/T],"
+                      "probe 2 position y [L]");
+  EXPECT_EQ(std::count(lines[1].begin(), lines[1].end(), ','), 4);
+  EXPECT_NE(message_of<2>(tip + "set Columns = tip speed x\n")
+                .find("probes.csv has no column \"tip speed x\""),
+            std::string::npos);
 }
 
 TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
