@@ -8,15 +8,13 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tombolo.described_file import MANDATORY, DescribedFile, is_number, parts_of
 from tombolo.errors import nearest
-from tombolo.parameter_file import InputError
 from .quantities import Quantity
 
 OUTPUT_MARK = "{output}"
 BASE_FILE = "Base file"
-MANDATORY = object()
 
-# Section, entry: default, check, documentation. A check is a pattern, a range of numbers or None.
 ENTRIES = {
     "Title": ("", None, "A title for tables and pictures."),
     "Output directory": ("output/trade_study", None, "Where the study leaves its tables, and its runs in `members`; made if it "
@@ -78,17 +76,6 @@ FORMER_NAMES = {"Knobs": "Factors", "Members at a time": "Runs at a time", "Erro
                 "Search/Measures": "Search/Quantities of interest", "Error/Reference member": "Error/Reference run"}
 
 
-def is_number(text):
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
-
-
-def parts_of(text, separator):
-    return [part.strip() for part in text.split(separator)]
-
-
 @dataclass
 class Factor:
     """What is varied: [(label, texts of the entries), ...]."""
@@ -107,13 +94,14 @@ class Grid:
     axes: list = field(default_factory=list)
 
 
-class StudySettings:
+class StudySettings(DescribedFile):
     """Reads everything. Throws InputError."""
+    entries, kind, names, entries_of_each = ENTRIES, "Factor", "Factors", OF_A_FACTOR
 
     def __init__(self, file):
-        self.file, self.directory, self.notes = file, file.path.parent, []
-        self.take_former_names()
-        self.refuse_unknown()
+        self.directory, self.notes = file.path.parent, []
+        self.take_former_names(file)
+        super().__init__(file)
         self.title = self.get("Title")
         self.output = Path(self.get("Output directory"))
         self.base_file = self.resolved("Base file", self.get("Base file"))
@@ -141,64 +129,18 @@ class StudySettings:
 
     # Entries
 
-    def fail(self, entry, message):
-        value, where = self.file.entries.get(entry, (None, str(self.file.path)))
-        is_set = f' = "{value}"' if value is not None else ""
-        raise InputError(f'{where}: entry "{entry}"{is_set}: {message}.' if not message.endswith((".", "?"))
-                         else f'{where}: entry "{entry}"{is_set}: {message}')
-
-    def take_former_names(self):
-        for path, entry in list(self.file.entries.items()):
+    def take_former_names(self, file):
+        for path, entry in list(file.entries.items()):
             name = FORMER_NAMES.get(path, path)
             section, slash, rest = name.partition("/")
             if section.startswith("Knob: "):
                 name = "Factor: " + section.removeprefix("Knob: ") + slash + rest
             if name == path:
                 continue
-            del self.file.entries[path]
-            self.file.entries.setdefault(name, entry)
+            del file.entries[path]
+            file.entries.setdefault(name, entry)
             if path in FORMER_NAMES:
                 self.notes.append(f'{entry[1]}: entry "{path}" is now called "{name.rpartition("/")[2]}".')
-
-    def description(self, entry):
-        if entry.startswith("Factor: "):
-            name, _, rest = entry.removeprefix("Factor: ").rpartition("/")
-            return OF_A_FACTOR.get(rest) if name in self.list_of("Factors") else None
-        return ENTRIES.get(entry)
-
-    def known(self):
-        return list(ENTRIES) + [f"Factor: {name}/{entry}" for name in self.list_of("Factors") for entry in OF_A_FACTOR]
-
-    def refuse_unknown(self):
-        mistakes = []
-        for entry, (value, where) in self.file.entries.items():
-            described = self.description(entry)
-            if described is None:
-                mistakes.append(f'{where}: there is no entry "{entry}".' + nearest(entry, self.known()))
-                continue
-            check = described[1]
-            if check and isinstance(check[0], str) and value not in check:
-                mistakes.append(f'{where}: entry "{entry}" = "{value}": allowed is {", ".join(check)}.' + nearest(value, check))
-            elif check and not isinstance(check[0], str):
-                kind, low, high = check
-                is_right = re.fullmatch(r"[+-]?\d+", value) if kind is int else is_number(value)
-                if not is_right or not low <= float(value) <= high:
-                    mistakes.append(f'{where}: entry "{entry}" = "{value}": allowed is a {"whole " if kind is int else ""}number '
-                                    f"from {low:g} to {high:g}.")
-        mistakes += [f'{self.file.path}: the entry "{entry}" is missing.' for entry in self.known()
-                     if self.description(entry)[0] is MANDATORY and entry not in self.file.entries]
-        if mistakes:
-            raise InputError("\n".join(mistakes))
-
-    def get(self, entry):
-        if entry in self.file.entries:
-            return self.file.entries[entry][0]
-        default = self.description(entry)[0]
-        return "" if default is MANDATORY else default
-
-    def list_of(self, entry):
-        text = self.file.entries.get(entry, ("",))[0]
-        return [part for part in parts_of(text, ",") if part]
 
     def resolved(self, entry, name):
         path = Path(os.path.normpath(self.directory / name))
@@ -215,11 +157,6 @@ class StudySettings:
             return Quantity(text)
         except ValueError as error:
             self.fail(entry, str(error))
-
-    def number(self, entry, text):
-        if not is_number(text):
-            self.fail(entry, f'"{text}" is not a number')
-        return float(text)
 
     def place_of(self, entry, names, wanted, kind):
         if wanted not in names:
@@ -368,17 +305,3 @@ class StudySettings:
         self.limits = [self.number(section + "At most", limit) for limit in limits]
         if self.targets:
             self.fail("Error/Quantities of interest", "with a search the value that was found is what the study measures")
-
-    def listing(self, documents):
-        """The entries as a parameter file, with documentation or without."""
-        lines, inside = [], ""
-        for entry in sorted(self.known(), key=lambda entry: ("/" in entry, entry.rpartition("/")[0])):
-            section, _, name = entry.rpartition("/")
-            if section != inside:
-                lines += ["end", ""] * bool(inside) + [f"subsection {section}"]
-                inside = section
-            indent = "  " * bool(section)
-            if documents:
-                lines.append(f"{indent}# {self.description(entry)[2]}")
-            lines.append(f"{indent}set {name} = {self.get(entry)}")
-        return "\n".join(lines + ["end"] * bool(inside)) + "\n"
