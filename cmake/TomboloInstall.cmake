@@ -3,7 +3,7 @@
 # scripts that need no build, parameter files and pages. The result can be moved as a whole.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS tombolo tombolo_waves EXPORT TomboloTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS tombolo EXPORT TomboloTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ${TOMBOLO_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/tombolo ${PROJECT_BINARY_DIR}/include/tombolo
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
@@ -22,7 +22,7 @@ install(FILES
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
 # Scripts that work on results and input, each as the command tombolo-NAME.
-set(installed_scripts plot report plot_reflection import study submit)
+set(installed_scripts plot report reflection_study plot_reflection import study submit)
 foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/${script} DESTINATION ${data_directory}/scripts)
   string(REPLACE "_" "-" command tombolo-${script})
@@ -32,7 +32,7 @@ foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/${command} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/scripts/common.bash DESTINATION ${data_directory}/scripts)
-foreach(module plotting reporting importing studying tombolo)
+foreach(module plotting reporting importing studying reflection tombolo)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/${module} DESTINATION ${data_directory}/scripts
     PATTERN "__pycache__" EXCLUDE PATTERN "build" EXCLUDE PATTERN "*.egg-info" EXCLUDE)
 endforeach()

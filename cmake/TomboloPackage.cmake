@@ -20,6 +20,6 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # The programs load the library from the package itself.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-  "openmpi-bin, python3, python3-numpy, python3-matplotlib, python3-vtk9, python3-h5py")
+  "openmpi-bin, python3, python3-numpy, python3-scipy, python3-matplotlib, python3-vtk9, python3-h5py")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libdeal.ii-dev, nlohmann-json3-dev, cmake, g++, paraview")
 include(CPack)

@@ -24,6 +24,7 @@ usage_of()
       sub(/^# ?/, "")
       if (is_installed && gsub(/scripts\//, "tombolo-")) {
         gsub(/tombolo-plot_/, "tombolo-plot-")
+        gsub(/tombolo-reflection_/, "tombolo-reflection-")
       }
       print
       next
@@ -46,7 +47,7 @@ prepare_python()
 from importlib.util import find_spec
 print(*(name for name in sys.argv[1:] if find_spec(name) is None))' "$@")
   [[ -z $missing ]] ||
-    die "$tombolo_python has no $missing; on Debian: apt-get install python3-numpy python3-matplotlib python3-vtk9 python3-h5py"
+    die "$tombolo_python has no $missing; on Debian: apt-get install python3-numpy python3-scipy python3-matplotlib python3-vtk9 python3-h5py"
 }
 
 # plugins_of ARGUMENT...: the targets of plug-in libraries of the project that files among the arguments

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """usage: scripts/fuzz [options]
 
-Changes valid parameter files and mesh files at random and gives them to the programs. Each must be
+Changes valid parameter files and mesh files at random and gives them to the program. Each must be
 refused with an understandable message or run with whole results, in time and memory.
 
   --inputs N       so many inputs (1000)
   --seed N         other inputs (1)
   --only K         only input K of the seed; it is kept even if all is well
   --jobs N         at a time (the number of cores)
-  --program FILE   another tombolo; programs of studies are looked for beside it
+  --program FILE   another tombolo
   --seeds N        change so many of the valid files only
   --limits FACTOR  of the limits on time, for a slow program (1)
   --memory BYTES   that an input may take, beyond what the program takes by itself (4e8)
@@ -74,20 +74,12 @@ class Worker:
     def __init__(self, options):
         self.options = options
         self.limits = server.Limits(options.limits, int(options.memory))
-        self.servers = {}
         self.directory = tempfile.mkdtemp(prefix="tombolo_fuzz_")
+        self.server = server.ForkServer(options.program, options.library, self.directory)
 
     def close(self):
-        for each in self.servers.values():
-            each.close()
+        self.server.close()
         shutil.rmtree(self.directory, True)
-
-    def server_of(self, program):
-        if program not in self.servers:
-            path = os.path.join(os.path.dirname(self.options.program), program)
-            path = self.options.program if program == "tombolo" else path
-            self.servers[program] = server.ForkServer(path, self.options.library, self.directory)
-        return self.servers[program]
 
     def write(self, files):
         # Files that an input includes from two directories above stay below that of the worker.
@@ -102,14 +94,12 @@ class Worker:
 
         def steps_on():
             return any(os.path.basename(path) == "log.txt" for path in judge.walk(case))
-        ending = self.server_of(seed.program).run(case, printed, options + [seed.main], self.limits, steps_on)
+        ending = self.server.run(case, printed, options + [seed.main], self.limits, steps_on)
         with open(printed, "rb") as file:
             return ending, file.read().decode(errors="replace"), case
 
     def reduce(self, seed):
         """Makes a seed small. Returns what is wrong with it then, or None."""
-        if seed.program != "tombolo":
-            return self.check(seed, seed.files)[1]
         if seed.mesh is None:
             def n_steps(files):
                 printed = self.run(seed, files, ["--dry-run"])[1]
@@ -136,9 +126,8 @@ class Worker:
         return entries
 
     def check(self, seed, files):
-        options = [] if seed.program == "tombolo" else ["--validate"]
-        ending, printed, case = self.run(seed, files, options)
-        problem, kind = judge.problem_of(seed, ending, printed, case, list(files))
+        ending, printed, case = self.run(seed, files, [])
+        problem, kind = judge.problem_of(ending, printed, case, list(files))
         return ending, problem, kind, printed
 
     def check_validation(self, seed, files, kind):
@@ -178,11 +167,10 @@ def changed_files(generator, seed, of_parameters, of_meshes):
 def keep(options, number, seed, files, problem, printed):
     directory = os.path.join(options.keep, "%d_%d" % (options.seed, number))
     write_files(directory, files)
-    program = os.path.join(os.path.dirname(options.program), seed.program)
     with open(os.path.join(directory, "command.txt"), "w", encoding="utf-8") as file:
-        file.write("# %s\n# from %s; the whole: scripts/fuzz --seed %d --only %d%s\ncd %s && %s %s%s\n" % (
+        file.write("# %s\n# from %s; the whole: scripts/fuzz --seed %d --only %d%s\ncd %s && %s %s\n" % (
             problem, seed.name, options.seed, number, "" if options.seeds is None else " --seeds %d" % options.seeds,
-            directory, program, "" if seed.program == "tombolo" else "--validate ", seed.main))
+            directory, options.program, seed.main))
     with open(os.path.join(directory, "printed.txt"), "w", encoding="utf-8") as file:
         file.write(printed)
 
@@ -195,9 +183,8 @@ def work(options, all_seeds, vocabulary, numbers, results):
     of_parameters = mutations.ParameterFiles(vocabulary, values)
     of_meshes = mutations.MeshFiles()
     with_meshes = [seed for seed in all_seeds if seed.mesh is not None]
-    of_studies = [seed for seed in all_seeds if seed.program != "tombolo"]
-    others = [seed for seed in all_seeds if seed.mesh is None and seed.program == "tombolo"]
-    kinds = [(others, 65), (with_meshes, 27), (of_studies, 8)]
+    others = [seed for seed in all_seeds if seed.mesh is None]
+    kinds = [(others, 65), (with_meshes, 27)]
     kinds = [kind for kind in kinds if kind[0]]
     try:
         for number in iter(numbers.get, None):
@@ -207,7 +194,7 @@ def work(options, all_seeds, vocabulary, numbers, results):
             files = changed_files(generator, seed, of_parameters, of_meshes)
             begin = time.monotonic()
             ending, problem, kind, printed = worker.check(seed, files)
-            if problem is None and seed.program == "tombolo" and generator.random() < 0.2:
+            if problem is None and generator.random() < 0.2:
                 problem, of_validation = worker.check_validation(seed, files, kind)
                 printed += "" if problem is None else "\n--validate:\n" + of_validation
             if problem is not None or options.only is not None:
@@ -288,7 +275,7 @@ def main(arguments):
             if problem is not None:
                 n_wrong += 1
                 print("The valid file %s: %s" % (seed.name, problem), flush=True)
-            elif seed.program == "tombolo":
+            else:
                 vocabulary.update(worker.vocabulary(seed))
     finally:
         worker.close()

@@ -15,7 +15,7 @@ import run_cases  # tests/program
 NEVER = [piece for piece in run_cases.NEVER if piece != "Violated"] + ["Sanitizer", "runtime error:", "Assertion"]
 
 
-def problem_of(seed, ending, printed, directory, given):
+def problem_of(ending, printed, directory, given):
     """What is wrong, or None, and what the program did: "refused" or "run". `given` are the names of the
     files that the program was given."""
     if ending.stopped in ("set-up", "end", "hang"):
@@ -32,8 +32,6 @@ def problem_of(seed, ending, printed, directory, given):
     left = sorted(set(os.listdir(directory)) - {name.split("/")[0] for name in given})
     if ending.code == 1:
         return problem_of_refusal(printed, left, given), "refused"
-    if seed.program != "tombolo":
-        return (None if ending.code == 0 and not left else "it leaves %s" % left), "run"
     outputs = [os.path.dirname(path) for path in walk(directory) if os.path.basename(path) == "log.txt"]
     if len(outputs) != 1:
         return "it leaves %d output directories" % len(outputs), "run"

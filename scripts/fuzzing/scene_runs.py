@@ -240,8 +240,7 @@ def problem_of_run(run, scene, figures):
     """What is wrong with a run by itself, or None, and what it did."""
     files = scene_files.files_of(scene)
     ending = server.Ending(run.code if run.code is not None else 0, "hang" if run.code is None else None, 0.)
-    seed = collections.namedtuple("Seed", "program")("tombolo")
-    text, kind = judge.problem_of(seed, ending, run.printed, run.directory, files)
+    text, kind = judge.problem_of(ending, run.printed, run.directory, files)
     if text is not None:
         return Problem(class_of(run, text), text), kind
     if run.code == 1:

@@ -23,7 +23,6 @@ NOT_VALID = ("twenty_mistakes.prm", "bodies.prm", "turned_particle.prm")
 NOT_REDUCIBLE = ("cut_smoothed_slice.prm", "titanium_cost.prm",
                  os.path.join("elastic_wave", "smoothed_particles.prm"))
 OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
-OF_REFLECTION_STUDY = re.compile(rb"^\s*set\s+Groups\s*=", re.M)
 INCLUDE = re.compile(rb"^\s*include\s+(\S.*?)\s*$", re.M)
 MESH_FILE = re.compile(rb"^\s*set\s+File\s*=\s*(\S.*?)\s*$", re.M)
 
@@ -85,13 +84,12 @@ LOOKUP_TABLE default
 
 
 class Seed:
-    """Files by name, the main one, the program that reads it and the names that are changed."""
+    """Files by name, the main one and the names that are changed."""
 
-    def __init__(self, name, files, main, program="tombolo", mesh=None):
+    def __init__(self, name, files, main, mesh=None):
         self.name = name
         self.files = files
         self.main = main
-        self.program = program
         self.mesh = mesh  # the mesh file that is to be changed, if it is that and not the parameters
 
     def parameter_files(self):
@@ -247,9 +245,7 @@ def collect(project):
                 texts = b"\n".join(files.values())
                 files = {other: text.replace(b"@OUTPUT@", b"output") for other, text in files.items()}
                 label = os.path.relpath(os.path.join(directory, name), project)
-                if OF_REFLECTION_STUDY.search(texts):
-                    seeds.append(Seed(label, files, path, "reflection_study"))
-                elif OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
+                if OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
                         re.search(rb"^\s*set\s+Output directory", texts, re.M) and \
                         not re.search(rb"^\s*set\s+Stages", texts, re.M):  # a directory each
                     seeds.append(Seed(label, files, path))

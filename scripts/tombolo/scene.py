@@ -42,12 +42,12 @@ def lines_of(entries, indent=""):
         yield f"{indent}end"
 
 
-def find_program():
-    """`TOMBOLO_PROGRAM`, that of the project, or that which is installed."""
-    built = Path(__file__).resolve().parents[2] / "build/bin/tombolo"
-    program = os.environ.get("TOMBOLO_PROGRAM") or (built if built.exists() else shutil.which("tombolo"))
+def find_program(name="tombolo", variable="TOMBOLO_PROGRAM"):
+    """What the variable of the environment names, that of the project, or that which is installed."""
+    built = Path(__file__).resolve().parents[2] / "build/bin" / name
+    program = os.environ.get(variable) or (built if built.exists() else shutil.which(name))
     if not program:
-        raise TomboloError("the program tombolo is not found: it is not on PATH, and TOMBOLO_PROGRAM does not name it")
+        raise TomboloError(f"the program {name} is not found: it is not on PATH, and {variable} does not name it")
     return str(program)
 
 

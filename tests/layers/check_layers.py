@@ -49,8 +49,6 @@ ALLOWED = {
     "model": BELOW_MODEL,
     "physics": BELOW_MODEL | {"remesh", "model"},
     "simulation": BELOW_SIMULATION,
-    # Dispersion and reflection: a library of its own, in which the operators are studied.
-    "study/waves": BELOW_SIMULATION | {"simulation"},
 }
 
 MAXIMUM_LINES = 600

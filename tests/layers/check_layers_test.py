@@ -47,7 +47,7 @@ class CheckLayersTest(unittest.TestCase):
     def test_every_upward_pair_is_refused(self):
         order = [["base"], ["mesh"], ["state"], ["approximation", "materials"],
                  ["formulations", "boundary", "contact"], ["coupling", "remesh"], ["output"],
-                 ["model"], ["physics"], ["simulation"], ["study/waves"]]
+                 ["model"], ["physics"], ["simulation"]]
         self.assertEqual({layer for rank in order for layer in rank}, set(check_layers.ALLOWED))
         for rank, layers in enumerate(order):
             for layer in layers:

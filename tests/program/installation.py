@@ -58,7 +58,8 @@ class Installation(unittest.TestCase):
         self.assertEqual(list(self.prefix.rglob("__pycache__")), [])
 
     def test_commands_explain_themselves(self):
-        for name in ("tombolo-plot", "tombolo-report", "tombolo-plot-reflection", "tombolo-import", "tombolo-study", "tombolo-submit"):
+        for name in ("tombolo-plot", "tombolo-report", "tombolo-reflection-study", "tombolo-plot-reflection",
+                     "tombolo-import", "tombolo-study", "tombolo-submit"):
             self.assertIn(f"usage: {name} ", self.works(name, "--help"))
         refused = run(self.commands / "tombolo-plot", "nowhere", cwd=self.work)
         self.assertNotEqual(refused.returncode, 0)

@@ -14,7 +14,7 @@ class Tombolo(CMakePackage):
     version("main")
 
     variant("tests", default=False, description="Tests and benchmarks")
-    variant("plots", default=True, description="What tombolo-plot and tombolo-report need")
+    variant("plots", default=True, description="What tombolo-plot, tombolo-report and tombolo-reflection-study need")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")
@@ -31,6 +31,7 @@ class Tombolo(CMakePackage):
     depends_on("benchmark", type=("build", "link"), when="+tests")
     with when("+plots"):
         depends_on("py-numpy", type="run")
+        depends_on("py-scipy", type="run")
         depends_on("py-matplotlib", type="run")
         depends_on("py-h5py", type="run")
         depends_on("vtk@9:+python", type="run")

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The command line of scripts/reflection_study."""
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+import tempfile
+import time
+from functools import lru_cache
+from pathlib import Path
+
+from tombolo.errors import TomboloError
+from tombolo.parameter_file import InputError, ParameterFile
+from . import tables
+from .burst import send_burst
+from .case import Strip
+from .operators import Probes, StripOperators, StudyError
+from .settings import ReflectionSettings
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="reflection_study", add_help=False, allow_abbrev=False)
+    parser.add_argument("file", type=Path)
+    for option in ("--validate", "--print-parameters"):
+        parser.add_argument(option, action="store_true")
+    parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
+    return parser.parse_args()
+
+
+class Log:
+    def __init__(self):
+        self.file = None
+
+    def __call__(self, text):
+        print(text, flush=True)
+        if self.file:
+            self.file.write(text + "\n")
+            self.file.flush()
+
+
+read_operators = lru_cache(maxsize=2)(StripOperators)
+
+
+def compute(task):
+    """The result of a case, or the error that stops the study, and the seconds that it took."""
+    case, strip, file = task
+    start = time.monotonic()
+    try:
+        result = send_burst(case, read_operators(strip, file))
+    except StudyError as error:
+        result = error
+    return result, time.monotonic() - start
+
+
+class Study:
+    def __init__(self, settings, n_processes):
+        self.settings, self.n_processes = settings, n_processes
+        self.strips = [Strip(row.case) for group in settings.groups for row in group.rows]
+
+    def probe(self, directory, validates=False):
+        return Probes(self.strips, directory, self.n_processes, validates)
+
+    def refuse(self, group, number, error):
+        raise type(error)(f'{self.settings.file.path}: section "Group: {group.name}": case {number} of the group cannot be computed: '
+                          f"{error}") from error
+
+    def refuse_failures(self, probes):
+        """Throws for the first case whose strip could not be built."""
+        strips = iter(self.strips)
+        for group in self.settings.groups:
+            for number, strip in enumerate((next(strips) for _ in group.rows), 1):
+                if strip in probes.failures:
+                    self.refuse(group, number, probes.failures[strip])
+
+    def validate(self):
+        with tempfile.TemporaryDirectory() as directory:
+            self.refuse_failures(self.probe(directory, validates=True))
+
+    def run(self, log):
+        """Computes all cases, and prints each group as soon as it is complete."""
+        with tempfile.TemporaryDirectory() as directory, multiprocessing.Pool(self.n_processes) as pool:
+            probes = self.probe(directory)
+            self.refuse_failures(probes)
+            cases = (row.case for group in self.settings.groups for row in group.rows)
+            results = pool.imap(compute, [(case, strip, probes.file(strip)) for case, strip in zip(cases, self.strips)])
+            for group in self.settings.groups:
+                for number, row in enumerate(group.rows, 1):
+                    row.result, row.seconds = next(results)
+                    if isinstance(row.result, StudyError):
+                        self.refuse(group, number, row.result)
+                log(tables.table(group))
+
+    def write(self, directory, wall_seconds):
+        groups = self.settings.groups
+        (directory / "reflection.csv").write_text(tables.csv(groups), "utf-8")
+        summary = {"wall_seconds": wall_seconds, "results": {"cases": self.settings.n_cases(), **tables.calibration(groups)}}
+        (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", "utf-8")
+
+
+def main():
+    arguments, log, start = parse_arguments(), Log(), time.monotonic()
+    file = ParameterFile(arguments.file)
+    for assignment in arguments.set:
+        file.override(assignment)
+    settings = ReflectionSettings(file)
+    if arguments.print_parameters:
+        print(settings.listing(documents=True), end="")
+        return
+    study = Study(settings, arguments.processes)
+    if arguments.validate:
+        study.validate()
+        log(f"{arguments.file}: nothing wrong was found.")
+        return
+    directory = Path(settings.output)
+    directory.mkdir(parents=True, exist_ok=True)
+    (directory / "summary.json").unlink(missing_ok=True)
+    (directory / "parameters.prm").write_text(settings.listing(documents=False), "utf-8")
+    with open(directory / "log.txt", "w", encoding="utf-8") as log.file:
+        log(f"Reflection study: {settings.title}")
+        study.run(log)
+        study.write(directory, time.monotonic() - start)
+        log(f"\n{settings.n_cases()} cases, written to {directory / 'reflection.csv'}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except InputError as error:
+        sys.exit(f"\nError: {error}")
+    except (TomboloError, OSError) as error:
+        print(f"\nThe study stopped: {error}", file=sys.stderr)
+        sys.exit(2)
