@@ -27,7 +27,8 @@ class Quantity:
     FILE.csv/COLUMN`. Throws ValueError where a text is none of them."""
 
     def __init__(self, text):
-        self.text, rest, self.take, self.time = text, text, "last", None
+        self.text = self.key = text
+        rest, self.take, self.time = text, "last", None
         for take in ("largest", "mean"):
             if rest.startswith(f"{take} of "):
                 self.take, rest = take, rest.removeprefix(f"{take} of ")

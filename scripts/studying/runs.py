@@ -262,10 +262,10 @@ class Executor:
             raise StudyError(f"The program {self.program} does not tell its version: see {file}.")
         study = self.study
         measured = [study.ranks, study.repetitions, study.search_entry, study.measurement,
-                    [target.text for target in [*study.targets, *study.columns, study.cost]]]
+                    [target.key for target in [*study.targets, *study.columns, study.cost]]]
         if study.search_entry:
             measured += [study.search_from, study.search_to, study.search_tolerance, study.limits,
-                         [bound.text for bound in [*study.bounds, *filter(None, [study.search_unit])]]]
+                         [bound.key for bound in [*study.bounds, *filter(None, [study.search_unit])]]]
         for run in runs:
             inputs = file.read_text("utf-8", errors="replace") + run.key + "\n".join(run.settings) + json.dumps(measured)
             run.key = hashlib.sha256(inputs.encode()).hexdigest()

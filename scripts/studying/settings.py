@@ -10,6 +10,8 @@ from pathlib import Path
 
 from tombolo.described_file import MANDATORY, DescribedFile, is_number, parts_of
 from tombolo.errors import nearest
+from tombolo.parameter_file import InputError
+from .curves import BEGINNING, Distance
 from .quantities import Quantity
 
 OUTPUT_MARK = "{output}"
@@ -42,7 +44,11 @@ ENTRIES = {
     "Error/Quantities of interest": ("", None, "Values of a run that tell its error, separated by ` | `. A value is "
                                      "`FILE.json/KEY/KEY` (elements of arrays by number), or `FILE.csv/COLUMN` for the last row of "
                                      "a column of a table, `FILE.csv/COLUMN at TIME` for the row of a time, `largest of "
-                                     "FILE.csv/COLUMN` or `mean of FILE.csv/COLUMN`, in the output directory of the run."),
+                                     "FILE.csv/COLUMN` or `mean of FILE.csv/COLUMN`, in the output directory of the run. `distance of "
+                                     "FILE.csv/COLUMN from MEASURED.csv/COLUMN` compares a curve of the run, a column over the first "
+                                     "one of its table, with a measured curve of a table relative to the study file: the root mean "
+                                     "square of their difference over what both have of the abscissa, as a share of the range of the "
+                                     "measured values."),
     "Error/References": ("", None, "What the values ought to be, separated by commas: the error is relative to it. `-`: the value "
                          "itself is the error."),
     "Error/Reference run": ("", None, "Instead of references, the run whose values are right, by its factors, for example `spacing "
@@ -154,7 +160,7 @@ class StudySettings(DescribedFile):
 
     def quantity(self, entry, text):
         try:
-            return Quantity(text)
+            return Distance(text, self.directory) if text.startswith(BEGINNING) else Quantity(text)
         except ValueError as error:
             self.fail(entry, str(error))
 

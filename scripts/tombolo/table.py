@@ -19,9 +19,10 @@ class Table:
     """A CSV file whose header is made of `name [unit]`: `columns` and `units` by name, an empty place
     being no number. Columns are arrays where numpy is there and `arrays` is true, and lists else. Rows
     that are no numbers, of another length than the header, or without the end of their line, are
-    refused, or left out and listed in `damaged_rows`."""
+    refused, or left out and listed in `damaged_rows`. Where `ends_its_lines` is false the file may end
+    without the end of its last line, as those of editors and spreadsheets do."""
 
-    def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0):
+    def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0, ends_its_lines=True):
         self.path = Path(path)
         if not self.path.exists():
             raise TomboloError(f"there is no {path}")
@@ -35,7 +36,7 @@ class Table:
         values = []
         for number, row in enumerate(rows[1:], start=1):
             try:
-                is_cut = number + 1 == len(rows) and not text.endswith("\n")
+                is_cut = ends_its_lines and number + 1 == len(rows) and not text.endswith("\n")
                 if len(row) != len(rows[0]) or is_cut:
                     raise ValueError
                 values.append([float(entry) if entry else math.nan for entry in row])

@@ -15,3 +15,5 @@ endforeach()
 
 add_test(NAME trade_study.tables
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tables_test.py ${PROJECT_SOURCE_DIR})
+add_test(NAME trade_study.curves
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/curves_test.py ${PROJECT_SOURCE_DIR})
