@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from tombolo.parameter_file import InputError, ParameterFile
+from .least import find_minimize
 from .report import StudyReport
 from .runs import Executor, StudyError, StudyInterrupted, make_runs
 from .settings import StudySettings
@@ -47,6 +48,8 @@ class Log:
 def run_study(study, runs, is_anew, log):
     """The exit code."""
     program = program_of(study)
+    if study.searches_least:
+        find_minimize()
     study.output.mkdir(parents=True, exist_ok=True)
     with open(study.output / "log.txt", "w", encoding="utf-8") as log.file:
         log(f"Trade study: {study.title}")

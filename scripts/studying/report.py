@@ -39,7 +39,7 @@ class StudyReport:
 
     def __init__(self, study, runs):
         self.study, self.runs = study, runs
-        self.is_search = bool(study.search_entry)
+        self.is_search = study.searches_largest
         self.reference = next((run for run in runs if run.choice == study.reference_run), None)
         self.errors = [self.error_of(run) for run in runs]
         self.front = []
@@ -61,13 +61,15 @@ class StudyReport:
             if self.reference is run or not self.reference.values:
                 return math.nan
             references = self.reference.values
-        errors = [abs(value) if right is None else abs(over(value - right, right)) for value, right in zip(run.values, references)]
-        return {"mean": sum(errors) / len(errors), "largest": max(errors),
-                "root mean square": math.sqrt(sum(error**2 for error in errors) / len(errors))}[self.study.combination]
+        return self.study.error_of(run.values, references)
 
     def label_of(self, run, factor):
         value = run.choice[factor]
         return "" if value is None else self.study.factors[factor].values[value][0]
+
+    def found_of(self, run):
+        """What the search for the least error found, NaN where it found nothing."""
+        return run.found or [math.nan] * len(self.study.found_names())
 
     def steps_of(self, factor):
         # Runs that agree in all other factors, by the value of this one.
@@ -77,21 +79,22 @@ class StudyReport:
             if value is not None and math.isfinite(self.errors[number]):
                 others = run.choice[:factor] + (None,) + run.choice[factor + 1:]
                 families.setdefault(others, {})[value] = number
+        # What is compared: [(name, its value for each run), ...].
+        compared = [(self.study.value_name() if self.is_search else "error", self.errors)]
+        if not self.is_search:
+            compared.append(("time", [run.cost for run in self.runs]))
+        compared += [(name, [self.found_of(run)[place] for run in self.runs])
+                     for place, name in enumerate(self.study.found_names())]
         steps = {}
         for _, family in sorted(families.items(), key=lambda item: [-1 if one is None else one for one in item[0]]):
             values = sorted(family)
             for before, after in zip(values, values[1:]):
-                errors, costs = steps.setdefault((before, after), ([], []))
-                one, other = family[before], family[after]
-                errors.append(over(self.errors[other], self.errors[one]))
-                costs.append(over(self.runs[other].cost, self.runs[one].cost))
+                steps.setdefault((before, after), []).append((family[before], family[after]))
         labels, name = self.study.factors[factor].labels(), self.study.factors[factor].name
-        for (before, after), (errors, costs) in sorted(steps.items()):
-            text, count = ratios_text(self.study.search_entry or "error", errors)
-            sentence = f"{name} {labels[before]} → {labels[after]}: {text}"
-            if not self.is_search:
-                sentence += ", " + ratios_text("time", costs)[0]
-            yield sentence + (f", {count} pairs." if count > 1 else ".")
+        for (before, after), pairs in sorted(steps.items()):
+            texts, (count, *_) = zip(*(ratios_text(what, [over(values[other], values[one]) for one, other in pairs])
+                                       for what, values in compared))
+            yield f"{name} {labels[before]} → {labels[after]}: {', '.join(texts)}" + (f", {count} pairs." if count > 1 else ".")
 
     def failures_of(self, factor):
         for value, label in enumerate(self.study.factors[factor].labels()):
@@ -119,8 +122,8 @@ class StudyReport:
         study = self.study
         file = io.StringIO()
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["member", *(factor.name for factor in study.factors), "state", study.search_entry or study.error_name,
-                         "wall time of all runs [s]" if self.is_search else study.cost_name, "on the front",
+        writer.writerow(["member", *(factor.name for factor in study.factors), "state", study.value_name(),
+                         "wall time of all runs [s]" if self.is_search else study.cost_name, "on the front", *study.found_names(),
                          *(one.text for one in (*study.targets, *study.columns)), "runs", "message"])
 
         def number(value):
@@ -131,7 +134,7 @@ class StudyReport:
             values = values + [math.nan] * (len(study.targets) - len(values))
             writer.writerow([run.name, *(self.label_of(run, factor) for factor in range(len(study.factors))), run.state,
                              number(self.errors[place]), number(run.cost), int(place in self.front),
-                             *map(number, [*values, *run.columns]), run.n_executions, run.message])
+                             *map(number, [*self.found_of(run), *values, *run.columns]), run.n_executions, run.message])
         return file.getvalue()
 
     def json(self):
@@ -141,20 +144,22 @@ class StudyReport:
             return value if math.isfinite(value) else None
 
         return json.dumps({
-            "title": study.title, "error_name": study.search_entry or study.error_name, "cost_name": study.cost_name,
+            "title": study.title, "error_name": study.value_name(), "cost_name": study.cost_name,
             "picture": study.picture, "logarithmic_values": study.has_logarithmic_values,
             "knobs": [{"name": factor.name, "labels": factor.labels()} for factor in study.factors],
             "grids": [{"text": grid.text, "axes": [{"knob": factor, "values": values} for factor, values in grid.axes]}
                       for grid in study.grids],
             "members": [{"name": run.name, "choice": list(run.choice), "state": run.state, "error": finite(self.errors[place]),
-                         "cost": finite(run.cost), "on_front": place in self.front, "message": run.message}
+                         "cost": finite(run.cost), "on_front": place in self.front, "message": run.message,
+                         "found": dict(zip(study.found_names(), map(finite, self.found_of(run))))}
                         for place, run in enumerate(self.runs)],
             "sentences": self.sentences()}, indent=2, ensure_ascii=False) + "\n"
 
     def markdown(self):
         study = self.study
-        heads = [*(factor.name for factor in study.factors), study.search_entry or study.error_name,
-                 *(["remark"] if self.is_search else [study.cost_name, "front"]), *(column.text for column in study.columns)]
+        heads = [*(factor.name for factor in study.factors), study.value_name(),
+                 *(["remark"] if self.is_search else [study.cost_name, "front"]),
+                 *study.found_names(), *(column.text for column in study.columns)]
         rows = [heads, ["---"] * len(heads)]
         for place, run in enumerate(self.runs):
             has_result = run.state == "measured"
@@ -162,6 +167,6 @@ class StudyReport:
                          rounded(self.errors[place]) if has_result else run.state,
                          *([run.message] if self.is_search else
                            [rounded(run.cost, 3) if has_result else run.message, "yes" if place in self.front else ""]),
-                         *map(rounded, run.columns)])
+                         *map(rounded, [*self.found_of(run), *run.columns])])
         table = "\n".join("| " + " | ".join(row) + " |" for row in rows)
         return f"# {study.title}\n\n{table}\n\n" + "".join(f"- {sentence}\n" for sentence in self.sentences())

@@ -15,6 +15,7 @@ from fnmatch import translate
 from pathlib import Path
 
 from tombolo.parameter_file import InputError, ParameterFile
+from .least import LeastError
 from .quantities import NoValue
 from .settings import BASE_FILE, OUTPUT_MARK
 
@@ -43,6 +44,7 @@ class Run:
     values: list = field(default_factory=list)
     columns: list = field(default_factory=list)
     cost: float = math.nan
+    found: list = field(default_factory=list)
     n_executions: int = 0
 
 
@@ -117,15 +119,16 @@ class Runner:
             if self.one.state != "measured" or not self.read_values():
                 return
 
-    def search(self):
+    def search_largest(self):
         study, one = self.study, self.one
         one.state, one.cost = "measured", 0.0
         if study.search_unit and not self.find_unit():
             return
-        if self.succeeds(study.search_to):
-            one.values, one.message = [study.search_to], "succeeds at the largest value tried"
+        (smallest,), (largest,) = study.search_from, study.search_to
+        if self.succeeds(largest):
+            one.values, one.message = [largest], "succeeds at the largest value tried"
             return
-        failing, succeeding, why = study.search_to, study.search_from, self.last[1]
+        failing, succeeding, why = largest, smallest, self.last[1]
         if not self.succeeds(succeeding):
             one.state = "no value" if self.last[0] == "measured" else self.last[0]
             one.message = "fails at the smallest value tried: " + self.last[1]
@@ -137,6 +140,10 @@ class Runner:
             else:
                 failing, why = middle, self.last[1]
         one.values, one.message = [succeeding], "beyond: " + why
+
+    def search_least(self):
+        if not self.study.search_unit or self.find_unit():
+            LeastError(self).search()
 
     def execute(self, more_settings):
         """State and message."""
@@ -150,7 +157,7 @@ class Runner:
         begin = time.monotonic()
         code = self.executor.end_of(command, screen)
         one.n_executions += 1
-        if study.search_entry:
+        if study.searches_largest:
             one.cost += time.monotonic() - begin
         if code is None:
             return "timed out", "it took longer than the time limit"
@@ -183,9 +190,10 @@ class Runner:
         return self.one.state == "measured"
 
     def succeeds(self, value):
-        self.last = self.execute([f"{self.study.search_entry} = {value * self.unit:.12g}"])
-        if self.last[0] != "measured":
-            return False
+        self.last = self.execute([f"{self.study.search_entries[0]} = {value * self.unit:.12g}"])
+        return self.last[0] == "measured" and self.is_within_bounds()
+
+    def is_within_bounds(self):
         for bound, limit in zip(self.study.bounds, self.study.limits):
             try:
                 found = bound.value(self.output)
@@ -224,14 +232,14 @@ class Executor:
         self.is_interrupted, self.failure = threading.Event(), None
         self.lock = threading.Lock()
 
-    def end_of(self, command, screen):
-        """The exit code of a program whose screen is written to a file, negative after a signal, None where it took too
-        long. A program that is ended is ended with what it has started."""
+    def end_of(self, command, screen, has_limit=True):
+        """The exit code of a program whose screen is written to a file, negative after a signal, None where it took longer
+        than the time limit. A program that is ended is ended with what it has started."""
         screen.unlink(missing_ok=True)  # what there was, not what a link leads to
         try:
             with open(screen, "xb") as file, subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=file,
                                                               stderr=subprocess.STDOUT, start_new_session=True) as process:
-                end = time.monotonic() + (self.study.time_limit or math.inf)
+                end = time.monotonic() + (has_limit and self.study.time_limit or math.inf)
                 while process.poll() is None:
                     if self.is_interrupted.is_set() or time.monotonic() > end:
                         self.end(process)
@@ -258,14 +266,16 @@ class Executor:
     def set_keys(self, runs):
         """What decides whether a run that was made before is the same: the program, all that it reads, what is measured."""
         file = self.directory / "program.txt"
-        if self.end_of([self.program, "--version"], file) != 0:
+        if self.end_of([self.program, "--version"], file, has_limit=False) != 0:
             raise StudyError(f"The program {self.program} does not tell its version: see {file}.")
         study = self.study
-        measured = [study.ranks, study.repetitions, study.search_entry, study.measurement,
+        measured = [study.ranks, study.repetitions, study.search_entries, study.measurement,
                     [target.key for target in [*study.targets, *study.columns, study.cost]]]
-        if study.search_entry:
+        if study.search_entries:
             measured += [study.search_from, study.search_to, study.search_tolerance, study.limits,
                          [bound.key for bound in [*study.bounds, *filter(None, [study.search_unit])]]]
+        if study.searches_least:
+            measured += [study.search_runs, study.references, study.combination]
         for run in runs:
             inputs = file.read_text("utf-8", errors="replace") + run.key + "\n".join(run.settings) + json.dumps(measured)
             run.key = hashlib.sha256(inputs.encode()).hexdigest()
@@ -280,8 +290,9 @@ class Executor:
             if record["key"] != run.key or record["state"] not in STATES:
                 return False
             run.state, run.message, run.n_executions = record["state"], record["message"], record["runs"]
-            run.values, run.columns, (run.cost,) = ([math.nan if value is None else float(value) for value in values]
-                                                    for values in (record["values"], record["columns"], [record["cost"]]))
+            run.values, run.columns, run.found, (run.cost,) = (
+                [math.nan if value is None else float(value) for value in values]
+                for values in (record["values"], record["columns"], record["found"], [record["cost"]]))
             return True
         except (OSError, ValueError, KeyError, TypeError):
             return False
@@ -290,7 +301,8 @@ class Executor:
         def finite(values):
             return [value if math.isfinite(value) else None for value in values]
         record = {"key": run.key, "label": run.label, "state": run.state, "message": run.message, "values": finite(run.values),
-                  "columns": finite(run.columns), "cost": finite([run.cost])[0], "runs": run.n_executions}
+                  "columns": finite(run.columns), "found": finite(run.found), "cost": finite([run.cost])[0],
+                  "runs": run.n_executions}
         part = self.record_of(run).with_suffix(".json.part")
         part.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", "utf-8")
         part.replace(self.record_of(run))
@@ -324,7 +336,9 @@ class Executor:
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join()
+            while thread.is_alive():
+                # A signal that another thread receives does not wake this one, which alone handles it.
+                thread.join(0.1)
         if self.failure:
             raise self.failure
         if self.is_interrupted.is_set():
@@ -333,8 +347,10 @@ class Executor:
     def make(self, run):
         run.n_executions = 0
         runner = Runner(self, run)
-        if self.study.search_entry:
-            runner.search()
+        if self.study.searches_least:
+            runner.search_least()
+        elif self.study.searches_largest:
+            runner.search_largest()
         else:
             runner.measure()
         if run.state != "measured":

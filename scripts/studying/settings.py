@@ -57,14 +57,19 @@ ENTRIES = {
     "Error/Cost": ("summary.json/wall_seconds", None, "The value that is the cost of a run."),
     "Error/Cost name": ("wall time [s]", None, "What tables and pictures call the cost."),
     "Error/Columns": ("", None, "Further values for the table, separated by ` | `."),
-    "Search/Entry": ("", None, "An entry whose largest value with which a run succeeds is searched for each run, by bisection; this "
-                     "value is then what the study measures. Empty: no search."),
+    "Search/Kind": ("largest", ("largest", "least"), "What is searched for each run: the largest value of an entry with which it "
+                    "succeeds, by bisection, which is then what the study measures; or the values of entries that make its error "
+                    "(section Error) least, by the simplex of Nelder and Mead, and this error is what the study measures. All values "
+                    "tried for a run are in `members/RUN.trials.csv`, and its output directory has the run with the least error."),
+    "Search/Entry": ("", None, "The entry whose values are tried; for `least` they may be several, joined by ` & `. Empty: no search."),
     "Search/Relative to": ("", None, "A value of a first run that leaves the entry alone, for example summary.json/time_step_max: "
                            "the values tried, and the one found, are multiples of it. Empty: they are values of the entry."),
-    "Search/From": ("0.01", (float, 1e-300, math.inf), "The smallest value tried."),
-    "Search/To": ("10", (float, 1e-300, math.inf), "The largest value tried."),
-    "Search/Tolerance": ("0.01", (float, 1e-6, 1), "The search ends where the smallest value that fails is larger by this share "
-                         "than the largest that succeeds."),
+    "Search/From": ("0.01", None, "The smallest value tried; for `least` one for each entry, joined by ` & `."),
+    "Search/To": ("10", None, "The largest value tried; for `least` one for each entry, joined by ` & `."),
+    "Search/Tolerance": ("0.01", (float, 1e-6, 1), "The search for the largest value ends where the smallest value that fails is "
+                         "larger by this share than the largest that succeeds; that for the least error where the values of the "
+                         "simplex differ by at most this share of what lies between From and To."),
+    "Search/Largest number of runs": ("100", (int, 2, 100000), "The search for the least error ends after so many runs."),
     "Search/Quantities of interest": ("", None, "A run succeeds if it ends and these values are within their bounds, separated by "
                                       "` | `; empty: if it ends."),
     "Search/At most": ("", None, "Bounds of the magnitudes of the values, separated by commas."),
@@ -119,7 +124,9 @@ class StudySettings(DescribedFile):
         self.repetitions, self.at_a_time, self.ranks = (int(self.get(name)) for name in ("Repetitions", "Runs at a time", "Ranks"))
         self.time_limit = float(self.get("Time limit"))
         self.picture, self.has_logarithmic_values = self.get("Picture"), self.get("Logarithmic values") == "true"
-        self.search_entry = self.get("Search/Entry")
+        self.search_entries = parts_of(self.get("Search/Entry"), " & ") if self.get("Search/Entry") else []
+        self.searches_least = self.get("Search/Kind") == "least"
+        self.searches_largest = bool(self.search_entries) and not self.searches_least
         self.read_measurement()
         self.factors = [self.read_factor(name) for name in self.list_of("Factors")]
         if not self.factors:
@@ -261,7 +268,7 @@ class StudySettings(DescribedFile):
             self.fail("Measurement", f"{self.measurement[0]} is no program that may be run")
         if OUTPUT_MARK not in self.get("Measurement"):
             self.fail("Measurement", f"the program is not told where the run is; expected is {OUTPUT_MARK} among its arguments")
-        if self.search_entry:
+        if self.searches_largest:
             self.fail("Measurement", "a search measures what the runs alone leave behind")
 
     def read_error(self):
@@ -293,21 +300,58 @@ class StudySettings(DescribedFile):
 
     def read_search(self):
         section = "Search/"
-        if not self.search_entry:
+        if not self.search_entries:
+            if self.searches_least:
+                self.fail(section + "Entry", "the search for the least error needs entries whose values it tries")
             if not self.targets:
                 self.fail("Error/Quantities of interest", "a study measures something: values of its runs here, or the largest "
                           "value of an entry by the section Search")
             return
+        if self.searches_largest and len(self.search_entries) > 1:
+            self.fail(section + "Entry", "the largest value is searched of one entry; allowed are several with `Kind = least`")
+        if any(not entry or self.search_entries.count(entry) > 1 for entry in self.search_entries):
+            self.fail(section + "Entry", "an entry is missing, or named twice")
         unit = self.get(section + "Relative to")
         self.search_unit = self.quantity(section + "Relative to", unit) if unit else None
-        self.search_from, self.search_to, self.search_tolerance = (float(self.get(section + name))
-                                                                   for name in ("From", "To", "Tolerance"))
-        if not self.search_from < self.search_to:
+        self.search_tolerance, self.search_runs = float(self.get(section + "Tolerance")), int(self.get(section + "Largest number of runs"))
+        self.search_from, self.search_to = (self.read_search_ends(section + name) for name in ("From", "To"))
+        if not all(first < last for first, last in zip(self.search_from, self.search_to)):
             self.fail(section + "To", "the largest value tried is not larger than the smallest")
         self.bounds = self.quantities(section + "Quantities of interest")
         limits = self.list_of(section + "At most")
         if len(limits) != len(self.bounds):
             self.fail(section + "At most", f"there are {len(limits)} bounds for {len(self.bounds)} quantities")
         self.limits = [self.number(section + "At most", limit) for limit in limits]
-        if self.targets:
+        if self.targets and self.searches_largest:
             self.fail("Error/Quantities of interest", "with a search the value that was found is what the study measures")
+        if self.searches_least and not self.targets:
+            self.fail("Error/Quantities of interest", "the search for the least error needs values of a run that tell it")
+        if self.searches_least and self.reference_run:
+            self.fail("Error/Reference run", "the search for the least error knows what the values ought to be before it begins; "
+                      "give References")
+
+    def read_search_ends(self, entry):
+        texts = parts_of(self.get(entry), " & ")
+        if self.searches_least and entry not in self.file.entries:
+            self.fail(entry, "the search for the least error needs the ends between which it tries values")
+        if len(texts) != len(self.search_entries):
+            self.fail(entry, f"there are {len(texts)} values for {len(self.search_entries)} entries; they are joined by &")
+        numbers = [self.number(entry, text) for text in texts]
+        if self.searches_largest and not numbers[0] >= 1e-300:
+            self.fail(entry, "allowed is a number from 1e-300 to inf")
+        return numbers
+
+    def value_name(self):
+        """What the study measures."""
+        return self.search_entries[0] if self.searches_largest else self.error_name
+
+    def found_names(self):
+        """What the search for the least error finds, by the names of the entries alone where these differ."""
+        names = [entry.rpartition("/")[2] for entry in self.search_entries] if self.searches_least else []
+        return names if len(set(names)) == len(names) else self.search_entries
+
+    def error_of(self, values, references):
+        errors = [abs(value) if right is None else abs((value - right) / right) if right else math.nan
+                  for value, right in zip(values, references)]
+        return {"mean": sum(errors) / len(errors), "largest": max(errors),
+                "root mean square": math.sqrt(sum(error**2 for error in errors) / len(errors))}[self.combination]

@@ -155,6 +155,38 @@ def check_search(checker):
                    and "Part: c" not in calls, "* stands for the sections that there are")
 
 
+def check_least(checker):
+    """What is refused before the first run; tests of the search itself need SciPy."""
+    bad = {
+        "Search/Kind = smallest": "allowed is largest, least",
+        "Search/Entry =": "needs entries whose values it tries",
+        "Search/Entry = Model/x & Model/x": "an entry is missing, or named twice",
+        "Search/Entry = Model/x & Model/y": "1 values for 2 entries",
+        "Search/From =": "needs the ends",
+        "Search/To = 0.05": "is not larger than the smallest",
+        "Search/Largest number of runs = 1": "a whole number from 2",
+        "Error/Reference run = behaviour = good": "give References",
+        "Search/Kind = largest": "with a search the value that was found",
+    }
+    for setting, words in bad.items():
+        code, text, _ = checker.run("least.prm", "refused", "--set", setting)
+        checker.expect(code == 1 and words in text, f"{setting}: expected {words}, found ({code}) {text}")
+    code, text, _ = checker.run("least.prm", "refused", "--set", "Error/Quantities of interest =", "--set", "Error/References =")
+    checker.expect(code == 1 and "needs values of a run" in text, f"a least error of nothing: ({code}) {text}")
+    for setting, words in (("Search/From = 0", "a number from 1e-300"), ("Search/Entry = Model/x & Model/y", "of one entry")):
+        code, text, _ = checker.run("search.prm", "refused", "--set", setting)
+        checker.expect(code == 1 and words in text, f"{setting}: expected {words}, found ({code}) {text}")
+    # A SciPy that cannot be imported.
+    without = checker.directory / "without"
+    without.mkdir()
+    (without / "scipy.py").write_text("raise ImportError('none')\n")
+    path = os.pathsep.join([str(without), ENVIRONMENT["PYTHONPATH"]])
+    code, text, calls = checker.run("least.prm", "refused", PYTHONPATH=path)
+    checker.expect(code == 1 and not calls and "needs SciPy for Python" in text, f"a search without SciPy: ({code}) {text}")
+    code, text, _ = checker.run("least.prm", "refused", "--validate", PYTHONPATH=path)
+    checker.expect(code == 0, f"a file is read without SciPy: ({code}) {text}")
+
+
 def check_interruption(checker):
     process = subprocess.Popen(
         checker.command("behaviours.prm", "--anew", "--set",
@@ -231,7 +263,7 @@ def check_refusals(checker):
 
 def main():
     checker = Checker(sys.argv[1])
-    for check in (check_behaviours, check_measurement, check_hangs, check_search, check_interruption,
+    for check in (check_behaviours, check_measurement, check_hangs, check_search, check_least, check_interruption,
                   check_former_names, check_refusals):
         check(checker)
     for problem in checker.problems:

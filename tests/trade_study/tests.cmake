@@ -17,3 +17,11 @@ add_test(NAME trade_study.tables
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tables_test.py ${PROJECT_SOURCE_DIR})
 add_test(NAME trade_study.curves
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/curves_test.py ${PROJECT_SOURCE_DIR})
+
+execute_process(COMMAND ${TOMBOLO_PYTHON} -c "import scipy.optimize"
+  RESULT_VARIABLE scipy_is_missing OUTPUT_QUIET ERROR_QUIET)
+if(NOT scipy_is_missing)
+  add_test(NAME trade_study.least COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/least_test.py)
+else()
+  message(STATUS "scipy for Python is missing: searches for the least error are not tested.")
+endif()
