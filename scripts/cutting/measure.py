@@ -19,6 +19,19 @@ class Table(tombolo.Table):
         super().__init__(path, arrays=False, least_rows=2)
 
 
+def largest_of(table, names):
+    """The largest magnitudes of those columns that there are."""
+    return {f"largest {name}": max(abs(value) for value in table[name] if not math.isnan(value))
+            for name in names if name in table}
+
+
+def costs(directory):
+    """Steps and seconds of a run that has ended."""
+    summary = tombolo.Run(directory).summary
+    return {name: summary[entry] for name, entry in (("steps", "steps"), ("seconds", "wall_seconds"))
+            if entry in summary}
+
+
 def interpolated(times, values, time):
     """Of a piecewise linear function; constant beyond its ends."""
     if time <= times[0]:
@@ -76,22 +89,10 @@ def measure(directory, contact="tool", window=(0.4, 1.0), width=1.0):
         result[f"{what} temperature of the contact over the travel"] = mean_over(
             of_contact, values, of_contact[0], stop)
     statistics = Table(directory / "statistics.csv")
-    for name in ("energy error", "heat balance error"):
-        if name in statistics:
-            result[f"largest {name}"] = max(abs(value) for value in statistics[name]
-                                            if not math.isnan(value))
+    result.update(largest_of(statistics, ("energy error", "heat balance error")))
     if "particles that fly off" in statistics:
         result["particles that fly off"] = max(statistics["particles that fly off"])
-    summary = directory / "summary.json"
-    if summary.exists():
-        try:
-            entries = json.loads(summary.read_text("utf-8"))
-        except ValueError as error:
-            raise CutError(f"{summary} is damaged: {error}") from error
-        for name, entry in (("steps", "steps"), ("seconds", "wall_seconds")):
-            if entry in entries:
-                result[name] = entries[entry]
-    return result
+    return {**result, **costs(directory)}
 
 
 def show(result, json_file):

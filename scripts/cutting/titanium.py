@@ -3,7 +3,6 @@
 
 import argparse
 import csv
-import json
 import math
 import os
 import subprocess
@@ -11,6 +10,7 @@ import sys
 from pathlib import Path
 
 from cutting.measure import CutError, chip_speed_ratio, measure
+from tombolo import Run, TomboloError
 
 ROOT = Path(os.environ.get("TOMBOLO_ROOT", Path(__file__).resolve().parents[2]))
 SCENE = ROOT / "parameter_files/machining/titanium_smoothed.prm"
@@ -49,8 +49,8 @@ def name_of(condition):
 def has_finished(directory):
     """Whether a run has come to its end there."""
     try:
-        return json.loads((directory / "summary.json").read_text("utf-8"))["ended"] == "finished"
-    except (OSError, ValueError, KeyError):
+        return Run(directory).summary.get("ended") == "finished"
+    except TomboloError:
         return False
 
 

@@ -12,7 +12,6 @@ and where these differ by more than `CHAOS`, chance decides and nothing is compa
 """
 
 import collections
-import csv
 import glob
 import json
 import math
@@ -24,6 +23,7 @@ import time
 
 import loaded  # tests/loaded
 import run_case  # tests/regression
+from tombolo.table import Table
 
 from . import judge, scene_files, scenes, server
 
@@ -72,13 +72,8 @@ class Run:
 
     def table(self, name="statistics.csv"):
         """The columns of a table by name, each its unit and its values."""
-        with open(self.output(name), newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        columns = {}
-        for i, head in enumerate(rows[0]):
-            name, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", head).groups()
-            columns[name] = unit or "1", [float(row[i]) if row[i] else math.nan for row in rows[1:]]
-        return columns
+        table = Table(self.output(name), arrays=False)
+        return {column: (table.units[column] or "1", table[column]) for column in table}
 
     def impulses(self):
         """The impulses of each condition and contact, whose sum may be next to nothing."""

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What a run left behind: tables, summary and the solution at each output."""
 
-import json
 import re
-from pathlib import Path
 
 import numpy
 from tombolo.errors import TomboloError
 from tombolo.grid import Grid, read_series
+from tombolo.run import Run
 from tombolo.table import Table, heading
 
 TENSOR_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")  # the order of VTK
@@ -99,17 +98,11 @@ class Units:
         return "".join(self.labels.get(UNIT_QUANTITIES.get(symbol), symbol) for symbol in unit)
 
 
-class Results:
+class Results(Run):
+    """A run with labels of units; grids are kept once they are read."""
+
     def __init__(self, directory):
-        self.directory = Path(directory)
-        if not self.directory.is_dir():
-            raise PlotError(f"there is no directory {directory}")
-        self.summary = {}
-        if (self.directory / "summary.json").exists():
-            try:
-                self.summary = json.loads((self.directory / "summary.json").read_text("utf-8"))
-            except ValueError as error:
-                raise PlotError(f"{self.directory / 'summary.json'} is damaged: {error}") from error
+        super().__init__(directory)
         self.units = Units(self.summary.get("units") or {})
         self.files = self.read_series()
         self.grids = {}

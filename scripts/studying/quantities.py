@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Quantities of interest: numbers in the files that a run leaves behind."""
 
-import csv
 import json
 import math
 import re
 from pathlib import Path
 
-from tombolo.errors import nearest
+from tombolo.errors import TomboloError, nearest
+from tombolo.table import Table
 
 
 class NoValue(Exception):
@@ -68,23 +68,14 @@ class Quantity:
         return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else number_of(value)
 
     def of_table(self, path):
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        if not rows:
-            raise NoValue(f"{self.file} is empty")
-        headings = [heading.rpartition(" [")[0] or heading for heading in rows[0]]
-
-        def column_of(name):
-            if name not in headings:
-                raise NoValue(f'{self.file} has no column "{name}"' + nearest(name, headings))
-            return headings.index(name)
-
-        column = column_of(self.name)
-        at = column_of("time") if self.take == "at time" else 0
-        rows = [row for row in rows[1:] if len(row) > max(column, at)]
-        values = [number_of(row[column]) for row in rows]
-        if self.take == "at time":
-            values = [value for row, value in zip(rows, values) if abs(number_of(row[at]) - self.time) <= 1e-9 * abs(self.time)]
+        path.stat()  # throws OSError
+        try:
+            table = Table(path, leaves_out_damaged_rows=True, arrays=False, number=number_of)
+            values = table[self.name]
+            if self.take == "at time":
+                values = [value for value, time in zip(values, table["time"]) if abs(time - self.time) <= 1e-9 * abs(self.time)]
+        except TomboloError as error:
+            raise NoValue(str(error).replace(str(path), self.file)) from error
         if self.take in ("last", "at time"):
             return values[-1] if values else math.nan
         finite = [value for value in values if math.isfinite(value)]

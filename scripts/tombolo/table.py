@@ -20,9 +20,10 @@ class Table:
     being no number. Columns are arrays where numpy is there and `arrays` is true, and lists else. Rows
     that are no numbers, of another length than the header, or without the end of their line, are
     refused, or left out and listed in `damaged_rows`. Where `ends_its_lines` is false the file may end
-    without the end of its last line, as those of editors and spreadsheets do."""
+    without the end of its last line, as those of editors and spreadsheets do. `number` makes numbers of
+    texts, and throws ValueError where one is none."""
 
-    def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0, ends_its_lines=True):
+    def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0, ends_its_lines=True, number=float):
         self.path = Path(path)
         if not self.path.exists():
             raise TomboloError(f"there is no {path}")
@@ -34,14 +35,14 @@ class Table:
             raise TomboloError(f"{path} is empty")
         self.units, self.columns, self.damaged_rows = {}, {}, []
         values = []
-        for number, row in enumerate(rows[1:], start=1):
+        for row_number, row in enumerate(rows[1:], start=1):
             try:
-                is_cut = ends_its_lines and number + 1 == len(rows) and not text.endswith("\n")
+                is_cut = ends_its_lines and row_number + 1 == len(rows) and not text.endswith("\n")
                 if len(row) != len(rows[0]) or is_cut:
                     raise ValueError
-                values.append([float(entry) if entry else math.nan for entry in row])
+                values.append([number(entry) if entry else math.nan for entry in row])
             except ValueError:
-                self.damaged_rows.append(number)
+                self.damaged_rows.append(row_number)
         if self.damaged_rows and not leaves_out_damaged_rows:
             raise TomboloError(f"row {self.damaged_rows[0]} of {path} is not a line of {len(rows[0])} "
                                "numbers, as its header asks for: the file is damaged")

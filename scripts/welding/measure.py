@@ -5,7 +5,7 @@ import json
 import math
 from pathlib import Path
 
-from cutting.measure import CutError, Table, interpolated, mean_over
+from cutting.measure import CutError, Table, costs, interpolated, largest_of
 
 WeldError = CutError
 
@@ -109,21 +109,12 @@ def measure(weld, window, plunge):
                 result[f"largest temperature, {name}"] = interpolated(
                     times, statistics["largest nodal temperature"], time)
         result["largest temperature at any time"] = max(statistics["largest nodal temperature"])
-    for name in ("energy error", "heat balance error", "momentum drift",
-                 "kinetic over internal energy"):
-        if name in statistics:
-            result[f"largest {name}"] = max(abs(value) for value in statistics[name]
-                                            if not math.isnan(value))
+    result.update(largest_of(statistics, ("energy error", "heat balance error", "momentum drift",
+                                          "kinetic over internal energy")))
     for name in ("broken bonds", "debris particles"):
         if name in statistics:
             result[name] = statistics[name][-1]
-    summary = weld.directory / "summary.json"
-    if summary.exists():
-        entries = json.loads(summary.read_text("utf-8"))
-        for name, entry in (("steps", "steps"), ("seconds", "wall_seconds")):
-            if entry in entries:
-                result[name] = entries[entry]
-    return result
+    return {**result, **costs(weld.directory)}
 
 
 def binned(times, values, width):
