@@ -4,11 +4,19 @@
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/shown_by_processes.h>
+#include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/physics/remeshing/filled_places.h>
 #include <tombolo/physics/remeshing/lattice_motion.h>
 #include <tombolo/physics/remeshing/surface_slide.h>
+#include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/remesh/inner_places.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,8 +39,20 @@ namespace tombolo
 
     /** Of the part with this number. Throws InputError if the motion of the mesh turns a cell over
      * at the end of the run, @p end_time. Collective. */
-    RefillPlaces(const Model<dim> &model, unsigned int number, const SmoothedCells<dim> &of_part,
-                 double end_time);
+    RefillPlaces(const Model<dim> &model, const unsigned int number,
+                 const SmoothedCells<dim> &of_part, const double end_time)
+        : motion(of_part.refill()), part(of_part), settings(of_part.refill()),
+          cells(smoothed_cells_of(mesh_of_part(model, number)))
+    {
+      motion.corners(cells, end_time, model.communicator);
+      if (settings.fills_cells())
+      {
+        set_partition(*model.state.partition());
+        with_void = std::make_unique<FilledPlaces<dim>>(model, number, of_part, local_nodes);
+      }
+      else if (settings.surface_slides())
+        surface = std::make_unique<SurfaceSlide<dim>>(model, cells, local_nodes);
+    }
 
     /** The cells of the part on this rank, initially. */
     const std::vector<SmoothedCell<dim>> &lattice() const
@@ -45,7 +65,13 @@ namespace tombolo
     {
       return local_nodes;
     }
-    void set_partition(const NodePartition &partition);
+    void set_partition(const NodePartition &partition)
+    {
+      local_nodes.resize(cells.size());
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
+          local_nodes[c][k] = partition.local_index(cells[c].nodes[k]);
+    }
 
     /** What fills and empties cells; null where they stay full. */
     FilledPlaces<dim> *filled() const
@@ -56,8 +82,16 @@ namespace tombolo
     /** The places of all nodes after a refill of these cells. @p volumes: see FilledPlaces.
      * Collective. */
     NodalVector find(const Model<dim> &model, const Clock &clock,
-                     const std::vector<unsigned int> &distorted,
-                     const std::vector<double> &volumes);
+                     const std::vector<unsigned int> &distorted, const std::vector<double> &volumes)
+    {
+      std::vector<unsigned int> to_refill = distorted;
+      if (with_void)
+        with_void->add_displaced_cells(model, clock, motion, to_refill);
+      find_free_nodes(model, to_refill);
+      if (with_void)
+        return with_void->find(model, clock, motion, in_patch, volumes);
+      return surface ? find_below_sliding_surface(model, clock) : find_below_held_surface(model);
+    }
 
     /** Scalar, positive at the nodes of the cells of the last refill. */
     const NodalVector &nodes_of_patch() const
@@ -75,20 +109,196 @@ namespace tombolo
 
   private:
     /** Finds the nodes that may move. Collective. */
-    void find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted);
-    NodalVector find_below_held_surface(const Model<dim> &model) const;
-    NodalVector find_below_sliding_surface(const Model<dim> &model, const Clock &clock);
+    void find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted)
+    {
+      const auto &partition = model.state.partition();
+      std::vector<bool> is_in_patch(cells.size(), false);
+      for (const unsigned int cell : distorted)
+        is_in_patch[cell] = true;
+      in_patch = CellMarks::nodes_of(partition, local_nodes, is_in_patch);
+      for (unsigned int layer = 0; layer < settings.n_layers(); ++layer)
+      {
+        is_in_patch = CellMarks::cells_marked(local_nodes, in_patch);
+        in_patch = CellMarks::nodes_of(partition, local_nodes, is_in_patch);
+      }
+      // Nodes of cells that have become particles stay.
+      for (unsigned int c = 0; c < cells.size() && !with_void; ++c)
+        if (part.is_removed(c))
+          is_in_patch[c] = false;
+      const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
+      const NodalVector is_held = CellMarks::nodes_of(partition, local_nodes, is_in_patch, false);
+      const NodalVector of_boundary = marked_nodes(
+          partition,
+          [&](const auto &mark)
+          {
+            for (std::size_t c = 0; c < cells.size(); ++c)
+              for (unsigned int face = 0; face < dealii::GeometryInfo<dim>::faces_per_cell; ++face)
+                for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
+                  if (cells[c].is_on_boundary[face] && SubCells<dim>::is_on_face(k, face))
+                    mark(local_nodes[c][k]);
+          });
+      const dealii::IndexSet prescribed = model.conditions->prescribed_nodes();
+      inside.reinit(partition, Quantity::scalar);
+      on_surface = scalar_field(
+          partition,
+          [&](const unsigned int i)
+          {
+            if (!(*in_patch.node(i) > 0. && *is_held.node(i) == 0.) ||
+                *between_sizes.node(i) > 0. || prescribed.is_element(partition->global_index(i)))
+              return 0.;
+            if (*of_boundary.node(i) == 0.)
+              *inside.node(i) = 1.;
+            return *of_boundary.node(i) > 0. && surface && surface->is_smooth(i) ? 1. : 0.;
+          });
+    }
+
+    NodalVector find_below_held_surface(const Model<dim> &model) const
+    {
+      constexpr double smallest_share = 0.1;
+      const NodalVector &position = model.state.position;
+      std::vector<Corners> initial;
+      for (const SmoothedCell<dim> &cell : cells)
+        initial.push_back(cell.corners);
+      NodalVector target = position.copy(), result = position.copy();
+      place_inner_nodes<dim>(local_nodes, initial, inside, model.state.initial_position, target);
+      for (double share = 1.; share > smallest_share; share *= 0.5)
+      {
+        result.fill(
+            [&](const unsigned int i, double *const place)
+            {
+              for (unsigned int d = 0; d<dim && * inside.node(i)> 0.; ++d)
+                place[d] = share * target.node(i)[d] + (1. - share) * position.node(i)[d];
+            });
+        if (!nodes_of_unusable_cells(position, result))
+          return result;
+      }
+      return position.copy();
+    }
+
+    NodalVector find_below_sliding_surface(const Model<dim> &model, const Clock &clock)
+    {
+      constexpr unsigned int n_steps = 8, most_attempts = 10;
+      const NodalVector &position = model.state.position;
+      const NodalVector mesh_places = motion.places(model.state.initial_position, clock.time);
+      const std::vector<Corners> of_lattice = motion.corners(cells, clock.time, model.communicator);
+      const NodalVector all_inside = inside.copy();
+      NodalVector result = slide_surface(model, clock, mesh_places), trial = position.copy();
+      for (unsigned int step = 0; step < n_steps; ++step)
+      {
+        NodalVector way =
+            winslow_step<dim>(local_nodes, of_lattice, all_inside, mesh_places, result);
+        bool is_possible = false;
+        for (unsigned int attempt = 0; attempt < most_attempts && !is_possible; ++attempt)
+        {
+          trial.fill(
+              [&](const unsigned int i, double *const place)
+              {
+                for (unsigned int d = 0; d < node_stride; ++d)
+                  place[d] = result.node(i)[d] + way.node(i)[d];
+              });
+          const auto unusable = nodes_of_unusable_cells(result, trial);
+          is_possible = !unusable;
+          for (unsigned int i = 0; unusable && i < position.partition()->n_owned(); ++i)
+            if (*unusable->node(i) > 0.)
+              for (unsigned int d = 0; d < dim; ++d)
+                way.node(i)[d] *= 0.25;
+        }
+        if (!is_possible)
+          break;
+        result.copy_from(trial);
+      }
+      return result;
+    }
+
     /** Positions at which the surface has slid towards @p mesh_places, and nodes below it have
      * followed. Nodes that cannot are taken out of those that may move. Collective. */
     NodalVector slide_surface(const Model<dim> &model, const Clock &clock,
-                              const NodalVector &mesh_places);
+                              const NodalVector &mesh_places)
+    {
+      constexpr unsigned int most_attempts = 20;
+      const NodalVector &position = model.state.position;
+      const std::vector<Corners> present = corners_at<dim>(local_nodes, position);
+      const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
+      const double way = motion.largest_way(cells, clock.time, model.communicator);
+      const auto contacts = shown_by_processes(model).contacts;
+      NodalVector result = position.copy();
+      NodalVector stays =
+          scalar_field(position.partition(), [&](const unsigned int i)
+                       { return *on_surface.node(i) == 0. && *inside.node(i) == 0. ? 1. : 0.; });
+      for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
+      {
+        result.fill(
+            [&](const unsigned int i, double *const place)
+            { std::copy_n((*stays.node(i) > 0. ? position : moved).node(i), node_stride, place); });
+        surface->slide(
+            on_surface, mesh_places, position,
+            [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
+            { model.signals.nodes_move(clock, on_surface, from, places, is_bound); },
+            result);
+        std::optional<NodalVector> wrong;
+        if (!contacts.empty())
+          wrong = surface->nodes_of_cut_faces(
+              on_surface, position, result, way,
+              [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+                  std::vector<double> &depths)
+              {
+                depths.assign(numbers.size(), std::numeric_limits<double>::lowest());
+                std::vector<double> gaps;
+                for (const auto *const contact : contacts)
+                {
+                  contact->find_gaps(places, numbers, clock.time, gaps);
+                  for (std::size_t k = 0; k < numbers.size(); ++k)
+                    depths[k] = std::max(depths[k], -gaps[k]);
+                }
+              });
+        const bool is_cut = wrong.has_value();
+        if (!is_cut)
+        {
+          place_inner_nodes<dim>(local_nodes, present, inside, moved, result);
+          wrong = nodes_of_unusable_cells(position, result);
+        }
+        if (!wrong)
+          return result;
+        hold_nodes(*wrong, is_cut, stays);
+      }
+      on_surface.set_zero();
+      return position.copy();
+    }
+
     /** Holds the marked nodes: where the mesh moves, those that were free go with it; others are
      * added to those that stay. Collective. */
-    void hold_nodes(const NodalVector &marks, bool only_on_surface, NodalVector &stays);
+    void hold_nodes(const NodalVector &marks, const bool only_on_surface, NodalVector &stays)
+    {
+      on_surface.fill(
+          [&](const unsigned int i, double *const slides)
+          {
+            if (!(*marks.node(i) > 0.) || *stays.node(i) > 0. || (only_on_surface && *slides == 0.))
+              return;
+            const bool was_free = *slides == SurfaceSlide<dim>::relaxes || *inside.node(i) > 0.;
+            *inside.node(i) = 0.;
+            const bool goes_on = motion.is_on() && was_free;
+            *slides = goes_on && *slides > 0. ? SurfaceSlide<dim>::goes_with_mesh : 0.;
+            *stays.node(i) = goes_on ? 0. : 1.;
+          });
+    }
+
     /** Scalar, with ghosts: positive at the nodes of cells that would be turned over. Nothing if
      * there is none. Collective. */
     std::optional<NodalVector> nodes_of_unusable_cells(const NodalVector &before,
-                                                       const NodalVector &after) const;
+                                                       const NodalVector &after) const
+    {
+      std::vector<bool> is_unusable;
+      for (const auto &nodes : local_nodes)
+      {
+        const Corners corners = corners_at<dim>(nodes, after);
+        is_unusable.push_back(corners != corners_at<dim>(nodes, before) &&
+                              !CellSimplices<dim>::are_positive(corners));
+      }
+      const bool any = std::find(is_unusable.begin(), is_unusable.end(), true) != is_unusable.end();
+      if (dealii::Utilities::MPI::max(any ? 1 : 0, before.partition()->communicator()) == 0)
+        return {};
+      return CellMarks::nodes_of(before.partition(), local_nodes, is_unusable);
+    }
 
     const SmoothedCells<dim> &part;
     const RefillSettings &settings;

@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/remeshing/cell_marks.h>
+#include <tombolo/physics/remeshing/curved_surface.h>
 #include <tombolo/remesh/cell_matrices.h>
+#include <tombolo/remesh/cell_overlap.h>
+#include <tombolo/remesh/cell_simplices.h>
 
 #include <deal.II/base/geometry_info.h>
+#include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <vector>
 
 namespace tombolo
 {
-  template <int dim>
-  struct CurvedSurface;
-
   /**
    * Nodes on the boundary of a part that slide on its surface, so that a refill can space them as
    * in the lattice of the start: sweeps let their displacements from the lattice relax towards
@@ -39,7 +46,34 @@ namespace tombolo
     /** @p lattice: the cells of the part on this rank, with their initial corners; @p nodes: the
      * local numbers of these, which must be current in all calls. Collective. */
     SurfaceSlide(const Model<dim> &model, const std::vector<SmoothedCell<dim>> &lattice,
-                 const CellNodes &nodes);
+                 const CellNodes &nodes)
+        : communicator(model.communicator), nodes(nodes), facets_of_cells(lattice.size()),
+          membranes(lattice.size())
+    {
+      const auto &all = SubCells<dim>::facets();
+      for (std::size_t c = 0; c < lattice.size(); ++c)
+      {
+        is_void.push_back(lattice[c].is_void);
+        for (unsigned int f = 0; f < all.size(); ++f)
+        {
+          if (all[f].to != SubCells<dim>::outside || !lattice[c].is_on_boundary[all[f].face])
+            continue;
+          facets_of_cells[c].push_back(f);
+          std::array<dealii::Point<dim>, dim> vertices;
+          for (unsigned int v = 0; v < dim; ++v)
+            vertices[v] = SubCells<dim>::point_at(all[f].vertices[v], lattice[c].corners);
+          const auto membrane =
+              membrane_of_facet(vertices, SubCells<dim>::area(all[f], lattice[c].corners).norm());
+          for (unsigned int v = 0; v < dim; ++v)
+            for (unsigned int w = 0; w < dim; ++w)
+              for (unsigned int j = 0; j < n_corners; ++j)
+                for (unsigned int k = 0; k < n_corners; ++k)
+                  membranes[c][j * n_corners + k] +=
+                      all[f].vertices[v][j] * membrane[v][w] * all[f].vertices[w][k];
+        }
+      }
+      examine_nodes(*model.state.partition(), lattice);
+    }
 
     /** Whether an owned node is on the boundary of the full cells. */
     bool is_on_boundary(const unsigned int node) const
@@ -76,18 +110,57 @@ namespace tombolo
      * ones, with ghosts. Collective.
      */
     void slide(const NodalVector &slides, const NodalVector &initial, const NodalVector &before,
-               const KeepOutside &keep_outside, NodalVector &position) const;
+               const KeepOutside &keep_outside, NodalVector &position) const
+    {
+      const CurvedSurface<dim> surface = gather_surface(slides, before);
+      if (surface.facets.facets.empty())
+        return;
+      relax_onto(surface, slides, initial, &before, position);
+      restore_volume(slides, slides, before, keep_outside, volume(slides, before), position);
+    }
 
     /** The same onto the surface of before of a body of which cells have been filled or emptied
      * since, @p former: as far as cells with a node that is @p near (scalar, with ghosts) bound it.
      * A node without a place there stays where it is. A node goes a share of its way from its place
      * in the mesh, @p way_shares (scalar, owned). Then it moves along its normal by what is
      * @p missing at it, and in the end the near cells have the volume @p target. Collective. */
-    void slide_onto(const SurfaceSlide &former, const NodalVector &near, double target,
+    void slide_onto(const SurfaceSlide &former, const NodalVector &near, const double target,
                     const NodalVector &slides, const NodalVector &way_shares,
                     const NodalVector &initial, const NodalVector &before,
                     const KeepOutside &keep_outside, const FindMissing &missing,
-                    NodalVector &position) const;
+                    NodalVector &position) const
+    {
+      constexpr unsigned int n_iterations = 2;
+      const CurvedSurface<dim> surface = former.gather_surface(near, before);
+      if (surface.facets.facets.empty())
+        return;
+      relax_onto(surface, slides, initial, nullptr, position);
+      NodalVector from = before.copy(), is_bound;
+      from.fill(
+          [&](const unsigned int i, double *const of_node)
+          {
+            if (!(*slides.node(i) > 0.))
+              return;
+            const auto found = surface.nearest(vector_of<dim>(position.node(i)));
+            const dealii::Tensor<1, dim> &next =
+                surface.node_near(found.place, surface.tree.facet_of(found));
+            for (unsigned int d = 0; d < dim; ++d)
+              of_node[d] = next[d];
+          });
+      position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            for (unsigned int d = 0; d<dim && * slides.node(i)> 0.; ++d)
+              place[d] = initial.node(i)[d] + *way_shares.node(i) * (place[d] - initial.node(i)[d]);
+          });
+      is_bound.reinit(position.partition(), Quantity::scalar);
+      for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
+      {
+        change_owned({&position}, [&] { keep_outside(from, position, is_bound); });
+        restore_missing(slides, is_bound, missing(position, is_bound), position);
+      }
+      restore_volume(slides, near, from, keep_outside, target, position);
+    }
 
     /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
      * did not cut them before, as by the edge of a tool; a tool that has moved with the mesh may
@@ -95,36 +168,330 @@ namespace tombolo
      * is none. Collective. */
     std::optional<NodalVector> nodes_of_cut_faces(const NodalVector &slides,
                                                   const NodalVector &before,
-                                                  const NodalVector &after, double way,
-                                                  const FindDepths &find_depths) const;
+                                                  const NodalVector &after, const double way,
+                                                  const FindDepths &find_depths) const
+    {
+      constexpr double allowed = 0.2; // of the size of a face; less is the sag on a round tool
+      const auto &all = SubCells<dim>::facets();
+      std::vector<dealii::Tensor<1, dim>> places;
+      std::vector<double> sizes;
+      std::vector<std::size_t> cells;
+      for (std::size_t c = 0; c < nodes.size(); ++c)
+      {
+        if (facets_of_cells[c].empty() || !CellMarks::any_marked(nodes[c], slides))
+          continue;
+        const Corners was = corners_at<dim>(nodes[c], before);
+        const Corners is = corners_at<dim>(nodes[c], after);
+        for (const unsigned int f : facets_of_cells[c])
+        {
+          places.push_back(SubCells<dim>::point_at(all[f].centroid, was));
+          places.push_back(SubCells<dim>::point_at(all[f].centroid, is));
+          sizes.push_back(std::pow(SubCells<dim>::area(all[f], was).norm(), 1. / (dim - 1)));
+          cells.push_back(c);
+        }
+      }
+      std::vector<unsigned int> numbers(places.size());
+      std::iota(numbers.begin(), numbers.end(), 0u);
+      std::vector<double> depths;
+      find_depths(places_as_nodes<dim>(places), numbers, depths);
+      bool any = false;
+      NodalVector marks = marked_nodes(
+          before.partition(),
+          [&](const auto &mark)
+          {
+            for (std::size_t k = 0; k < cells.size(); ++k)
+              if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k] + way)
+              {
+                std::for_each(nodes[cells[k]].begin(), nodes[cells[k]].end(), mark);
+                any = any || CellMarks::any_marked(nodes[cells[k]], slides);
+              }
+          });
+      if (dealii::Utilities::MPI::max(any ? 1 : 0, communicator) == 0)
+        return {};
+      return marks;
+    }
 
   private:
     using Corners = typename SubCells<dim>::Corners;
 
     /** Finds what the boundary is like around nodes. Collective. */
     void examine_nodes(const NodePartition &partition,
-                       const std::vector<SmoothedCell<dim>> &lattice);
+                       const std::vector<SmoothedCell<dim>> &lattice)
+    {
+      constexpr double smooth = 0.92; // half of 46 degrees between two faces
+      NodalVector ids(partition.shared_from_this(), Quantity::scalars),
+          normals(partition.shared_from_this(), Quantity::scalars);
+      const auto add_face = [&](const SmoothedCell<dim> &cell, const unsigned int face)
+      {
+        const bool is_held =
+            cell.boundary_ids[face] == dealii::numbers::internal_face_boundary_id &&
+            !cell.is_towards_void[face];
+        const double number = cell.is_towards_void[face] ? id_of_void : cell.boundary_ids[face];
+        dealii::Tensor<1, dim> normal;
+        for (const auto &facet : SubCells<dim>::facets())
+          if (facet.to == SubCells<dim>::outside && facet.face == face)
+            normal += SubCells<dim>::area(facet, cell.corners);
+        normal /= normal.norm();
+        for (unsigned int k = 0; k < n_corners; ++k)
+        {
+          if (!SubCells<dim>::is_on_face(k, face))
+            continue;
+          const unsigned int node = partition.local_index(cell.nodes[k]);
+          double *const of_node = ids.node(node);
+          of_node[n_faces] += 1.;
+          of_node[held] += is_held ? 1. : 0.;
+          of_node[id] += is_held ? 0. : number;
+          of_node[squared_id] += is_held ? 0. : number * number;
+          for (unsigned int d = 0; d < dim; ++d)
+            normals.node(node)[d] += normal[d];
+        }
+      };
+      add_up({&ids, &normals},
+             [&]
+             {
+               for (const SmoothedCell<dim> &cell : lattice)
+                 for (unsigned int face = 0; face < dealii::GeometryInfo<dim>::faces_per_cell;
+                      ++face)
+                   if (cell.is_on_boundary[face])
+                     add_face(cell, face);
+             });
+      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      {
+        const double *const of_node = ids.node(i);
+        boundary_nodes.push_back(of_node[n_faces] > 0.);
+        // Steps of the lattice towards void cells are no edges of the body.
+        const bool has_edge = of_node[id] != id_of_void * of_node[n_faces] &&
+                              vector_of<dim>(normals.node(i)).norm() <= smooth * of_node[n_faces];
+        smooth_nodes.push_back(
+            of_node[n_faces] > 0. && of_node[held] == 0. &&
+            of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] && !has_edge);
+      }
+      for (const NodePartition::Reflected &own_image : partition.nodes_on_planes())
+        smooth_nodes[own_image.source] = false;
+    }
+
     /** Of the cells with a node that slides. Collective. */
-    CurvedSurface<dim> gather_surface(const NodalVector &slides, const NodalVector &position) const;
+    CurvedSurface<dim> gather_surface(const NodalVector &slides, const NodalVector &position) const
+    {
+      constexpr double same_side = 0.7; // of the product of two normals: nearer is a kink
+      const auto &all = SubCells<dim>::facets();
+      NodalVector normals = areas_of_nodes(position); // where the body is smooth
+      normals.fill(
+          [&](const unsigned int i, double *const of_node)
+          {
+            const double area = is_smooth(i) ? vector_of<dim>(of_node).norm() : 0.;
+            for (unsigned int d = 0; d < dim; ++d)
+              of_node[d] = area > 0. ? of_node[d] / area : 0.;
+          });
+      std::vector<double> own;
+      const auto append = [&own](const dealii::Tensor<1, dim> &vector)
+      { own.insert(own.end(), &vector[0], &vector[0] + dim); };
+      for (std::size_t c = 0; c < nodes.size(); ++c)
+      {
+        if (facets_of_cells[c].empty() || !CellMarks::any_marked(nodes[c], slides))
+          continue;
+        const Corners corners = corners_at<dim>(nodes[c], position);
+        for (const unsigned int f : facets_of_cells[c])
+        {
+          const dealii::Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
+          if (!(area.norm() > 0.))
+            continue;
+          std::vector<unsigned int> of_face;
+          for (unsigned int k = 0; k < n_corners; ++k)
+            if (SubCells<dim>::is_on_face(k, all[f].face))
+              of_face.push_back(k);
+          const dealii::Tensor<1, dim> normal = area / area.norm();
+          for (unsigned int v = 0; v < dim; ++v)
+            append(SubCells<dim>::point_at(all[f].vertices[v], corners));
+          append(normal);
+          for (unsigned int v = 0; v < dim; ++v)
+            for (const unsigned int k : of_face)
+              own.push_back(all[f].vertices[v][k]);
+          for (const unsigned int k : of_face)
+            append(corners[k]);
+          for (const unsigned int k : of_face)
+          {
+            const auto of_node = vector_of<dim>(normals.node(nodes[c][k]));
+            append(of_node * normal > same_side ? of_node : dealii::Tensor<1, dim>());
+          }
+        }
+      }
+      CurvedSurface<dim> surface;
+      for (const std::vector<double> &of_rank : numbers_of_ranks(own, communicator))
+        surface.add(of_rank);
+      if (!surface.facets.facets.empty())
+        surface.complete();
+      return surface;
+    }
+
     /** Lets nodes relax towards their places in the mesh, and puts them onto the surface; where
      * there is no place on the side that they are on, to where they were @p otherwise, if that is
      * given. Collective. */
     void relax_onto(const CurvedSurface<dim> &surface, const NodalVector &slides,
-                    const NodalVector &initial, const NodalVector *otherwise,
-                    NodalVector &position) const;
+                    const NodalVector &initial, const NodalVector *const otherwise,
+                    NodalVector &position) const
+    {
+      constexpr unsigned int n_sweeps = 10;
+      constexpr double relaxation = 0.7, same_side = 0.5; // of the product of two normals
+      const auto &partition = position.partition();
+      CellMatrices<dim> membrane(partition, 0);
+      for (std::size_t c = 0; c < nodes.size(); ++c)
+        if (!facets_of_cells[c].empty())
+          membrane.add_cell(nodes[c], membranes[c]);
+      const NodalVector diagonal = membrane.diagonal_of_cells();
+      NodalVector displacement(partition), residual(partition);
+      for (unsigned int sweep = 0; sweep < n_sweeps; ++sweep)
+      {
+        for (std::size_t i = 0; i < std::size_t(partition->n_owned()) * node_stride; ++i)
+          displacement.data()[i] = position.data()[i] - initial.data()[i];
+        membrane.apply(displacement, residual);
+        position.fill(
+            [&](const unsigned int i, double *const place)
+            {
+              for (unsigned int d = 0; d < dim && *slides.node(i) == relaxes; ++d)
+                place[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
+            });
+        const NodalVector areas = areas_of_nodes(position);
+        position.fill(
+            [&](const unsigned int i, double *const place)
+            {
+              if (!(*slides.node(i) > 0.))
+                return;
+              const dealii::Tensor<1, dim> area = vector_of<dim>(areas.node(i));
+              const auto found =
+                  surface.nearest_facing(vector_of<dim>(place), -area / area.norm(), -same_side);
+              if (!found && otherwise == nullptr)
+                return;
+              const dealii::Tensor<1, dim> on_surface =
+                  found ? surface.raise(found->place, surface.tree.facet_of(*found))
+                        : vector_of<dim>(otherwise->node(i));
+              for (unsigned int d = 0; d < dim; ++d)
+                place[d] = on_surface[d];
+            });
+      }
+    }
+
     /** Moves nodes that are not bound along their normals until the near cells have the volume
      * @p target. Collective. */
     void restore_volume(const NodalVector &slides, const NodalVector &near, const NodalVector &from,
-                        const KeepOutside &keep_outside, double target,
-                        NodalVector &position) const;
+                        const KeepOutside &keep_outside, const double target,
+                        NodalVector &position) const
+    {
+      constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
+      NodalVector is_bound(position.partition(), Quantity::scalar);
+      for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
+      {
+        change_owned({&position}, [&] { keep_outside(from, position, is_bound); });
+        const NodalVector areas = areas_of_nodes(position);
+        const auto moves = [&](const unsigned int i)
+        { return *slides.node(i) > 0. && *is_bound.node(i) == 0.; };
+        double sum = 0;
+        for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+          if (moves(i))
+            sum += vector_of<dim>(areas.node(i)).norm();
+        sum = ordered_sum(sum, communicator);
+        if (!(sum > 0.))
+          continue;
+        const double distance = (target - volume(near, position)) / sum;
+        position.fill(
+            [&](const unsigned int i, double *const place)
+            {
+              if (moves(i))
+                move_outward(distance, vector_of<dim>(areas.node(i)), place);
+            });
+      }
+    }
+
     /** Moves nodes that are not bound along their normals, so that each takes the volume that is
      * missing at it, as far as a quarter of the size of a face. Collective. */
     void restore_missing(const NodalVector &slides, const NodalVector &is_bound,
-                         const NodalVector &missing, NodalVector &position) const;
+                         const NodalVector &missing, NodalVector &position) const
+    {
+      constexpr double farthest = 0.25;
+      const NodalVector areas = areas_of_nodes(position);
+      position.fill(
+          [&](const unsigned int i, double *const place)
+          {
+            const auto area = vector_of<dim>(areas.node(i));
+            if (!(*slides.node(i) > 0.) || *is_bound.node(i) > 0. || !(area.norm() > 0.))
+              return;
+            const double limit = farthest * std::pow(area.norm(), 1. / (dim - 1));
+            move_outward(std::clamp(*missing.node(i) / area.norm(), -limit, limit), area, place);
+          });
+    }
+
     /** ∫ N n dA of the boundary, at owned nodes. Collective. */
-    NodalVector areas_of_nodes(const NodalVector &position) const;
+    NodalVector areas_of_nodes(const NodalVector &position) const
+    {
+      const auto &all = SubCells<dim>::facets();
+      return sums_at_owners(position.partition(), Quantity::vector,
+                            [&](NodalVector &sums)
+                            {
+                              for (std::size_t c = 0; c < nodes.size(); ++c)
+                              {
+                                if (facets_of_cells[c].empty())
+                                  continue;
+                                const Corners corners = corners_at<dim>(nodes[c], position);
+                                for (const unsigned int f : facets_of_cells[c])
+                                {
+                                  const dealii::Tensor<1, dim> area =
+                                      SubCells<dim>::area(all[f], corners);
+                                  for (unsigned int k = 0; k < n_corners; ++k)
+                                    for (unsigned int d = 0; d < dim; ++d)
+                                      sums.node(nodes[c][k])[d] += all[f].centroid[k] * area[d];
+                                }
+                              }
+                            });
+    }
+
     /** Of the full cells with a node that is near. Collective. */
-    double volume(const NodalVector &near, const NodalVector &position) const;
+    double volume(const NodalVector &near, const NodalVector &position) const
+    {
+      double result = 0;
+      for (std::size_t c = 0; c < nodes.size(); ++c)
+        if (!is_void[c] && CellMarks::any_marked(nodes[c], near))
+          for (const double of_sub_cell :
+               CellSimplices<dim>::volumes(corners_at<dim>(nodes[c], position)))
+            result += of_sub_cell;
+      return ordered_sum(result, communicator);
+    }
+
+    /** The stiffness of a membrane that is a segment or a triangle. */
+    static std::array<std::array<double, dim>, dim>
+    membrane_of_facet(const std::array<dealii::Point<dim>, dim> &vertices, const double area)
+    {
+      std::array<std::array<double, dim>, dim> result{};
+      if constexpr (dim == 2)
+        for (unsigned int a = 0; a < 2; ++a)
+          for (unsigned int b = 0; b < 2; ++b)
+            result[a][b] = (a == b ? 1. : -1.) / area;
+      else
+        for (unsigned int a = 0; a < 3; ++a)
+          for (unsigned int b = 0; b < 3; ++b)
+            result[a][b] = (vertices[(a + 2) % 3] - vertices[(a + 1) % 3]) *
+                           (vertices[(b + 2) % 3] - vertices[(b + 1) % 3]) / (4. * area);
+      return result;
+    }
+
+    /** Slots of what is known of the faces around a node. */
+    enum FaceSlot : unsigned int
+    {
+      n_faces,
+      id,
+      squared_id,
+      held
+    };
+
+    /** Of faces towards void cells: no boundary of a mesh has it. */
+    static constexpr double id_of_void = -1.;
+
+    /** Moves a node by a distance along the normal of its boundary. */
+    static void move_outward(const double distance, const dealii::Tensor<1, dim> &area,
+                             double *const position)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        position[d] += distance * area[d] / area.norm();
+    }
 
     MPI_Comm communicator;
     const CellNodes &nodes;
