@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -49,21 +48,6 @@ namespace tombolo
     const auto own = for_ranks.find(self);
     if (own != for_ranks.end())
       result[self] = own->second;
-    return result;
-  }
-
-  std::vector<std::vector<double>> numbers_of_ranks(const std::vector<double> &of_rank,
-                                                    const MPI_Comm communicator)
-  {
-    const auto lengths = Utilities::MPI::all_gather(communicator, static_cast<int>(of_rank.size()));
-    std::vector<int> begin(lengths.size() + 1, 0);
-    std::partial_sum(lengths.begin(), lengths.end(), begin.begin() + 1);
-    std::vector<double> all(static_cast<std::size_t>(begin.back()));
-    MPI_Allgatherv(of_rank.data(), static_cast<int>(of_rank.size()), MPI_DOUBLE, all.data(),
-                   lengths.data(), begin.data(), MPI_DOUBLE, communicator);
-    std::vector<std::vector<double>> result;
-    for (std::size_t rank = 0; rank < lengths.size(); ++rank)
-      result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
     return result;
   }
 
@@ -151,7 +135,7 @@ namespace tombolo
         own_box.push_back(box.second[d]);
       }
     }
-    const auto boxes = numbers_of_ranks(own_box, communicator);
+    const auto boxes = items_of_ranks(own_box, communicator);
     std::map<unsigned int, std::vector<double>> messages;
     for (unsigned int c = 0; c < cells.size(); ++c)
     {

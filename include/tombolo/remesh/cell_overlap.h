@@ -9,6 +9,8 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <type_traits>
 #include <vector>
 
 namespace tombolo
@@ -152,9 +154,28 @@ namespace tombolo
   exchange_by_rank(const std::map<unsigned int, std::vector<double>> &for_ranks,
                    MPI_Comm communicator);
 
-  /** The numbers of each rank, on all of them. Utilities::MPI::all_gather() compresses what it
-   * sends, one rank's to itself too, which takes longer than what is done with many numbers.
-   * Collective. */
-  std::vector<std::vector<double>> numbers_of_ranks(const std::vector<double> &of_rank,
-                                                    MPI_Comm communicator);
+  /** The items of each rank, on all of them. Utilities::MPI::all_gather() compresses what it sends,
+   * one rank's to itself too, which takes longer than what is done with many of them. Collective.
+   */
+  template <typename Item>
+  std::vector<std::vector<Item>> items_of_ranks(const std::vector<Item> &of_rank,
+                                                const MPI_Comm communicator)
+  {
+    static_assert(std::is_trivially_copyable_v<Item>);
+    MPI_Datatype type;
+    MPI_Type_contiguous(sizeof(Item), MPI_BYTE, &type);
+    MPI_Type_commit(&type);
+    const auto n = static_cast<int>(of_rank.size());
+    const auto lengths = dealii::Utilities::MPI::all_gather(communicator, n);
+    std::vector<int> begin(lengths.size() + 1, 0);
+    std::partial_sum(lengths.begin(), lengths.end(), begin.begin() + 1);
+    std::vector<Item> all(static_cast<std::size_t>(begin.back()));
+    MPI_Allgatherv(of_rank.data(), n, type, all.data(), lengths.data(), begin.data(), type,
+                   communicator);
+    MPI_Type_free(&type);
+    std::vector<std::vector<Item>> result;
+    for (std::size_t rank = 0; rank < lengths.size(); ++rank)
+      result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
+    return result;
+  }
 } // namespace tombolo

@@ -27,13 +27,9 @@ namespace tombolo
       /** Collective. */
       FullBody(const std::vector<Corners> &of_rank, const MPI_Comm communicator)
       {
-        std::vector<double> own;
-        for (const Corners &corners : of_rank)
-          for (const Point<dim> &corner : corners)
-            own.insert(own.end(), &corner[0], &corner[0] + dim);
-        for (const std::vector<double> &values : numbers_of_ranks(own, communicator))
-          for (std::size_t i = 0; i < values.size(); i += SubCells<dim>::n_corners * dim)
-            add(values.data() + i);
+        for (const auto &of_one : items_of_ranks(of_rank, communicator))
+          for (const Corners &corners : of_one)
+            add(corners);
         tree.emplace(pack_rtree_of_indices(boxes));
       }
 
@@ -46,12 +42,8 @@ namespace tombolo
       }
 
     private:
-      void add(const double *value)
+      void add(const Corners &corners)
       {
-        Corners corners;
-        for (Point<dim> &corner : corners)
-          for (unsigned int d = 0; d < dim; ++d)
-            corner[d] = *value++;
         boxes.emplace_back(std::vector<Point<dim>>(corners.begin(), corners.end()));
         for (const auto &simplex : CellSimplices<dim>::all())
         {
@@ -296,34 +288,20 @@ namespace tombolo
                                              const std::vector<bool> &may_change) const
   {
     constexpr double filled_from = 0.6, emptied_below = 0.4; // shares
-    std::vector<double> own;
+    std::vector<Known<dim>> own, cells;
     for (std::size_t c = 0; c < is_void.size(); ++c)
-    {
-      if (!near[c])
-        continue;
-      const bool becomes_void =
-          may_change[c] ? shares[c] < (is_void[c] ? filled_from : emptied_below) : is_void[c];
-      for (const std::uint64_t id : corner_ids[c])
-        own.push_back(static_cast<double>(id));
-      own.insert(own.end(), {shares[c], becomes_void ? 1. : 0., may_change[c] ? 1. : 0.});
-    }
-    std::vector<Known<dim>> cells;
+      if (near[c])
+        own.push_back(
+            {corner_ids[c], shares[c],
+             may_change[c] ? shares[c] < (is_void[c] ? filled_from : emptied_below) : is_void[c],
+             may_change[c]});
     std::size_t first_of_rank = 0;
-    const auto of_ranks = numbers_of_ranks(own, communicator);
+    const auto of_ranks = items_of_ranks(own, communicator);
     for (unsigned int rank = 0; rank < of_ranks.size(); ++rank)
     {
       if (rank == Utilities::MPI::this_mpi_process(communicator))
         first_of_rank = cells.size();
-      for (const double *value = of_ranks[rank].data();
-           value != of_ranks[rank].data() + of_ranks[rank].size(); value += n_corners + 3)
-      {
-        cells.emplace_back();
-        for (unsigned int k = 0; k < n_corners; ++k)
-          cells.back().ids[k] = static_cast<std::uint64_t>(value[k]);
-        cells.back().share = value[n_corners];
-        cells.back().is_void = value[n_corners + 1] > 0.;
-        cells.back().may_change = value[n_corners + 2] > 0.;
-      }
+      cells.insert(cells.end(), of_ranks[rank].begin(), of_ranks[rank].end());
     }
     Sheets<dim>(cells).mend();
     std::vector<bool> result = is_void;

@@ -28,44 +28,38 @@ namespace tombolo
       std::array<dealii::Tensor<1, dim>, n_face_nodes> places, normals;
     };
 
+    /** Of the vertices of a facet, in the places of the nodes of its face. */
+    using Shares = std::array<std::array<double, n_face_nodes>, dim>;
+
     ClosedSurface<dim> facets;
     FacetTree<dim> tree;
-    std::vector<Face> faces; ///< of each facet
-    /** Of the vertices of each facet, in the places of the nodes of its face. */
-    std::vector<std::array<std::array<double, n_face_nodes>, dim>> shares;
+    std::vector<Face> faces;    ///< of each facet
+    std::vector<Shares> shares; ///< of each facet
 
-    /** Adds what a rank has sent: of each facet its vertices, its normal, the shares, and the
-     * places and normals of its face. */
-    void add(const std::vector<double> &of_rank)
+    /** A facet as ranks send it to each other. */
+    struct Piece
     {
-      const double *value = of_rank.data();
-      const auto read = [&value](dealii::Tensor<1, dim> &vector)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-          vector[d] = *value++;
-      };
-      while (value != of_rank.data() + of_rank.size())
+      std::array<dealii::Tensor<1, dim>, dim> vertices;
+      dealii::Tensor<1, dim> normal;
+      Shares shares;
+      Face face;
+    };
+
+    void add(const std::vector<Piece> &of_rank)
+    {
+      for (const Piece &piece : of_rank)
       {
         typename ClosedSurface<dim>::Facet facet;
         for (unsigned int v = 0; v < dim; ++v)
         {
           facet.vertex[v] = static_cast<unsigned int>(facets.vertices.size());
-          facets.vertices.emplace_back();
-          read(facets.vertices.back());
+          facets.vertices.push_back(piece.vertices[v]);
         }
         facets.facets.push_back(facet);
-        facets.facet_normals.emplace_back();
-        read(facets.facet_normals.back());
+        facets.facet_normals.push_back(piece.normal);
         facets.edges.insert(facets.edges.end(), ClosedSurface<dim>::n_sides, 0u);
-        shares.emplace_back();
-        for (auto &of_vertex : shares.back())
-          for (double &share : of_vertex)
-            share = *value++;
-        faces.emplace_back();
-        for (auto &place : faces.back().places)
-          read(place);
-        for (auto &normal : faces.back().normals)
-          read(normal);
+        shares.push_back(piece.shares);
+        faces.push_back(piece.face);
       }
     }
 

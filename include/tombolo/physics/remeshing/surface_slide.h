@@ -283,9 +283,7 @@ namespace tombolo
             for (unsigned int d = 0; d < dim; ++d)
               of_node[d] = area > 0. ? of_node[d] / area : 0.;
           });
-      std::vector<double> own;
-      const auto append = [&own](const dealii::Tensor<1, dim> &vector)
-      { own.insert(own.end(), &vector[0], &vector[0] + dim); };
+      std::vector<typename CurvedSurface<dim>::Piece> own;
       for (std::size_t c = 0; c < nodes.size(); ++c)
       {
         if (facets_of_cells[c].empty() || !CellMarks::any_marked(nodes[c], slides))
@@ -296,28 +294,26 @@ namespace tombolo
           const dealii::Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
           if (!(area.norm() > 0.))
             continue;
-          std::vector<unsigned int> of_face;
-          for (unsigned int k = 0; k < n_corners; ++k)
-            if (SubCells<dim>::is_on_face(k, all[f].face))
-              of_face.push_back(k);
-          const dealii::Tensor<1, dim> normal = area / area.norm();
+          auto &piece = own.emplace_back();
+          piece.normal = area / area.norm();
           for (unsigned int v = 0; v < dim; ++v)
-            append(SubCells<dim>::point_at(all[f].vertices[v], corners));
-          append(normal);
-          for (unsigned int v = 0; v < dim; ++v)
-            for (const unsigned int k : of_face)
-              own.push_back(all[f].vertices[v][k]);
-          for (const unsigned int k : of_face)
-            append(corners[k]);
-          for (const unsigned int k : of_face)
+            piece.vertices[v] = SubCells<dim>::point_at(all[f].vertices[v], corners);
+          for (unsigned int k = 0, of_face = 0; k < n_corners; ++k)
           {
-            const auto of_node = vector_of<dim>(normals.node(nodes[c][k]));
-            append(of_node * normal > same_side ? of_node : dealii::Tensor<1, dim>());
+            if (!SubCells<dim>::is_on_face(k, all[f].face))
+              continue;
+            for (unsigned int v = 0; v < dim; ++v)
+              piece.shares[v][of_face] = all[f].vertices[v][k];
+            piece.face.places[of_face] = corners[k];
+            if (const auto of_node = vector_of<dim>(normals.node(nodes[c][k]));
+                of_node * piece.normal > same_side)
+              piece.face.normals[of_face] = of_node;
+            ++of_face;
           }
         }
       }
       CurvedSurface<dim> surface;
-      for (const std::vector<double> &of_rank : numbers_of_ranks(own, communicator))
+      for (const auto &of_rank : items_of_ranks(own, communicator))
         surface.add(of_rank);
       if (!surface.facets.facets.empty())
         surface.complete();
