@@ -7,7 +7,7 @@
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/output/time_table.h>
+#include <tombolo/physics/remeshing/cell_marks.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -218,65 +218,54 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::vector<bool>>
+  std::vector<bool>
   AdaptiveRefinement<dim>::cells_to_be_fine(const Model<dim> &model,
-                                            const std::vector<std::vector<double>> &values) const
+                                            const std::vector<double> &values) const
   {
-    std::vector<std::vector<bool>> result;
-    for (const std::vector<double> &of_part : values)
-      result.emplace_back(of_part.size(), false);
-    NodalVector marks;
-    std::string failure;
-    for (unsigned int layer = 0; layer <= layers; ++layer)
+    std::vector<bool> result;
+    for (const double value : values)
+      result.push_back(value > refine_above);
+    std::vector<Point<dim>> centres;
+    std::vector<std::vector<unsigned int>> nodes;
+    for_cells(model,
+              [&](const auto &cell, const std::vector<unsigned int> &of_cell)
+              {
+                centres.push_back(cell->center());
+                nodes.push_back(of_cell);
+              });
+    for (unsigned int layer = 0;; ++layer)
     {
-      for_cells(model,
-                [&](const unsigned int p, const unsigned int number, const auto &cell,
-                    const std::vector<unsigned int> &nodes)
-                {
-                  const bool is_near = layer > 0 && std::any_of(nodes.begin(), nodes.end(),
-                                                                [&](const auto node)
-                                                                { return *marks.node(node) > 0.; });
-                  const bool is_fine = result[p][number] || is_near ||
-                                       (layer == 0 && values[p][number] > refine_above);
-                  try
-                  {
-                    result[p][number] = is_fine && (!where || (*where)(cell->center()));
-                  }
-                  catch (const std::exception &exception)
-                  {
-                    failure = exception.what(); // other ranks may have no such cell
-                  }
-                });
+      std::string failure;
+      try
+      {
+        for (std::size_t c = 0; c < result.size(); ++c)
+          result[c] = result[c] && (!where || (*where)(centres[c]));
+      }
+      catch (const std::exception &exception)
+      {
+        failure = exception.what(); // other ranks may have no such cell
+      }
       throw_on_all_ranks<RunError>(failure, model.communicator);
       if (layer == layers)
-        break;
-      marks = marked_nodes(model.state.partition(),
-                           [&](const auto &mark)
-                           {
-                             for_cells(model,
-                                       [&](const unsigned int p, const unsigned int number,
-                                           const auto &, const std::vector<unsigned int> &nodes)
-                                       {
-                                         if (result[p][number])
-                                           std::for_each(nodes.begin(), nodes.end(), mark);
-                                       });
-                           });
+        return result;
+      result = CellMarks::cells_marked(nodes,
+                                       CellMarks::nodes_of(model.state.partition(), nodes, result));
     }
-    return result;
   }
 
   template <int dim>
   std::optional<typename AdaptiveRefinement<dim>::Wanted>
   AdaptiveRefinement<dim>::find_wanted(const Model<dim> &model) const
   {
-    const std::vector<std::vector<double>> values = criterion->values(model);
-    const std::vector<std::vector<bool>> is_fine = cells_to_be_fine(model, values);
+    const std::vector<double> values = criterion->values(model);
+    const std::vector<bool> is_fine = cells_to_be_fine(model, values);
+    std::size_t number = 0; // of the cell
     const int coarsest_level = levels_of_file(model).first;
     CellDivisions divided;
     unsigned int finest = 0, finest_wanted = 0;
     std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
     for_cells(model,
-              [&](const unsigned int p, const unsigned int number, const auto &cell, const auto &)
+              [&](const auto &cell, const auto &)
               {
                 const std::uint64_t id = persistent_id(cell->id(), dim);
                 const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
@@ -284,14 +273,15 @@ namespace tombolo
                     cell->level() == 0 ||
                     std::binary_search(of_file.begin(), of_file.end(), parent_of<dim>(id));
                 finest = std::max(finest, level);
-                if (is_fine[p][number] && level < most_levels)
+                if (is_fine[number] && level < most_levels)
                 {
                   divided.push_back(id);
                   finest_wanted = std::max(finest_wanted, level + 1);
                 }
-                else if (!is_fine[p][number] && !is_of_file && coarsen_below &&
-                         values[p][number] < *coarsen_below)
+                else if (!is_fine[number] && !is_of_file && coarsen_below &&
+                         values[number] < *coarsen_below)
                   ++n_joinable[parent_of<dim>(id)];
+                ++number;
               });
     // Siblings are on one rank.
     CellDivisions joined;

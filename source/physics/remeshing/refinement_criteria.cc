@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/point_transfer.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace tombolo
 {
@@ -38,23 +40,29 @@ namespace tombolo
       return along_axes * invert(jacobian);
     }
 
+    /** The root of the sum of the squared gradients of nodal fields in the middle of each cell,
+     * each with its weight. */
     template <int dim>
-    std::vector<Tensor<1, dim>> places_of(const NodalVector &position,
-                                          const std::vector<unsigned int> &nodes)
+    std::vector<double> gradients(const Model<dim> &model,
+                                  const std::vector<std::pair<const NodalVector *, double>> &fields)
     {
-      std::vector<Tensor<1, dim>> result(nodes.size());
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          result[k][d] = position.node(nodes[k])[d];
-      return result;
-    }
-
-    template <int dim>
-    std::vector<std::vector<double>> zero_for_cells(const Model<dim> &model)
-    {
-      std::vector<std::vector<double>> result;
-      for (const Part<dim> &part : model.parts)
-        result.emplace_back(part.formulation->n_cells(), 0.);
+      std::vector<double> result;
+      for_cells(model,
+                [&](const auto &, const std::vector<unsigned int> &nodes)
+                {
+                  std::vector<Tensor<1, dim>> places;
+                  for (const unsigned int node : nodes)
+                    places.push_back(vector_of<dim>(model.state.position.node(node)));
+                  double squared = 0;
+                  std::vector<double> at_nodes(nodes.size());
+                  for (const auto &[field, weight] : fields)
+                  {
+                    for (std::size_t k = 0; k < nodes.size(); ++k)
+                      at_nodes[k] = *field->node(nodes[k]);
+                    squared += weight * gradient_in_the_middle(places, at_nodes).norm_square();
+                  }
+                  result.push_back(std::sqrt(squared));
+                });
       return result;
     }
   } // namespace
@@ -64,20 +72,23 @@ namespace tombolo
   class PlasticStrainCriterion : public RefinementCriterion<dim>
   {
   public:
-    std::vector<std::vector<double>> values(const Model<dim> &model) const override
+    std::vector<double> values(const Model<dim> &model) const override
     {
-      std::vector<std::vector<double>> result = zero_for_cells(model);
-      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      std::vector<double> result;
+      for (const Part<dim> &part : model.parts)
       {
-        const Formulation<dim> &formulation = *model.parts[p].formulation;
+        const Formulation<dim> &formulation = *part.formulation;
         const MaterialPoints &points = formulation.points();
         const unsigned int field = points.find_field(plastic_strain_name);
-        if (field == points.fields().size())
-          continue;
-        for (unsigned int cell = 0; cell < result[p].size(); ++cell)
-          for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
-            result[p][cell] = std::max(
-                result[p][cell], points.component(field, 0)[formulation.point_of_cell(cell, q)]);
+        const bool has_field = field < points.fields().size();
+        for (unsigned int cell = 0; cell < formulation.n_cells(); ++cell)
+        {
+          double largest = 0;
+          for (unsigned int q = 0; has_field && q < formulation.n_points_per_cell(); ++q)
+            largest =
+                std::max(largest, points.component(field, 0)[formulation.point_of_cell(cell, q)]);
+          result.push_back(largest);
+        }
       }
       return result;
     }
@@ -96,22 +107,9 @@ namespace tombolo
   class TemperatureGradientCriterion : public RefinementCriterion<dim>
   {
   public:
-    std::vector<std::vector<double>> values(const Model<dim> &model) const override
+    std::vector<double> values(const Model<dim> &model) const override
     {
-      std::vector<std::vector<double>> result = zero_for_cells(model);
-      const NodalVector &temperature = model.heat->state.temperature;
-      for_cells(model,
-                [&](const unsigned int part, const unsigned int cell, const auto &,
-                    const std::vector<unsigned int> &nodes)
-                {
-                  std::vector<double> at_nodes;
-                  for (const unsigned int node : nodes)
-                    at_nodes.push_back(*temperature.node(node));
-                  result[part][cell] =
-                      gradient_in_the_middle(places_of<dim>(model.state.position, nodes), at_nodes)
-                          .norm();
-                });
-      return result;
+      return gradients(model, {{&model.heat->state.temperature, 1.}});
     }
 
   private:
@@ -127,29 +125,15 @@ namespace tombolo
   class StressGradientCriterion : public RefinementCriterion<dim>
   {
   public:
-    std::vector<std::vector<double>> values(const Model<dim> &model) const override
+    std::vector<double> values(const Model<dim> &model) const override
     {
       std::vector<unsigned int> parts(model.parts.size());
       std::iota(parts.begin(), parts.end(), 0u);
       const std::array<NodalVector, 6> stress = stress_at_nodes(model, parts);
-      std::vector<std::vector<double>> result = zero_for_cells(model);
-      for_cells(model,
-                [&](const unsigned int part, const unsigned int cell, const auto &,
-                    const std::vector<unsigned int> &nodes)
-                {
-                  const auto places = places_of<dim>(model.state.position, nodes);
-                  double squared = 0;
-                  std::vector<double> at_nodes(nodes.size());
-                  for (unsigned int c = 0; c < 6; ++c)
-                  {
-                    for (std::size_t k = 0; k < nodes.size(); ++k)
-                      at_nodes[k] = *stress[c].node(nodes[k]);
-                    squared += (c < 3 ? 1. : 2.) * // entries off the diagonal stand twice
-                               gradient_in_the_middle(places, at_nodes).norm_square();
-                  }
-                  result[part][cell] = std::sqrt(squared);
-                });
-      return result;
+      std::vector<std::pair<const NodalVector *, double>> fields;
+      for (unsigned int c = 0; c < 6; ++c)
+        fields.emplace_back(&stress[c], c < 3 ? 1. : 2.); // entries off the diagonal stand twice
+      return gradients(model, fields);
     }
 
   private:

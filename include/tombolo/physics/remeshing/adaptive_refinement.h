@@ -55,10 +55,10 @@ namespace tombolo
       bool has_smaller_cells = false;
     };
     std::optional<Wanted> find_wanted(const Model<dim> &model) const;
-    /** Whether each owned cell of each part is so near to one that the criterion wants fine that it
-     * is to be fine, too. Collective. */
-    std::vector<std::vector<bool>>
-    cells_to_be_fine(const Model<dim> &model, const std::vector<std::vector<double>> &values) const;
+    /** Whether each cell of for_cells() is so near to one that the criterion wants fine that it is
+     * to be fine, too. Collective. */
+    std::vector<bool> cells_to_be_fine(const Model<dim> &model,
+                                       const std::vector<double> &values) const;
     /** The coarsest and the finest level of the mesh of the file. Collective. */
     std::pair<int, int> levels_of_file(const Model<dim> &model) const;
 

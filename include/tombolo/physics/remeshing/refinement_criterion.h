@@ -28,8 +28,8 @@ namespace tombolo
       return result;
     }
 
-    /** The value in each owned cell of each part, in the order of cells_of_part(). Collective. */
-    virtual std::vector<std::vector<double>> values(const Model<dim> &model) const = 0;
+    /** The value in each owned cell of all parts, in the order of for_cells(). Collective. */
+    virtual std::vector<double> values(const Model<dim> &model) const = 0;
 
   private:
     /** What a part lacks whose cells have no other values than zero, as a clause of a scene that
@@ -43,23 +43,20 @@ namespace tombolo
     static constexpr const char *name = "refinement criterion";
   };
 
-  /** Calls @p visit(part, number, cell, local nodes) for all owned cells of all parts. */
+  /** Calls @p visit(cell, local nodes) for all owned cells, part by part. */
   template <int dim, typename Visitor>
   void for_cells(const Model<dim> &model, const Visitor &visit)
   {
     std::vector<dealii::types::global_dof_index> nodes;
     std::vector<unsigned int> local;
     for (unsigned int part = 0; part < model.parts.size(); ++part)
-    {
-      unsigned int number = 0;
       for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
       {
         model.nodes->cell_nodes(cell, nodes);
         local.clear();
         for (const auto node : nodes)
           local.push_back(model.state.partition()->local_index(node));
-        visit(part, number++, cell, local);
+        visit(cell, local);
       }
-    }
   }
 } // namespace tombolo
