@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/conversion.h>
 
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/internal_power.h>
@@ -72,42 +73,18 @@ namespace tombolo
                            part.particles->stencils().mass[i];
     }
 
-    using LocalNodes = std::vector<std::vector<unsigned int>>;
-
     /** The nodes of all cells of a part, none of those that were removed. */
     template <int dim>
-    LocalNodes nodes_of_cells(const ConvertingCells<dim> &part, const Model<dim> &model,
-                              const unsigned int number)
+    std::vector<std::vector<unsigned int>> nodes_of_cells(const ConvertingCells<dim> &part,
+                                                          const Model<dim> &model,
+                                                          const unsigned int number)
     {
-      LocalNodes result(model.parts[number].formulation->n_cells());
+      std::vector<std::vector<unsigned int>> result(model.parts[number].formulation->n_cells());
       for (unsigned int cell = 0; cell < result.size(); ++cell)
         if (!part.is_removed(cell))
           for (const types::global_dof_index node : part.nodes_of_cell(cell))
             result[cell].push_back(model.state.partition()->local_index(node));
       return result;
-    }
-
-    std::vector<unsigned int> chosen_cells(const std::vector<bool> &is_chosen)
-    {
-      std::vector<unsigned int> result;
-      for (unsigned int cell = 0; cell < is_chosen.size(); ++cell)
-        if (is_chosen[cell])
-          result.push_back(cell);
-      return result;
-    }
-
-    /** Adds layers of cells around @p cells. Collective. */
-    void add_layers(const LocalNodes &nodes, const unsigned int n_layers,
-                    const std::shared_ptr<const NodePartition> &partition,
-                    std::vector<unsigned int> &cells)
-    {
-      std::vector<bool> is_chosen(nodes.size(), false);
-      for (const unsigned int cell : cells)
-        is_chosen[cell] = true;
-      for (unsigned int layer = 0; layer < n_layers; ++layer)
-        is_chosen =
-            CellMarks::cells_marked(nodes, CellMarks::nodes_of(partition, nodes, is_chosen));
-      cells = chosen_cells(is_chosen);
     }
   } // namespace
 
@@ -148,11 +125,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void Conversion<dim>::add_near_cells(Model<dim> &model, const Pair &pair, const double time,
-                                       std::vector<unsigned int> &cells) const
+  void Conversion<dim>::add_near_cells(Model<dim> &model, const ConversionCriterion &criterion,
+                                       const LocalNodes &of_cells, const double time,
+                                       std::vector<bool> &is_chosen)
   {
-    const ConversionCriterion &criterion = pair.cells->conversion();
-    const LocalNodes of_cells = nodes_of_cells(*pair.cells, model, pair.source);
     std::vector<unsigned int> nodes;
     for (const auto &of_cell : of_cells)
       nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
@@ -170,13 +146,9 @@ namespace tombolo
     std::vector<bool> is_near(model.state.partition()->n_local(), false);
     for (std::size_t k = 0; k < nodes.size(); ++k)
       is_near[nodes[k]] = gaps[k] < *criterion.gap();
-    std::vector<bool> is_chosen(of_cells.size(), false);
-    for (const unsigned int cell : cells)
-      is_chosen[cell] = true;
     for (std::size_t cell = 0; cell < of_cells.size(); ++cell)
       for (const unsigned int node : of_cells[cell])
         is_chosen[cell] = is_chosen[cell] || is_near[node];
-    cells = chosen_cells(is_chosen);
   }
 
   template <int dim>
@@ -187,16 +159,27 @@ namespace tombolo
     for (std::size_t k = 0; k < pairs.size(); ++k)
     {
       const ConvertingCells<dim> &source = *pairs[k].cells;
-      if (clock.step % source.conversion().interval() != 0)
+      const ConversionCriterion &criterion = source.conversion();
+      std::vector<unsigned int> &cells = converting_cells[k];
+      if (clock.step % criterion.interval() != 0)
         continue;
-      converting_cells[k] = source.find_converting_cells(model.state.position);
-      if (source.conversion().gap())
-        add_near_cells(model, pairs[k], clock.time, converting_cells[k]);
-      if (!is_on_any_rank(converting_cells[k], communicator))
+      cells = source.find_converting_cells(model.state.position);
+      if (!criterion.gap() && !is_on_any_rank(cells, communicator))
         continue;
-      add_layers(nodes_of_cells(source, model, pairs[k].source), source.conversion().n_layers(),
-                 model.state.partition(), converting_cells[k]);
-      are_found = true;
+      const LocalNodes nodes = nodes_of_cells(source, model, pairs[k].source);
+      std::vector<bool> is_chosen(nodes.size(), false);
+      for (const unsigned int cell : cells)
+        is_chosen[cell] = true;
+      if (criterion.gap())
+        add_near_cells(model, criterion, nodes, clock.time, is_chosen);
+      for (unsigned int layer = 0; layer < criterion.n_layers(); ++layer)
+        is_chosen = CellMarks::cells_marked(
+            nodes, CellMarks::nodes_of(model.state.partition(), nodes, is_chosen));
+      cells.clear();
+      for (unsigned int cell = 0; cell < is_chosen.size(); ++cell)
+        if (is_chosen[cell])
+          cells.push_back(cell);
+      are_found = is_on_any_rank(cells, communicator) || are_found;
     }
     return are_found;
   }
@@ -368,12 +351,11 @@ namespace tombolo
       std::string list;
       for (const std::string &name : names)
         list += (list.empty() ? "\"" : ", \"") + name + "\"";
-      const std::string nearest = nearest_name(criterion.contact(), names);
       criterion.refuse(names.empty()
                            ? "nearness is that to the surface of a contact, and the scene has no "
                              "`Contacts`."
                            : "allowed is one of `Contacts`: " + list + "." +
-                                 (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+                                 did_you_mean(criterion.contact(), names));
     }
 
     template <int dim>
@@ -412,12 +394,7 @@ namespace tombolo
         names.push_back(part.name);
       const auto found = std::find(names.begin(), names.end(), name);
       if (found == names.end())
-      {
-        const std::string nearest = nearest_name(name, names);
-        section.fail(cells_entry,
-                     "there is no part of this name." +
-                         (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
-      }
+        section.fail(cells_entry, "there is no part of this name." + did_you_mean(name, names));
       const auto source = static_cast<unsigned int>(found - names.begin());
       if (parts[target].particles == nullptr || !parts[target].particles->can_add_particles())
         section.fail(

@@ -52,10 +52,13 @@ namespace tombolo
       ParticleFormulation<dim> *particles;
     };
 
-    /** Adds the cells of a pair that are too near to the surface of the criterion to @p cells,
-     * ascending. */
-    void add_near_cells(Model<dim> &model, const Pair &pair, double time,
-                        std::vector<unsigned int> &cells) const;
+    using LocalNodes = std::vector<std::vector<unsigned int>>;
+
+    /** Adds the cells that are too near to the surface of the criterion to those that are chosen.
+     */
+    static void add_near_cells(Model<dim> &model, const ConversionCriterion &criterion,
+                               const LocalNodes &of_cells, double time,
+                               std::vector<bool> &is_chosen);
     /** Remembers that these cells of a part became particles, on all ranks that see them.
      * Collective. */
     void note_conversion(const Model<dim> &model, unsigned int source,
