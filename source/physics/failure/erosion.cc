@@ -1,179 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/erosion.h>
 
-#include <tombolo/base/moment.h>
-#include <tombolo/base/ordered_sum.h>
-#include <tombolo/model/internal_power.h>
-#include <tombolo/model/model.h>
-#include <tombolo/output/time_table.h>
-
-#include <deal.II/base/mpi.h>
-
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <array>
-
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    template <int dim>
-    std::vector<ErodingCells<dim> *> eroding_parts(const Model<dim> &model)
-    {
-      std::vector<ErodingCells<dim> *> result;
-      for (const Part<dim> &part : model.parts)
-      {
-        auto *const eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
-        if (eroding != nullptr && eroding->erodes())
-          result.push_back(eroding);
-      }
-      return result;
-    }
-  } // namespace
-
-  template <int dim>
-  Erosion<dim>::Erosion(Model<dim> &model)
-      : communicator(model.communicator), parts(eroding_parts(model))
-  {
-    this->structure.on_completion([this, &model] { remove_faces(model); });
-    this->records.group("erosion").sums("eroded", lost.n_cells, lost.mass, lost.energy,
-                                        interleaved(lost.momentum, lost.angular_momentum));
-    this->observed.energy("eroded energy", EnergyKind::removed, lost.energy);
-    this->observed.energies.connect(
-        [this](EnergyAccounts &accounts)
-        { accounts.add_removed_momentum(lost.momentum, lost.angular_momentum); });
-    this->observed.columns.connect(
-        [this](TimeTable &table)
-        {
-          const ErosionLoss total = total_loss();
-          table.add("eroded cells", "1", total.n_cells);
-          table.add("eroded mass", "M", total.mass);
-          for (unsigned int d = 0; d < dim; ++d)
-            table.add(std::string("eroded momentum ") + "xyz"[d], "M L/T", total.momentum[d]);
-        });
-    this->observed.results.connect(
-        [this](const TimeTable &, Json &summary)
-        {
-          const ErosionLoss total = total_loss();
-          summary["eroded_cells"] = n_removed_cells();
-          summary["eroded_mass"] = total.mass;
-          summary["eroded_energy"] = total.energy;
-          summary["eroded_momentum"] =
-              std::vector<double>(total.momentum.begin(), total.momentum.begin() + dim);
-        });
-  }
-
-  template <int dim>
-  bool Erosion<dim>::erode(Model<dim> &model, const Clock &clock)
-  {
-    unsigned int n_failed = 0;
-    for (ErodingCells<dim> *const part : parts)
-      n_failed += part->find_failed_cells(model.state.position);
-    if (Utilities::MPI::sum(n_failed, communicator) == 0)
-      return false;
-    model.begin_change();
-
-    const NodalVector &element_velocity = model.bridge->element_velocity(model.state.velocity);
-    double pending_heat = 0;
-    for (ErodingCells<dim> *const part : parts)
-    {
-      const RemovedCells removed =
-          part->remove_failed_cells(model.state.position, element_velocity, clock.previous_step);
-      lost.n_cells += removed.n_cells;
-      lost.energy += removed.energy;
-      pending_heat += removed.pending_heat;
-    }
-    const NodalVector old_mass = model.state.mass.copy(), old_body_mass = model.body_mass().copy();
-    // Particles beside the cells are smoothed with other masses, and strain at another velocity.
-    const double step = clock.previous_step;
-    const bool smooths = step > 0. && !model.particle_parts().empty();
-    const double power = smooths ? internal_power(model, step) : 0.;
-    remove_faces(model);
-    ++model.revisions.cells;
-    model.renew_masses();
-    lose_mass(model, old_mass, old_body_mass, pending_heat);
-    if (smooths)
-    {
-      model.bridge->smooth_velocity(model.state);
-      lost.energy += taken_by_change(power, internal_power(model, step), step, communicator);
-    }
-    return true;
-  }
-
-  template <int dim>
-  void Erosion<dim>::remove_faces(Model<dim> &model) const
-  {
-    std::vector<std::vector<types::global_dof_index>> cells;
-    for (const ErodingCells<dim> *const part : parts)
-      part->add_nodes_of_removed_cells(cells);
-    model.remove_faces(cells);
-  }
-
-  template <int dim>
-  void Erosion<dim>::lose_mass(Model<dim> &model, const NodalVector &old_mass,
-                               const NodalVector &old_body_mass, const double pending_heat)
-  {
-    NodalState &state = model.state;
-    const NodalVector &body_mass = model.body_mass();
-    std::vector<unsigned int> lighter;
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-    {
-      const double mass = *old_mass.node(i) - *state.mass.node(i);
-      if (mass == 0.)
-        continue;
-      lighter.push_back(i);
-      lost.mass += *old_body_mass.node(i) - *body_mass.node(i);
-      const double *const x = state.position_of_unsmoothed().node(i);
-      double *const v = state.unsmoothed_velocity.node(i);
-      std::array<double, 3> momentum;
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        momentum[d] = mass * v[d];
-        lost.momentum[d] += momentum[d];
-        lost.energy += 0.5 * mass * v[d] * v[d];
-      }
-      add_moment(x, momentum.data(), lost.angular_momentum);
-      if (*state.mass.node(i) > 0.)
-        continue;
-      // Stays where it is for the rest of the run.
-      for (NodalVector *vector : {&state.unsmoothed_velocity, &state.velocity, &state.acceleration})
-        std::fill_n(vector->node(i), node_stride, 0.);
-    }
-    state.unsmoothed_velocity.update_ghosts();
-    if (model.heat)
-      model.heat->lose_heat(lighter, pending_heat);
-  }
-
-  template <int dim>
-  void Erosion<dim>::model_changed(const Model<dim> &model)
-  {
-    massless.clear();
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      if (*model.state.mass.node(i) == 0.)
-        massless.push_back(i);
-  }
-
-  template <int dim>
-  ErosionLoss Erosion<dim>::total_loss() const
-  {
-    const std::array<double, 6> sums =
-        ordered_sum(std::array<double, 6>{{lost.n_cells, lost.mass, lost.energy, lost.momentum[0],
-                                           lost.momentum[1], lost.momentum[2]}},
-                    communicator);
-    return {sums[0], sums[1], sums[2], {{sums[3], sums[4], sums[5]}}, {}};
-  }
-
-  template <int dim>
-  unsigned long Erosion<dim>::n_removed_cells() const
-  {
-    unsigned long count = 0;
-    for (const ErodingCells<dim> *const part : parts)
-      count += part->n_removed_cells();
-    return Utilities::MPI::sum(count, communicator);
-  }
 
   namespace
   {
@@ -183,7 +13,7 @@ namespace tombolo
     public:
       std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
       {
-        if (eroding_parts(model).empty())
+        if (Erosion<dim>::eroding_parts(model).empty())
           return nullptr;
         if (model.heat)
           model.heat->can_lose_heat = true;
@@ -191,9 +21,6 @@ namespace tombolo
       }
     };
   } // namespace
-
-  template class Erosion<2>;
-  template class Erosion<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(ErosionKind, process_order::erosion)
 } // namespace tombolo

@@ -1,8 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/moment.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
+#include <tombolo/model/internal_power.h>
+#include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
+#include <tombolo/output/time_table.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -31,7 +40,36 @@ namespace tombolo
   class Erosion : public Process<dim>
   {
   public:
-    explicit Erosion(Model<dim> &model);
+    explicit Erosion(Model<dim> &model)
+        : communicator(model.communicator), parts(eroding_parts(model))
+    {
+      this->structure.on_completion([this, &model] { remove_faces(model); });
+      this->records.group("erosion").sums("eroded", lost.n_cells, lost.mass, lost.energy,
+                                          interleaved(lost.momentum, lost.angular_momentum));
+      this->observed.energy("eroded energy", EnergyKind::removed, lost.energy);
+      this->observed.energies.connect(
+          [this](EnergyAccounts &accounts)
+          { accounts.add_removed_momentum(lost.momentum, lost.angular_momentum); });
+      this->observed.columns.connect(
+          [this](TimeTable &table)
+          {
+            const ErosionLoss total = total_loss();
+            table.add("eroded cells", "1", total.n_cells);
+            table.add("eroded mass", "M", total.mass);
+            for (unsigned int d = 0; d < dim; ++d)
+              table.add(std::string("eroded momentum ") + "xyz"[d], "M L/T", total.momentum[d]);
+          });
+      this->observed.results.connect(
+          [this](const TimeTable &, Json &summary)
+          {
+            const ErosionLoss total = total_loss();
+            summary["eroded_cells"] = n_removed_cells();
+            summary["eroded_mass"] = total.mass;
+            summary["eroded_energy"] = total.energy;
+            summary["eroded_momentum"] =
+                std::vector<double>(total.momentum.begin(), total.momentum.begin() + dim);
+          });
+    }
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override
     {
@@ -40,7 +78,13 @@ namespace tombolo
       return change;
     }
 
-    void model_changed(const Model<dim> &model) override;
+    void model_changed(const Model<dim> &model) override
+    {
+      massless.clear();
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        if (*model.state.mass.node(i) == 0.)
+          massless.push_back(i);
+    }
 
     void constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state) override
     {
@@ -48,9 +92,57 @@ namespace tombolo
         std::fill_n(state.acceleration.node(node), node_stride, 0.);
     }
 
+    /** The parts whose cells can be removed. */
+    static std::vector<ErodingCells<dim> *> eroding_parts(const Model<dim> &model)
+    {
+      std::vector<ErodingCells<dim> *> result;
+      for (const Part<dim> &part : model.parts)
+      {
+        auto *const eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+        if (eroding != nullptr && eroding->erodes())
+          result.push_back(eroding);
+      }
+      return result;
+    }
+
     /** Removes the cells that fulfil their criterion. Returns whether there were any on any rank.
      * Collective. */
-    bool erode(Model<dim> &model, const Clock &clock);
+    bool erode(Model<dim> &model, const Clock &clock)
+    {
+      unsigned int n_failed = 0;
+      for (ErodingCells<dim> *const part : parts)
+        n_failed += part->find_failed_cells(model.state.position);
+      if (dealii::Utilities::MPI::sum(n_failed, communicator) == 0)
+        return false;
+      model.begin_change();
+
+      const NodalVector &element_velocity = model.bridge->element_velocity(model.state.velocity);
+      double pending_heat = 0;
+      for (ErodingCells<dim> *const part : parts)
+      {
+        const RemovedCells removed =
+            part->remove_failed_cells(model.state.position, element_velocity, clock.previous_step);
+        lost.n_cells += removed.n_cells;
+        lost.energy += removed.energy;
+        pending_heat += removed.pending_heat;
+      }
+      const NodalVector old_mass = model.state.mass.copy(),
+                        old_body_mass = model.body_mass().copy();
+      // Particles beside the cells are smoothed with other masses, and strain at another velocity.
+      const double step = clock.previous_step;
+      const bool smooths = step > 0. && !model.particle_parts().empty();
+      const double power = smooths ? internal_power(model, step) : 0.;
+      remove_faces(model);
+      ++model.revisions.cells;
+      model.renew_masses();
+      lose_mass(model, old_mass, old_body_mass, pending_heat);
+      if (smooths)
+      {
+        model.bridge->smooth_velocity(model.state);
+        lost.energy += taken_by_change(power, internal_power(model, step), step, communicator);
+      }
+      return true;
+    }
 
     /** Since the start, on this rank. */
     const ErosionLoss &loss() const
@@ -65,15 +157,68 @@ namespace tombolo
     }
 
     /** Over all ranks. Collective. */
-    unsigned long n_removed_cells() const;
+    unsigned long n_removed_cells() const
+    {
+      unsigned long count = 0;
+      for (const ErodingCells<dim> *const part : parts)
+        count += part->n_removed_cells();
+      return dealii::Utilities::MPI::sum(count, communicator);
+    }
 
   private:
-    void remove_faces(Model<dim> &model) const;
+    void remove_faces(Model<dim> &model) const
+    {
+      std::vector<std::vector<dealii::types::global_dof_index>> cells;
+      for (const ErodingCells<dim> *const part : parts)
+        part->add_nodes_of_removed_cells(cells);
+      model.remove_faces(cells);
+    }
+
     /** Takes the momentum and the kinetic energy of the mass that nodes have lost, and its heat. */
     void lose_mass(Model<dim> &model, const NodalVector &old_mass, const NodalVector &old_body_mass,
-                   double pending_heat);
+                   const double pending_heat)
+    {
+      NodalState &state = model.state;
+      const NodalVector &body_mass = model.body_mass();
+      std::vector<unsigned int> lighter;
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      {
+        const double mass = *old_mass.node(i) - *state.mass.node(i);
+        if (mass == 0.)
+          continue;
+        lighter.push_back(i);
+        lost.mass += *old_body_mass.node(i) - *body_mass.node(i);
+        const double *const x = state.position_of_unsmoothed().node(i);
+        double *const v = state.unsmoothed_velocity.node(i);
+        std::array<double, 3> momentum;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          momentum[d] = mass * v[d];
+          lost.momentum[d] += momentum[d];
+          lost.energy += 0.5 * mass * v[d] * v[d];
+        }
+        add_moment(x, momentum.data(), lost.angular_momentum);
+        if (*state.mass.node(i) > 0.)
+          continue;
+        // Stays where it is for the rest of the run.
+        for (NodalVector *vector :
+             {&state.unsmoothed_velocity, &state.velocity, &state.acceleration})
+          std::fill_n(vector->node(i), node_stride, 0.);
+      }
+      state.unsmoothed_velocity.update_ghosts();
+      if (model.heat)
+        model.heat->lose_heat(lighter, pending_heat);
+    }
+
     /** Sums over all ranks. Collective. */
-    ErosionLoss total_loss() const;
+    ErosionLoss total_loss() const
+    {
+      const std::array<double, 6> sums =
+          ordered_sum(std::array<double, 6>{{lost.n_cells, lost.mass, lost.energy, lost.momentum[0],
+                                             lost.momentum[1], lost.momentum[2]}},
+                      communicator);
+      return {sums[0], sums[1], sums[2], {{sums[3], sums[4], sums[5]}}, {}};
+    }
 
     MPI_Comm communicator;
     std::vector<ErodingCells<dim> *> parts;

@@ -1,10 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
+#include <tombolo/output/time_table.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
+
+#include <deal.II/base/mpi.h>
 
 #include <mpi.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ostream>
 
 namespace tombolo
 {
@@ -64,13 +77,54 @@ namespace tombolo
   public:
     /** Finds the factors for the initial positions and gives the model their masses. Throws
      * InputError where the target does nothing, or would take too much. Collective. */
-    MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model);
+    MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model)
+        : section(section), settings(settings), communicator(model.communicator)
+    {
+      this->roles.rest = ProcessRole::is_idle;
+      this->roles.divided_cells = ProcessRole::is_refused;
+      this->records.group("mass scaling").sums("work", work);
+      this->observed.audit.connect([this, &model](std::ostream &text) { describe(model, text); });
+      this->observed.columns.connect([this, &model](TimeTable &table) { report(model, table); });
+      this->observed.results.connect([this, &model](const TimeTable &table, Json &summary)
+                                     { summary["scaling"] = results(model, table); });
+      if (!settings.is_selective())
+        return;
+      this->observed.energy("mass scaling work", EnergyKind::external, work);
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+        this->structure.group("inertia of part " + model.parts[p].name)
+            .archived(
+                [&model, p](StateArchive &archive)
+                {
+                  archive.set_rows(model.persistent_ids_of_points(p));
+                  archive.rows("inertia factors", 1, model.parts[p].inertia);
+                });
+      start(model);
+      raise_factors(model);
+      model.inertia_is_mass = false;
+      model.renew_masses();
+    }
 
-    ModelChange change_model(Model<dim> &model, const Clock &clock) override;
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override
+    {
+      ModelChange change;
+      const bool is_due =
+          settings.is_selective() && clock.step > 0 && clock.step % settings.interval == 0;
+      change.masses = is_due && raise_masses(model);
+      return change;
+    }
 
     /** Adds mass to cells and particles whose step has fallen below the target. Returns whether
      * there are any, on any rank. Collective. */
-    bool raise_masses(Model<dim> &model);
+    bool raise_masses(Model<dim> &model)
+    {
+      if (!settings.is_selective() || !raise_factors(model))
+        return false;
+      NodalVector before(model.state.partition(), Quantity::scalar);
+      before.copy_from(model.bridge->mass());
+      model.renew_inertia();
+      account_for_added_mass(model, before);
+      return true;
+    }
 
     /** Numbers over all ranks. Collective. */
     struct Extent
@@ -78,7 +132,35 @@ namespace tombolo
       unsigned long cells = 0, particles = 0; ///< that have more than the uniform factor
       double smallest_step = 0;               ///< by eq. (41), without any scaling [T]
     };
-    Extent extent(const Model<dim> &model) const;
+    Extent extent(const Model<dim> &model) const
+    {
+      Extent extent;
+      double smallest = 1e300;
+      for (const Part<dim> &part : model.parts)
+      {
+        if (settings.is_selective())
+        {
+          unsigned long &count = part.particles != nullptr ? extent.particles : extent.cells;
+          std::vector<double> steps;
+          part.formulation->courant_limits(model.state.position, steps);
+          for (std::size_t i = 0; i < steps.size(); ++i)
+          {
+            constexpr double of_removed_cells = 1e299;
+            if (part.inertia[i] > 1. && steps[i] < of_removed_cells)
+              ++count;
+            smallest = std::min(smallest, steps[i]);
+          }
+        }
+        else
+          smallest =
+              std::min(smallest, part.formulation->courant_limit(model.state.position).time_step);
+      }
+      extent.cells = dealii::Utilities::MPI::sum(extent.cells, communicator);
+      extent.particles = dealii::Utilities::MPI::sum(extent.particles, communicator);
+      extent.smallest_step = dealii::Utilities::MPI::min(smallest, communicator) /
+                             std::sqrt(settings.inertia_factor());
+      return extent;
+    }
 
     /** True mass, added mass and inertia, in the time of the process [M]. */
     struct Masses
@@ -86,17 +168,161 @@ namespace tombolo
       double true_mass, added, inertia;
     };
     /** Collective. */
-    Masses masses(const Model<dim> &model) const;
+    Masses masses(const Model<dim> &model) const
+    {
+      std::array<double, 2> sums{};
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      {
+        sums[0] += *model.body_mass().node(i);
+        sums[1] += *model.state.mass.node(i);
+      }
+      sums = ordered_sum(sums, communicator);
+      Masses result;
+      result.true_mass = sums[0];
+      result.inertia =
+          settings.is_selective() ? sums[1] : settings.inertia_factor() * result.true_mass;
+      result.added = (settings.mass_factor - 1.) * result.true_mass;
+      if (settings.is_selective())
+        result.added += (result.inertia - settings.inertia_factor() * result.true_mass) /
+                        (settings.process_time_factor * settings.process_time_factor);
+      return result;
+    }
 
   private:
-    void start(Model<dim> &model);
-    void describe(const Model<dim> &model, std::ostream &text) const;
-    void report(const Model<dim> &model, TimeTable &table) const;
-    Json results(const Model<dim> &model, const TimeTable &table) const;
+    void start(Model<dim> &model)
+    {
+      std::vector<double> steps;
+      double smallest = 1e300;
+      for (Part<dim> &part : model.parts)
+      {
+        part.formulation->courant_limits(model.state.position, steps);
+        const bool knows_all =
+            steps.size() >= std::max<std::size_t>(part.formulation->n_cells(),
+                                                  part.formulation->particle_nodes().size());
+        if (dealii::Utilities::MPI::min(knows_all ? 1 : 0, communicator) == 0)
+          section.fail("Target time step", "cells of part \"" + part.name +
+                                               "\" cannot be given mass one by one; allowed is a "
+                                               "uniform `Mass factor`.");
+        part.inertia.assign(steps.size(), 1.);
+        for (const double step : steps)
+          smallest = std::min(smallest, step);
+      }
+      smallest = dealii::Utilities::MPI::min(smallest, communicator);
+      if (smallest >= settings.target_time_step)
+        section.fail("Target time step",
+                     "it would do nothing: the smallest stable step of a cell or particle is " +
+                         format_number(smallest) + " already; allowed are larger ones.");
+      const double largest = std::pow(settings.target_time_step / smallest, 2);
+      if (!(largest <= ScalingSettings::largest_factor))
+        section.fail("Target time step", "the smallest stable step of a cell or particle is " +
+                                             format_number(smallest) +
+                                             "; allowed are up to a million times as many.");
+    }
+
+    void describe(const Model<dim> &model, std::ostream &text) const
+    {
+      const Masses mass = masses(model);
+      const Extent present = extent(model);
+      text << "  scaled inertia: mass factor " << settings.mass_factor << ", process "
+           << settings.process_time_factor << " times faster, mass " << mass.added << " added ("
+           << 100. * mass.added / mass.true_mass << " %)";
+      if (settings.is_selective())
+        text << " with the target step " << settings.target_time_step << " in " << present.cells
+             << " cells and " << present.particles << " particles";
+      text << "; inertia, and kinetic energy with it, is " << mass.inertia / mass.true_mass
+           << " times that of the mass\n"
+           << "  smallest step by eq. (41) " << present.smallest_step << " without scaling, "
+           << courant_limit(model).time_step << " with it\n";
+    }
+
+    void report(const Model<dim> &model, TimeTable &table) const
+    {
+      table.add("added mass", "M", masses(model).added);
+      const double internal =
+          table.present("elastic energy") + table.present("plastic dissipation");
+      if (internal > 0.)
+        table.add("kinetic over internal energy", "1", table.present("kinetic energy") / internal);
+    }
+
+    Json results(const Model<dim> &model, const TimeTable &table) const
+    {
+      const Masses mass = masses(model);
+      const Extent present = extent(model);
+      Json result = Json::object();
+      result["mass_factor"] = settings.mass_factor;
+      result["process_time_factor"] = settings.process_time_factor;
+      if (settings.is_selective())
+      {
+        result["target_time_step"] = settings.target_time_step;
+        result["cells_with_added_mass"] = present.cells;
+        result["particles_with_added_mass"] = present.particles;
+      }
+      result["mass"] = mass.true_mass;
+      result["added_mass"] = mass.added;
+      result["inertia_over_mass"] = mass.inertia / mass.true_mass;
+      result["smallest_step_unscaled"] = present.smallest_step;
+      result["smallest_step_scaled"] = courant_limit(model).time_step;
+
+      const auto elastic = table.column("elastic energy");
+      const auto plastic = table.column("plastic dissipation");
+      const auto kinetic = table.column("kinetic energy");
+      double largest = 0.;
+      for (std::size_t i = 0; i < elastic.size(); ++i)
+        largest = std::max(largest, elastic[i] + plastic[i]);
+      result["largest_kinetic_over_internal_energy"] = Json();
+      double ratio = 0.;
+      for (std::size_t i = 0; i < elastic.size(); ++i)
+        if (elastic[i] + plastic[i] > 0. && elastic[i] + plastic[i] >= 0.01 * largest)
+        {
+          ratio = std::max(ratio, kinetic[i] / (elastic[i] + plastic[i]));
+          result["largest_kinetic_over_internal_energy"] = ratio;
+        }
+      return result;
+    }
+
     /** Finds the factors for the present positions; whether any has risen. Collective. */
-    bool raise_factors(Model<dim> &model) const;
+    bool raise_factors(Model<dim> &model) const
+    {
+      int has_risen = 0;
+      std::vector<double> steps;
+      for (Part<dim> &part : model.parts)
+      {
+        part.formulation->courant_limits(model.state.position, steps);
+        for (std::size_t i = 0; i < steps.size(); ++i)
+        {
+          const double ratio = settings.target_time_step / steps[i];
+          // A cell turned inside out has no step; the forces say so.
+          const double wanted = std::min(ratio * ratio, ScalingSettings::largest_factor);
+          if (!(steps[i] > 0.) || !(wanted > part.inertia[i]))
+            continue;
+          part.inertia[i] = wanted;
+          has_risen = 1;
+        }
+      }
+      return dealii::Utilities::MPI::max(has_risen, communicator) == 1;
+    }
+
     /** Energy and momentum of mass that was added to nodes in motion, whose velocity stays. */
-    void account_for_added_mass(Model<dim> &model, const NodalVector &previous_mass);
+    void account_for_added_mass(Model<dim> &model, const NodalVector &previous_mass)
+    {
+      ImpulseAccount::Vector impulse{}, moment{};
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      {
+        const double added = *model.bridge->mass().node(i) - *previous_mass.node(i);
+        if (added == 0.)
+          continue;
+        const double *const v_hat = model.state.unsmoothed_velocity.node(i);
+        ImpulseAccount::Vector momentum;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          momentum[d] = added * v_hat[d];
+          impulse[d] += momentum[d];
+          work += 0.5 * momentum[d] * v_hat[d];
+        }
+        add_moment(model.state.position_of_unsmoothed().node(i), momentum.data(), moment);
+      }
+      model.impulses.add_now(impulse, moment);
+    }
 
     Section section;
     ScalingSettings settings;

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
+#include <tombolo/model/tangent.h>
+#include <tombolo/state/dependent_nodes.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -31,7 +37,24 @@ namespace tombolo
   class SurfaceDamping : public Process<dim>
   {
   public:
-    SurfaceDamping(double coefficient, const Model<dim> &model);
+    SurfaceDamping(const double coefficient, const Model<dim> &model)
+        : damping(this->actions.add("surface damping", ActsAt::nodes))
+    {
+      this->roles.rest = ProcessRole::is_idle;
+      damping.books("surface damping", EnergyKind::artificial);
+      for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      {
+        const Material &material = particles->material();
+        if (material.remembers("effective plastic strain"))
+          continue;
+        // A nearly incompressible body is not to be held by its speed of sound.
+        const double impedance =
+            material.inertial_density() *
+            std::min(material.longitudinal_wave_speed(), 2. * material.shear_wave_speed());
+        for (const SurfaceFibre &fibre : particles->surface_fibres())
+          fibres.push_back({fibre.node, coefficient * impedance * fibre.length * fibre.volume});
+      }
+    }
 
     /** Whether this rank has some. */
     bool has_fibres() const
@@ -39,7 +62,25 @@ namespace tombolo
       return !fibres.empty();
     }
 
-    void model_changed(const Model<dim> &model) override;
+    void model_changed(const Model<dim> &model) override
+    {
+      const auto &partition = model.state.partition();
+      viscous_force.reinit(partition);
+      local.clear();
+      for (const Fibre &fibre : fibres)
+      {
+        auto &nodes = local.emplace_back();
+        for (unsigned int k = 0; k < 3; ++k)
+          nodes[k] = partition->local_index(fibre.node[k]);
+      }
+      touched = owned_marked_nodes(partition,
+                                   [&](const auto &mark)
+                                   {
+                                     for (const auto &nodes : local)
+                                       std::for_each(nodes.begin(), nodes.end(), mark);
+                                   });
+      touched = with_nodes_depended_on(partition, touched);
+    }
 
     void add_forces(const Model<dim> &model, const Clock &, const NodalVector &) override
     {
@@ -47,9 +88,42 @@ namespace tombolo
       add_to(model.state.position, model.state.velocity, damping.at_touched_nodes());
     }
 
-    void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
+    void linearize(const Model<dim> &model, const Clock &, Tangent<dim> &tangent) override
+    {
+      if (tangent.velocity == nullptr)
+        return;
+      for (const unsigned int node : touched)
+        std::fill_n(viscous_force.node(node), node_stride, 0.);
+      add_to(model.state.position, *tangent.velocity, viscous_force);
+      viscous_force.collect();
+      for (const unsigned int node : touched)
+        for (unsigned int d = 0; d < dim; ++d)
+          tangent.force->node(node)[d] -= tangent.factor * viscous_force.node(node)[d];
+    }
 
   private:
+    /** The unit vector from @p b to @p a over their distance, and the rate of stretch along it. */
+    struct Edge
+    {
+      Edge(const double *a, const double *b, const double *velocity_a, const double *velocity_b)
+      {
+        double square = 0;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          direction[d] = a[d] - b[d];
+          square += direction[d] * direction[d];
+        }
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          direction[d] /= square;
+          rate += direction[d] * (velocity_a[d] - velocity_b[d]);
+        }
+      }
+
+      double direction[3];
+      double rate = 0;
+    };
+
     struct Fibre
     {
       std::array<dealii::types::global_dof_index, 3> node;
@@ -57,8 +131,22 @@ namespace tombolo
     };
 
     /** Adds -C @p velocity at @p position to local nodes. */
-    void add_to(const NodalVector &position, const NodalVector &velocity,
-                NodalVector &result) const;
+    void add_to(const NodalVector &position, const NodalVector &velocity, NodalVector &result) const
+    {
+      for (std::size_t f = 0; f < fibres.size(); ++f)
+      {
+        const auto &[i, a, b] = local[f];
+        const Edge outer(position.node(i), position.node(a), velocity.node(i), velocity.node(a));
+        const Edge inner(position.node(a), position.node(b), velocity.node(a), velocity.node(b));
+        const double force = fibres[f].viscosity * (outer.rate - inner.rate);
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          result.node(i)[d] -= force * outer.direction[d];
+          result.node(a)[d] += force * (outer.direction[d] + inner.direction[d]);
+          result.node(b)[d] -= force * inner.direction[d];
+        }
+      }
+    }
 
     std::vector<Fibre> fibres;
     std::vector<std::array<unsigned int, 3>> local; ///< nodes of each fibre
