@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
 #include <tombolo/boundary/limited_function.h>
-#include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/process.h>
@@ -115,7 +114,7 @@ namespace tombolo
     void add_forces(const Model<dim> &model, const Clock &, const NodalVector &) override
     {
       NodalVector &force = damping.at_all_nodes();
-      apply_stiffness(model, model.state.velocity, force);
+      apply_elastic_stiffness(model, model.state.velocity, endless, force);
       for (unsigned int i = 0; i < force.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
           force.node(i)[d] *= -factor;
@@ -125,23 +124,15 @@ namespace tombolo
     {
       if (tangent.velocity == nullptr)
         return;
-      apply_stiffness(model, *tangent.velocity, stiffness_force);
+      apply_elastic_stiffness(model, *tangent.velocity, endless, stiffness_force);
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
           tangent.force->node(i)[d] += tangent.factor * factor * stiffness_force.node(i)[d];
     }
 
   private:
-    /** @p result := K @p velocity, whose ghosts are current. Collective. */
-    void apply_stiffness(const Model<dim> &model, const NodalVector &velocity, NodalVector &result)
-    {
-      // In a step without end no artificial viscosity is left.
-      constexpr double endless = std::numeric_limits<double>::max();
-      Assembly<dim>(model.parts)
-          .assemble(*model.bridge, velocity, result,
-                    [&](const Part<dim> &part, const NodalVector &seen, NodalVector &sum)
-                    { add_elastic_stiffness(part, model.state.position, seen, endless, sum); });
-    }
+    /** In a step without end no artificial viscosity is left. */
+    static constexpr double endless = std::numeric_limits<double>::max();
 
     double factor;
     NodalVector stiffness_force; ///< buffer of linearize()

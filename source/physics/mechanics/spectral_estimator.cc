@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/model/assembly.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
@@ -70,10 +69,7 @@ namespace tombolo
     Bridge &bridge = *model.bridge;
     bridge.apply_smoothing(v_hat, velocity);
     remove_constrained(model, velocity);
-    Assembly<dim>(model.parts)
-        .assemble(bridge, velocity, force,
-                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
-                  { add_elastic_stiffness(part, model.state.position, seen, time_step, result); });
+    apply_elastic_stiffness(model, velocity, time_step, force);
     Tangent<dim> tangent;
     tangent.velocity = &velocity;
     tangent.factor = 2. / time_step;

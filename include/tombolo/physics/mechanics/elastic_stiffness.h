@@ -2,24 +2,31 @@
 #pragma once
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/model/part.h>
+#include <tombolo/model/assembly.h>
+#include <tombolo/model/model.h>
 
 namespace tombolo
 {
-  /** Adds the forces of the elastic stiffness of @p part at @p position in a motion over a time
-   * step, as its formulation has them, to @p force (not collected over ranks). Where a cell or
-   * particle of this rank is turned inside out they are left out: were it thrown here, the other
-   * ranks would wait in their exchanges. The stresses of such a place fail in the same step, which
-   * ends the run on all ranks. */
+  /** @p force := the nodal forces of the elastic stiffness of all parts in a @p motion over a time
+   * step at the present positions, as their formulations have them. @p motion has current ghosts.
+   * Where a cell or particle of this rank is turned inside out the forces of its part are left out:
+   * were it thrown here, the other ranks would wait in their exchanges. The stresses of such a
+   * place fail in the same step, which ends the run on all ranks. Collective. */
   template <int dim>
-  void add_elastic_stiffness(const Part<dim> &part, const NodalVector &position,
-                             const NodalVector &motion, const double time_step, NodalVector &force)
+  void apply_elastic_stiffness(const Model<dim> &model, const NodalVector &motion,
+                               const double time_step, NodalVector &force)
   {
-    try
-    {
-      part.formulation->apply_elastic_stiffness(position, motion, time_step, force);
-    }
-    catch (const RunError &)
-    {}
+    Assembly<dim>(model.parts)
+        .assemble(*model.bridge, motion, force,
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &sum)
+                  {
+                    try
+                    {
+                      part.formulation->apply_elastic_stiffness(model.state.position, seen,
+                                                                time_step, sum);
+                    }
+                    catch (const RunError &)
+                    {}
+                  });
   }
 } // namespace tombolo
