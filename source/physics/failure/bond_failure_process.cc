@@ -4,6 +4,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/plain_kind.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -343,29 +344,22 @@ namespace tombolo
       this->observed.result("debris_particles", [&model] { return bond_counts(model).n_debris; });
     }
 
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    {
+      const auto particles = model.particle_parts();
+      if (std::none_of(particles.begin(), particles.end(),
+                       [](const auto *part) { return !part->bond_counts().criterion.empty(); }))
+        return nullptr;
+      return std::make_unique<BondFailureProcess>(model);
+    }
+
   private:
     MomentumRedistribution<dim> redistribution;
   };
 
-  namespace
-  {
-    template <int dim>
-    class BondFailureKind : public ProcessKind<dim>
-    {
-    public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
-      {
-        const auto particles = model.particle_parts();
-        if (std::none_of(particles.begin(), particles.end(),
-                         [](const auto *part) { return !part->bond_counts().criterion.empty(); }))
-          return nullptr;
-        return std::make_unique<BondFailureProcess<dim>>(model);
-      }
-    };
-  } // namespace
-
   template BondCounts bond_counts(const Model<2> &);
   template BondCounts bond_counts(const Model<3> &);
 
-  TOMBOLO_REGISTER_PROCESS_KIND(BondFailureKind, process_order::bond_failure)
+  TOMBOLO_REGISTER_PROCESS(BondFailureProcess, process_order::bond_failure)
 } // namespace tombolo

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
 
@@ -161,6 +161,14 @@ namespace tombolo
       model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
     }
 
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    {
+      if (!model.has_mechanics || !model.conditions->has_constraints())
+        return nullptr;
+      return std::make_unique<PrescribedMotion>(model);
+    }
+
   private:
     using Vector = std::array<double, 3>;
 
@@ -238,20 +246,5 @@ namespace tombolo
     std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
   };
 
-  namespace
-  {
-    template <int dim>
-    class PrescribedMotionKind : public ProcessKind<dim>
-    {
-    public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
-      {
-        if (!model.has_mechanics || !model.conditions->has_constraints())
-          return nullptr;
-        return std::make_unique<PrescribedMotion<dim>>(model);
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(PrescribedMotionKind, process_order::prescribed_motion)
+  TOMBOLO_REGISTER_PROCESS(PrescribedMotion, process_order::prescribed_motion)
 } // namespace tombolo

@@ -2,7 +2,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/failure/bond_counts.h>
 
 #include <deal.II/base/mpi.h>
@@ -82,6 +82,24 @@ namespace tombolo
         n_broken = n_broken_bonds(model);
     }
 
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      if (!model.has_mechanics || model.particle_parts().empty())
+        return nullptr;
+      bool breaks = false, renews = false;
+      for (const Part<dim> &part : model.parts)
+        if (part.particles != nullptr)
+        {
+          const Section section = parameters.section("Part: " + part.name);
+          const Section method = section.subsection(section.get("Formulation"));
+          breaks = breaks || !part.particles->bond_counts().criterion.empty();
+          renews = renews || (method.is_declared("Configuration") &&
+                              method.get("Configuration") == "updated Lagrangian");
+        }
+      return std::make_unique<StencilRenewal>(breaks, renews, model);
+    }
+
   private:
     /** Finds the power before rows change. Collective. */
     void prepare_change(Model<dim> &model)
@@ -130,31 +148,5 @@ namespace tombolo
     double taken_by_breaks = 0, taken_by_renewals = 0;
   };
 
-  namespace
-  {
-    template <int dim>
-    class StencilRenewalKind : public ProcessKind<dim>
-    {
-    public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        if (!model.has_mechanics || model.particle_parts().empty())
-          return nullptr;
-        bool breaks = false, renews = false;
-        for (const Part<dim> &part : model.parts)
-          if (part.particles != nullptr)
-          {
-            const Section section = parameters.section("Part: " + part.name);
-            const Section method = section.subsection(section.get("Formulation"));
-            breaks = breaks || !part.particles->bond_counts().criterion.empty();
-            renews = renews || (method.is_declared("Configuration") &&
-                                method.get("Configuration") == "updated Lagrangian");
-          }
-        return std::make_unique<StencilRenewal<dim>>(breaks, renews, model);
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(StencilRenewalKind, process_order::renewal)
+  TOMBOLO_REGISTER_PROCESS(StencilRenewal, process_order::renewal)
 } // namespace tombolo

@@ -2,7 +2,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <cstdint>
@@ -114,6 +114,17 @@ namespace tombolo
       model.bridge->positions_have_changed();
     }
 
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    {
+      if (!model.has_mechanics)
+        return nullptr;
+      for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+        if (has_xsph(*particles))
+          return std::make_unique<Xsph>(model);
+      return nullptr;
+    }
+
   private:
     NodalVector mass;        // of particles of parts with XSPH, scalar, owned values [M]
     NodalVector momentum;    // that they exchange
@@ -123,23 +134,5 @@ namespace tombolo
     double in_contacts = 0;  // this rank's share
   };
 
-  namespace
-  {
-    template <int dim>
-    class XsphKind : public ProcessKind<dim>
-    {
-    public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
-      {
-        if (!model.has_mechanics)
-          return nullptr;
-        for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-          if (has_xsph(*particles))
-            return std::make_unique<Xsph<dim>>(model);
-        return nullptr;
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(XsphKind, process_order::contact - 1)
+  TOMBOLO_REGISTER_PROCESS(Xsph, process_order::contact - 1)
 } // namespace tombolo

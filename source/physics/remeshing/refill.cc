@@ -3,6 +3,7 @@
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/internal_power.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <deal.II/base/mpi.h>
@@ -167,6 +168,15 @@ namespace tombolo
       for (const Refilled &part : parts)
         result += part.refill->n_refills();
       return result;
+    }
+
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      if (std::none_of(model.parts.begin(), model.parts.end(),
+                       [](const Part<dim> &part) { return refilled_cells_of(part) != nullptr; }))
+        return nullptr;
+      return std::make_unique<Refill>(model, parameters.section("").get_positive("End time"));
     }
 
   private:
@@ -393,23 +403,5 @@ namespace tombolo
     std::vector<unsigned int> massless; // owned nodes, where cells are filled and emptied
   };
 
-  namespace
-  {
-    template <int dim>
-    class RefillKind : public ProcessKind<dim>
-    {
-    public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        if (std::none_of(model.parts.begin(), model.parts.end(),
-                         [](const Part<dim> &part) { return refilled_cells_of(part) != nullptr; }))
-          return nullptr;
-        return std::make_unique<Refill<dim>>(model,
-                                             parameters.section("").get_positive("End time"));
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(RefillKind, process_order::conversion + 5)
+  TOMBOLO_REGISTER_PROCESS(Refill, process_order::conversion + 5)
 } // namespace tombolo

@@ -165,6 +165,16 @@ namespace tombolo
       return dealii::Utilities::MPI::sum(count, communicator);
     }
 
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    {
+      if (eroding_parts(model).empty())
+        return nullptr;
+      if (model.heat)
+        model.heat->can_lose_heat = true;
+      return std::make_unique<Erosion>(model);
+    }
+
   private:
     void remove_faces(Model<dim> &model) const
     {

@@ -89,6 +89,14 @@ namespace tombolo
       return loads;
     }
 
+    /** See PlainKind. */
+    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    {
+      if (!model.has_mechanics || !model.conditions->has_loads())
+        return nullptr;
+      return std::make_unique<Loads>(model);
+    }
+
   private:
     /** A load among several. */
     struct SingleLoad
