@@ -64,8 +64,9 @@ class Study:
         return Probes(self.strips, directory, self.n_processes, validates)
 
     def refuse(self, group, number, error):
-        raise type(error)(f'{self.settings.file.path}: section "Group: {group.name}": case {number} of the group cannot be computed: '
-                          f"{error}") from error
+        where = f'{self.settings.file.path}: section "Group: {group.name}"'
+        raise type(error)(f"{where}: case {number} of the group cannot be computed: {error}"
+                          ) from error
 
     def refuse_failures(self, probes):
         """Throws for the first case whose strip could not be built."""
@@ -81,11 +82,13 @@ class Study:
 
     def run(self, log):
         """Computes all cases, and prints each group as soon as it is complete."""
-        with tempfile.TemporaryDirectory() as directory, multiprocessing.Pool(self.n_processes) as pool:
+        with tempfile.TemporaryDirectory() as directory, \
+                multiprocessing.Pool(self.n_processes) as pool:
             probes = self.probe(directory)
             self.refuse_failures(probes)
             cases = (row.case for group in self.settings.groups for row in group.rows)
-            results = pool.imap(compute, [(case, strip, probes.file(strip)) for case, strip in zip(cases, self.strips)])
+            results = pool.imap(compute, [(case, strip, probes.file(strip))
+                                          for case, strip in zip(cases, self.strips)])
             for group in self.settings.groups:
                 for number, row in enumerate(group.rows, 1):
                     row.result, row.seconds = next(results)
@@ -96,8 +99,9 @@ class Study:
     def write(self, directory, wall_seconds):
         groups = self.settings.groups
         (directory / "reflection.csv").write_text(tables.csv(groups), "utf-8")
-        summary = {"wall_seconds": wall_seconds, "results": {"cases": self.settings.n_cases(), **tables.calibration(groups)}}
-        (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", "utf-8")
+        results = {"cases": self.settings.n_cases(), **tables.calibration(groups)}
+        summary = json.dumps({"wall_seconds": wall_seconds, "results": results}, indent=2)
+        (directory / "summary.json").write_text(summary + "\n", "utf-8")
 
 
 def main():

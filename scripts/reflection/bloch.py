@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Operators on an endless chain of columns with two complex unknowns each: what Bloch's theorem makes of a plane lattice with an
-interface at column 0."""
+"""Operators on an endless chain of columns with two complex unknowns each: what Bloch's theorem
+makes of a plane lattice with an interface at column 0."""
 
 import numpy
 import scipy.sparse
 
 
 class BlochOperator:
-    """`blocks[source - first, target - source + reach]` is the 2 x 2 block by which a source column acts on a target. Columns
-    before the first source are as it is, shifted, and those after the last as that one."""
+    """`blocks[source - first, target - source + reach]` is the 2 x 2 block by which a source column
+    acts on a target. Columns before the first source are as it is, shifted, and those after the
+    last as that one."""
 
     def __init__(self, blocks, first):
         self.blocks, self.first = blocks, first
@@ -18,28 +19,26 @@ class BlochOperator:
         """Blocks by source and offset of the target."""
         return self.blocks[numpy.clip(sources, self.first, self.last) - self.first]
 
-    def block(self, target, source):
-        """Zero beyond the reach."""
-        offset = target - source
-        return self.at(source)[offset + self.reach] if abs(offset) <= self.reach else numpy.zeros((2, 2), complex)
-
     def largest_entry(self):
         return max(abs(self.blocks.real).max(), abs(self.blocks.imag).max())
 
     def without_round_off(self, tolerance):
-        """Without outer columns of the reach in which all entries are below the tolerance times the largest one, and with zeros
-        for real and imaginary parts below it."""
+        """Without outer columns of the reach in which all entries are below the tolerance times the
+        largest one, and with zeros for real and imaginary parts below it."""
         threshold = tolerance * self.largest_entry()
-        real, imaginary = (numpy.where(abs(part) > threshold, part, 0) for part in (self.blocks.real, self.blocks.imag))
+        real, imaginary = (numpy.where(abs(part) > threshold, part, 0)
+                           for part in (self.blocks.real, self.blocks.imag))
         blocks = real + 1j * imaginary
         offsets = numpy.flatnonzero(blocks.any(axis=(0, 2, 3))) - self.reach
         needed = abs(offsets).max(initial=0)
-        return BlochOperator(blocks[:, self.reach - needed:self.reach + needed + 1], self.first)
+        kept = slice(self.reach - needed, self.reach + needed + 1)
+        return BlochOperator(blocks[:, kept], self.first)
 
     def __matmul__(self, other):
         """This one after the other."""
         # A source is far to a side if all that it acts on is.
-        first, last = min(other.first, self.first - other.reach), max(other.last, self.last + other.reach)
+        first = min(other.first, self.first - other.reach)
+        last = max(other.last, self.last + other.reach)
         sources = numpy.arange(first, last + 1)
         before = other.at(sources)
         width = 2 * self.reach + 1
@@ -54,18 +53,20 @@ class BlochOperator:
         return BlochOperator(self.at(numpy.array([source])), 0)
 
     def symbol(self, phases):
-        """The matrices of its action on p exp(i phase j) (j: number of the column), by phase, of one that is everywhere alike."""
+        """The matrices of its action on p exp(i phase j) (j: number of the column), by phase, where
+        it is everywhere alike."""
         offsets = numpy.arange(-self.reach, self.reach + 1)
         factors = numpy.exp(-1j * numpy.multiply.outer(phases, offsets))
         return numpy.tensordot(factors, self.blocks[0], axes=1)
 
     def matrix(self, first, last):
-        """Sparse, of the unknowns of columns first ... last in their order, cut off at both ends."""
-        sources, offsets = numpy.arange(first, last + 1), numpy.arange(-self.reach, self.reach + 1)
-        blocks = self.at(sources)
+        """Sparse, of the unknowns of columns first ... last in their order, cut off at both
+        ends."""
+        n_columns = last - first + 1
+        blocks = self.at(numpy.arange(first, last + 1))
         source, offset, to, of = numpy.nonzero(blocks)
-        target = source + offsets[offset]
-        is_inside = (target >= 0) & (target < len(sources))
-        rows, columns = 2 * target + to, 2 * source + of
-        return scipy.sparse.csr_matrix((blocks[source, offset, to, of][is_inside], (rows[is_inside], columns[is_inside])),
-                                       shape=(2 * len(sources),) * 2)
+        target = source + offset - self.reach
+        is_inside = (target >= 0) & (target < n_columns)
+        places = (2 * target + to)[is_inside], (2 * source + of)[is_inside]
+        values = blocks[source, offset, to, of][is_inside]
+        return scipy.sparse.csr_matrix((values, places), shape=(2 * n_columns, 2 * n_columns))

@@ -4,8 +4,8 @@
 import math
 from dataclasses import dataclass
 
-# No operator couples nodes farther apart than this many reaches of the shape functions: the stiffness between the
-# interpolations of the trace bridge, S(I + γT) and its adjoint.
+# No operator couples nodes farther apart than this many reaches of the shape functions: the
+# stiffness between the interpolations of the trace bridge, S(I + γT) and its adjoint.
 REACHES_PER_OPERATOR = 4
 # Mass and shape functions of a node differ from those of the lattice this close to an edge.
 REACHES_OF_EDGES = 2
@@ -13,7 +13,8 @@ REACHES_OF_EDGES = 2
 
 @dataclass(frozen=True)
 class ReflectionCase:
-    """The coarser of the two spacings across the interface is 1; the density and the speed of P waves are 1."""
+    """The coarser of the two spacings across the interface is 1; the density and the speed of P
+    waves are 1."""
     left: str = "FE"  # where the wave comes from: FE or particles
     right: str = "FE"
     is_one_part: bool = False  # particles on both sides that see each other
@@ -27,7 +28,8 @@ class ReflectionCase:
     shape_functions: str = "moving least squares"
     poissons_ratio: float = 0
     step_factor: float = 0.9  # of the stable step of the strip, by its spectrum
-    # v̂ ← v̂ - δ (I - ΦS)^power v̂ every few steps with δ = strength c Δt interval / h (doc/method.md, section 9)
+    # v̂ ← v̂ - δ (I - ΦS)^power v̂ every few steps with δ = strength c Δt interval / h
+    # (doc/method.md, section 9)
     filter_power: int = 0  # 0: no filter
     filter_strength: float = 0
     filter_interval: int = 1
@@ -47,7 +49,8 @@ class ReflectionCase:
 
     def wave_speed(self):
         """In the continuum."""
-        return 1 if self.wave == "P" else math.sqrt((1 - 2 * self.poissons_ratio) / (2 - 2 * self.poissons_ratio))
+        nu = self.poissons_ratio
+        return 1 if self.wave == "P" else math.sqrt((1 - 2 * nu) / (2 - 2 * nu))
 
     def neighbour_reach(self):
         """How many columns the shape functions reach."""
@@ -59,17 +62,20 @@ class ReflectionCase:
 
 
 class Strip:
-    """A lattice of columns with the interface at x = 0, high enough that the row in the middle sees neither of the edges, and
-    wide enough that the outermost probed columns see neither the ends nor the interface. Both are checked on every probe.
-    Operators are probed in columns -n_probed ... n_probed of the middle row. Strips of equal scenes are equal."""
+    """A lattice of columns with the interface at x = 0, high enough that the row in the middle sees
+    neither of the edges, and wide enough that the outermost probed columns see neither the ends nor
+    the interface. Both are checked on every probe. Operators are probed in columns -n_probed ...
+    n_probed of the middle row. Strips of equal scenes are equal."""
 
     def __init__(self, case):
         self.case = case
         neighbours = case.neighbour_reach()
         margin = (REACHES_PER_OPERATOR + REACHES_OF_EDGES) * neighbours
         self.reach = REACHES_PER_OPERATOR * neighbours  # of one operator
-        self.n_probed = margin + 2  # the two outermost probed columns see no interface; they are compared with each other
-        self.n_columns, self.n_rows = 2 * margin + 4, 2 * margin + 2  # cells on each side, and in height
+        # The two outermost probed columns see no interface; they are compared with each other.
+        self.n_probed = margin + 2
+        self.n_columns = 2 * margin + 4  # cells on each side
+        self.n_rows = 2 * margin + 2  # cells
         self.middle = self.n_rows // 2  # row of nodes
         self.scene = self.scene_text()
 
@@ -81,45 +87,76 @@ class Strip:
 
     def scene_text(self):
         """The parameter file of the strip."""
-        case, nu = self.case, self.case.poissons_ratio
-        lines = ["set Dimension = 2", "set Materials = m", f"set Plugin libraries = {case.plugin_libraries}",
-                 "set Parts = " + ("both sides" if case.is_one_part else "left side, right side"),
-                 "subsection Mesh", "set Type = box", "subsection box",
-                 f"set Lower corner = {-self.n_columns * case.left_spacing:.17g}, 0",
-                 f"set Upper corner = {self.n_columns * case.right_spacing:.17g}, {self.n_rows * case.row_spacing:.17g}",
-                 f"set Cells = {self.n_columns} to 0 | {self.n_columns}; {self.n_rows}", "end", "end"]
+        case = self.case
+        left, right, height = case.left_spacing, case.right_spacing, case.row_spacing
+
+        def corner(side, column, row):
+            spacing = left if side < 0 else right
+            return f"{side * column * spacing:.17g}, {row * height:.17g}"
+
+        text = f"""set Dimension = 2
+set Materials = m
+set Plugin libraries = {case.plugin_libraries}
+set Parts = {"both sides" if case.is_one_part else "left side, right side"}
+subsection Mesh
+  set Type = box
+  subsection box
+    set Lower corner = {corner(-1, self.n_columns, 0)}
+    set Upper corner = {corner(1, self.n_columns, self.n_rows)}
+    set Cells = {self.n_columns} to 0 | {self.n_columns}; {self.n_rows}
+  end
+end
+subsection Material: m
+  set Model = elastic
+  subsection elastic
+    set Density = 1
+    set Young's modulus = {self.youngs_modulus():.17g}
+    set Poisson's ratio = {case.poissons_ratio:.17g}
+  end
+end
+subsection Coupling
+  set Bridge = {case.bridge}
+end
+subsection Probe
+  set Lower corner = {corner(-1, self.n_probed + 0.5, self.middle - 0.5)}
+  set Upper corner = {corner(1, self.n_probed + 0.5, self.middle + 0.5)}
+end
+"""
         if case.is_one_part:
-            lines += self.part("both sides", case.left, "all")
-        else:
-            lines += self.part("left side", case.left, "x < 0") + self.part("right side", case.right, "otherwise")
-        lines += ["subsection Material: m", "set Model = elastic", "subsection elastic", "set Density = 1",
-                  f"set Young's modulus = {(1 + nu) * (1 - 2 * nu) / (1 - nu):.17g}", f"set Poisson's ratio = {nu:.17g}", "end", "end",
-                  "subsection Coupling", f"set Bridge = {case.bridge}", "end",
-                  "subsection Probe",
-                  f"set Lower corner = {-(self.n_probed + 0.5) * case.left_spacing:.17g}, {(self.middle - 0.5) * case.row_spacing:.17g}",
-                  f"set Upper corner = {(self.n_probed + 0.5) * case.right_spacing:.17g}, {(self.middle + 0.5) * case.row_spacing:.17g}",
-                  "end"]
-        return "\n".join(lines) + "\n"
+            return text + self.part("both sides", case.left, "all")
+        return (text + self.part("left side", case.left, "x < 0")
+                + self.part("right side", case.right, "otherwise"))
+
+    def youngs_modulus(self):
+        """That with which density and speed of P waves are 1."""
+        nu = self.case.poissons_ratio
+        return (1 + nu) * (1 - 2 * nu) / (1 - nu)
 
     def part(self, name, kind, cells):
         case = self.case
-        lines = [f"subsection Part: {name}", f"set Cells = {cells}", "set Material = m"]
         if kind == "FE":
-            lines.append(f"set Formulation = {case.element}")
+            formulation, entries = case.element, []
             # A column has two unknowns.
             if case.element == "lagrange hexahedron":
-                lines += ["subsection lagrange hexahedron", "set Degree = 1", "end"]
+                entries = ["Degree = 1"]
         else:
-            lines += ["set Formulation = momentum consistent particle", "subsection momentum consistent particle",
-                      f"set Dilation = {case.dilation:.17g}", f"set Smoothing = {case.smoothing}",
-                      f"set Shape functions = {case.shape_functions}"]
-            lines += [f"set Kernel = {case.kernel}"] * bool(case.kernel) + ["end"]
-        return lines + ["end"]
+            formulation = "momentum consistent particle"
+            entries = [f"Dilation = {case.dilation:.17g}", f"Smoothing = {case.smoothing}",
+                       f"Shape functions = {case.shape_functions}"]
+            entries += [f"Kernel = {case.kernel}"] * bool(case.kernel)
+        lines = [f"subsection Part: {name}", f"  set Cells = {cells}", "  set Material = m",
+                 f"  set Formulation = {formulation}"]
+        if entries:
+            lines += [f"  subsection {formulation}", *(f"    set {one}" for one in entries),
+                      "  end"]
+        return "\n".join([*lines, "end\n"])
 
 
 def exact_reflection(frequency, time_step, wave_speed, left_spacing, right_spacing):
-    """|R| of elements with lumped mass under central differences at normal incidence, at a frequency: Ω = (2/Δt) sin(ωΔt/2),
-    Z = √(1 - (Ω h / 2c)²), R = (Z₁ - Z₂)/(Z₁ + Z₂) for equal material on both sides."""
+    """|R| of elements with lumped mass under central differences at normal incidence, at a
+    frequency: Ω = (2/Δt) sin(ωΔt/2), Z = √(1 - (Ω h / 2c)²), R = (Z₁ - Z₂)/(Z₁ + Z₂) for equal
+    material on both sides."""
     omega = 2 / time_step * math.sin(0.5 * frequency * time_step)
-    left, right = (math.sqrt(1 - (0.5 * omega * spacing / wave_speed)**2) for spacing in (left_spacing, right_spacing))
+    left, right = (math.sqrt(1 - (0.5 * omega * spacing / wave_speed)**2)
+                   for spacing in (left_spacing, right_spacing))
     return abs((left - right) / (left + right))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The linear update of small motion across a plane interface, from the operators of a strip that the program applies to unit
-vectors."""
+"""The linear update of small motion across a plane interface, from the operators of a strip that
+the program applies to unit vectors."""
 
 import subprocess
 from dataclasses import dataclass
@@ -26,26 +26,36 @@ def require(condition, message):
 
 
 class Probes:
-    """The program's operators of strips, in files of a directory, which several processes of the program write. `failures` has, by
-    strip, the error of those that the program refuses. Only reads the scenes where `validates` is true."""
+    """The program's operators of strips, in files of a directory, which several processes of the
+    program write. `failures` has, by strip, the error of those that the program refuses. Only reads
+    the scenes where `validates` is true."""
 
     def __init__(self, strips, directory, n_processes, validates=False):
         self.directory, self.failures = Path(directory), {}
-        self.names = {strip: f"strip_{number}" for number, strip in enumerate(dict.fromkeys(strips), 1)}
+        self.names = {strip: f"strip_{number}"
+                      for number, strip in enumerate(dict.fromkeys(strips), 1)}
         for strip, name in self.names.items():
             (self.directory / f"{name}.prm").write_text(strip.scene, "utf-8")
-        program, calls = find_program("strip_operators", "TOMBOLO_STRIP_OPERATORS"), []
+        program = find_program("strip_operators", "TOMBOLO_STRIP_OPERATORS")
+        calls = []
         for start in range(min(n_processes, len(self.names))):
             mine = list(self.names)[start::n_processes]
-            command = [program, *["--validate"] * validates, *(f"{self.names[strip]}.prm" for strip in mine)]
-            calls.append((mine, subprocess.Popen(command, cwd=directory, text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)))
+            scenes = [f"{self.names[strip]}.prm" for strip in mine]
+            calls.append((mine, subprocess.Popen(
+                [program, *["--validate"] * validates, *scenes], cwd=directory, text=True,
+                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)))
         for mine, process in calls:
             words = process.communicate()[1].strip()
             if process.returncode:
-                failed = next((strip for strip in mine if f"{self.names[strip]}.prm" in words),
-                              next((strip for strip in mine if not self.file(strip).exists()), mine[-1]))
-                kind = InputError if process.returncode == 1 else StudyError
-                self.failures[failed] = kind(words.removeprefix("Error: ").removeprefix("The probing stopped: "))
+                self.note_failure(mine, process.returncode, words)
+
+    def note_failure(self, strips, code, words):
+        """Of the strip that the program names, or else the first that it did not write."""
+        failed = next((strip for strip in strips if f"{self.names[strip]}.prm" in words), None)
+        failed = failed or next(strip for strip in strips if not self.file(strip).exists())
+        kind = InputError if code == 1 else StudyError
+        self.failures[failed] = kind(
+            words.removeprefix("Error: ").removeprefix("The probing stopped: "))
 
     def file(self, strip):
         return self.directory / f"{self.names[strip]}.operators"
@@ -53,8 +63,8 @@ class Probes:
 
 @dataclass
 class ReducedOperators:
-    """For fields that vary as exp(i k_y y) along the interface; the unknowns of a column are the components of displacement or
-    velocity of its nodes."""
+    """For fields that vary as exp(i k_y y) along the interface; the unknowns of a column are the
+    components of displacement or velocity of its nodes."""
     smoothing: BlochOperator  # S
     stiffness: BlochOperator  # M⁻¹ K, and the trace bridge's field on both sides of K [1/T^2]
     interpolation: BlochOperator  # the adjoint of S, as chosen
@@ -64,8 +74,8 @@ class ReducedOperators:
 
 
 class StripOperators:
-    """Of a strip: `stable_step`, `filter_rate` (c/h of the particles), `masses` (m̂, and m in x and y) by column, and the responses
-    to unit vectors."""
+    """Of a strip: `stable_step`, `filter_rate` (c/h of the particles), `masses` (m̂, and m in x and
+    y) by column, and the responses to unit vectors."""
 
     def __init__(self, strip, file):
         self.strip = strip
@@ -79,41 +89,50 @@ class StripOperators:
         nodes[place[:, 0], place[:, 1]] = numpy.arange(n_nodes)
         self.masses = parts[1].reshape(-1, 3)[nodes[:, strip.middle]]
         sources = numpy.argsort(place[parts[2].astype(int), 0])
-        require(len(sources) == 2 * strip.n_probed + 1, "The strip has not the nodes that were to be probed.")
+        require(len(sources) == 2 * strip.n_probed + 1,
+                "The strip has not the nodes that were to be probed.")
         responses = parts[3].reshape(5, n_probed, 2, n_nodes, 2)[:, sources][:, :, :, nodes]
-        self.smoothing, self.interpolation, self.short_wave_part, self.stiffness, damped = map(self.near, responses)
+        (self.smoothing, self.interpolation, self.short_wave_part, self.stiffness,
+         damped) = map(self.near, responses)
         self.viscosity = damped - self.stiffness
-        for responses in (self.smoothing, self.interpolation, self.short_wave_part, self.stiffness):
-            self.check_far_columns(responses)
+        for near in (self.smoothing, self.interpolation, self.short_wave_part, self.stiffness):
+            self.check_far_columns(near)
 
     def places(self, position):
         """Column (from 0) and row of each node."""
         case, strip = self.strip.case, self.strip
         x, y = position.T
-        place = numpy.stack([numpy.where(x < 0, x / case.left_spacing, x / case.right_spacing), y / case.row_spacing], axis=1)
+        column = numpy.where(x < 0, x / case.left_spacing, x / case.right_spacing)
+        place = numpy.stack([column, y / case.row_spacing], axis=1)
         whole = numpy.rint(place)
-        require(abs(place - whole).max() < 1e-6 and len(numpy.unique(whole, axis=0)) == len(place)
-                == (2 * strip.n_columns + 1) * (strip.n_rows + 1), "The nodes of the strip are no lattice.")
+        n_places = (2 * strip.n_columns + 1) * (strip.n_rows + 1)
+        require(abs(place - whole).max() < 1e-6
+                and len(numpy.unique(whole, axis=0)) == len(place) == n_places,
+                "The nodes of the strip are no lattice.")
         return whole.astype(int) + (strip.n_columns, 0)
 
     def near(self, responses):
-        """The responses [source, component, offset of column, offset of row, component] within the reach of an operator."""
+        """The responses [source, component, offset of column, offset of row, component] within the
+        reach of an operator."""
         strip, reach = self.strip, self.strip.reach
         magnitudes = abs(responses).max(axis=(1, 4))
         rows = slice(strip.middle - reach, strip.middle + reach + 1)
         near = []
-        for number, source in enumerate(range(-strip.n_probed, strip.n_probed + 1)):
-            columns = slice(source + strip.n_columns - reach, source + strip.n_columns + reach + 1)
+        for number in range(2 * strip.n_probed + 1):
+            source = strip.n_columns - strip.n_probed + number
+            columns = slice(source - reach, source + reach + 1)
             near.append(responses[number, :, columns, rows])
             largest = magnitudes[number].max()
             magnitudes[number, columns, rows] = 0
-            require(magnitudes[number].max() <= ROUND_OFF * largest, "An operator reaches farther than its strip was made for.")
+            require(magnitudes[number].max() <= ROUND_OFF * largest,
+                    "An operator reaches farther than its strip was made for.")
         return numpy.array(near)
 
     @staticmethod
     def check_far_columns(responses):
-        differences = max(abs(responses[0] - responses[1]).max(), abs(responses[-1] - responses[-2]).max())
-        require(differences <= ROUND_OFF * max(abs(responses[0]).max(), abs(responses[-1]).max()),
+        difference = max(abs(responses[0] - responses[1]).max(),
+                         abs(responses[-1] - responses[-2]).max())
+        require(difference <= ROUND_OFF * max(abs(responses[0]).max(), abs(responses[-1]).max()),
                 "The outer columns of the strip see its ends or the interface.")
 
     def reduce_one(self, responses, wave_number):
@@ -124,8 +143,10 @@ class StripOperators:
 
     def reduce(self, wave_number):
         """Bloch's reduction to a wave number along the interface [1/L]."""
-        smoothing, stiffness, viscosity, interpolation, short_wave_part = (self.reduce_one(responses, wave_number) for responses in (
-            self.smoothing, self.stiffness, self.viscosity, self.interpolation, self.short_wave_part))
+        smoothing, stiffness, viscosity, interpolation, short_wave_part = (
+            self.reduce_one(responses, wave_number) for responses in (
+                self.smoothing, self.stiffness, self.viscosity, self.interpolation,
+                self.short_wave_part))
         damping = interpolation @ (viscosity @ smoothing)
         # Without viscosity nothing but the round-off of a difference is left.
         has_viscosity = damping.largest_entry() > 1e-10 * stiffness.largest_entry()**0.5

@@ -11,18 +11,30 @@ from .case import ReflectionCase
 PAIRS = ("FE-FE", "FE-particles", "particles-FE", "particles-particles", "particles-same particles")
 ENTRIES = {
     "Title": ("", None, "A title for tables and pictures."),
-    "Output directory": ("output/reflection_study", None, "Where the study leaves its results; made if it does not exist."),
-    "Groups": (MANDATORY, None, "Names of the groups of cases, each with a section `Group: NAME`. The cases of a group are the "
-               "product of its lists."),
-    "Plugin libraries": ("", None, "Shared objects with further elements, loaded before all else is read."),
+    "Output directory": (
+        "output/reflection_study", None,
+        "Where the study leaves its results; made if it does not exist."),
+    "Groups": (
+        MANDATORY, None,
+        "Names of the groups of cases, each with a section `Group: NAME`. The cases of a group are "
+        "the product of its lists."),
+    "Plugin libraries": (
+        "", None, "Shared objects with further elements, loaded before all else is read."),
 }
 OF_A_GROUP = {
     "Title": ("", None, "What the group shows."),
-    "Pairs": (MANDATORY, ListOf(PAIRS), "What the wave comes from and what it meets. Particles and particles are two parts that "
-              "share nodes; `same particles` are of the same part, and all see each other."),
-    "Elements": ("fully integrated hexahedron", ListOf(), "Formulations of the sides called FE, of degree 1."),
-    "Spacing ratios": ("1", ListOf(), "Spacing of the right side over that of the left, numbers or fractions such as 1/3."),
-    "Spacing along the interface": ("1", (float, 0.1, 10), "Of both sides, over the coarser one across the interface."),
+    "Pairs": (
+        MANDATORY, ListOf(PAIRS),
+        "What the wave comes from and what it meets. Particles and particles are two parts that "
+        "share nodes; `same particles` are of the same part, and all see each other."),
+    "Elements": (
+        "fully integrated hexahedron", ListOf(),
+        "Formulations of the sides called FE, of degree 1."),
+    "Spacing ratios": (
+        "1", ListOf(),
+        "Spacing of the right side over that of the left, numbers or fractions such as 1/3."),
+    "Spacing along the interface": (
+        "1", (float, 0.1, 10), "Of both sides, over the coarser one across the interface."),
     "Dilations": ("1.8", ListOf(), "Support half width of the particles over their spacing."),
     "Kernel": ("", None, "The particles' kernel; empty is their default."),
     "Smoothings": ("paper", ListOf(), "The particles' smoothing, as in a part's section."),
@@ -32,12 +44,18 @@ OF_A_GROUP = {
     "Filter interval": ("3", (int, 1, 1000), "The filter is applied every so many steps."),
     "Poisson's ratios": ("0", ListOf(), "Of the material on both sides."),
     "Waves": ("P", ListOf(("P", "S")), "Types of the incident wave."),
-    "Angles": ("0", ListOf(), "Between the direction of the wave and the normal. Units: degrees."),
+    "Angles": (
+        "0", ListOf(), "Between the direction of the wave and the normal. Units: degrees."),
     "Wavelengths": ("20", ListOf(), "Of the incident wave, over the coarser spacing."),
-    "Cycles": ("8", (float, 8, 100), "Wavelengths in the Hann burst, counted along the normal."),
-    "Step factor": ("0.9", (float, 0.01, 1), "The time step is this fraction of the stable one."),
-    "Reference": ("", None, "Reflections to print beside those computed, in the order of the cases: the lists from the first in this "
-                  "section, Pairs, to the last, Wavelengths, which changes fastest; `-` where there is none. Units: %."),
+    "Cycles": (
+        "8", (float, 8, 100), "Wavelengths in the Hann burst, counted along the normal."),
+    "Step factor": (
+        "0.9", (float, 0.01, 1), "The time step is this fraction of the stable one."),
+    "Reference": (
+        "", None,
+        "Reflections to print beside those computed, in the order of the cases: the lists from the "
+        "first in this section, Pairs, to the last, Wavelengths, which changes fastest; `-` where "
+        "there is none. Units: %."),
 }
 
 
@@ -80,49 +98,59 @@ class ReflectionSettings(DescribedFile):
                 self.fail(entry, f"{text} is outside of what is allowed, {low:g} to {high:g}")
         return values
 
-    def ratio(self, entry, text):
-        """Of "1/3" or "0.5"."""
-        numerator, slash, denominator = text.partition("/")
-        value = self.number(entry, numerator)
-        if slash:
-            divisor = self.number(entry, denominator)
-            value = value / divisor if divisor else math.inf
-        if not 0.1 <= value <= 10:
-            self.fail(entry, f"{text} is outside of what is allowed, 1/10 to 10")
-        return value
+    def ratios(self, entry):
+        """As they were given, "1/3" or "0.5", each with its value."""
+        ratios = []
+        for text in self.list_of(entry):
+            numerator, slash, denominator = text.partition("/")
+            divisor = self.number(entry, denominator) if slash else 1
+            value = self.number(entry, numerator) / divisor if divisor else math.inf
+            if not 0.1 <= value <= 10:
+                self.fail(entry, f"{text} is outside of what is allowed, 1/10 to 10")
+            ratios.append((text, value))
+        return ratios
 
     def read_group(self, name):
         within = f"Group: {name}/"
+
+        def get(entry):
+            return self.get(within + entry)
+
+        def names(entry):
+            return self.list_of(within + entry)
+
+        def numbers(entry, low, high):
+            return self.numbers_within(within + entry, low, high)
+
         common = ReflectionCase(
-            kernel=self.get(within + "Kernel"), row_spacing=float(self.get(within + "Spacing along the interface")),
-            cycles=float(self.get(within + "Cycles")), step_factor=float(self.get(within + "Step factor")),
-            filter_interval=int(self.get(within + "Filter interval")), plugin_libraries=self.get("Plugin libraries"))
-        wavelengths = self.numbers_within(within + "Wavelengths", 4, 1000)
-        angles = self.numbers_within(within + "Angles", 0, 80)
-        poissons_ratios = self.numbers_within(within + "Poisson's ratios", -0.9, 0.499)
-        strengths = self.numbers_within(within + "Filter strengths", 0, 10)
-        powers = self.numbers_within(within + "Filter powers", 0, 16)
+            kernel=get("Kernel"), row_spacing=float(get("Spacing along the interface")),
+            cycles=float(get("Cycles")), step_factor=float(get("Step factor")),
+            filter_interval=int(get("Filter interval")),
+            plugin_libraries=self.get("Plugin libraries"))
+        powers = numbers("Filter powers", 0, 16)
         if any(power != math.floor(power) for power in powers):
             self.fail(within + "Filter powers", "a power is a whole number")
-        dilations = self.numbers_within(within + "Dilations", 1, 4)
-        ratios = [(text, self.ratio(within + "Spacing ratios", text)) for text in self.list_of(within + "Spacing ratios")]
-        pairs, elements, smoothings, bridges, waves = (
-            self.list_of(within + entry) for entry in ("Pairs", "Elements", "Smoothings", "Bridges", "Waves"))
 
-        group = Group(name, self.get(within + "Title"))
-        for pair, element, (ratio_text, ratio), dilation, smoothing, bridge, power, strength, poissons_ratio, wave, angle, wavelength \
-                in itertools.product(pairs, elements, ratios, dilations, smoothings, bridges, powers, strengths, poissons_ratios, waves,
-                                     angles, wavelengths):
+        group = Group(name, get("Title"))
+        for (pair, element, (ratio, spacing_ratio), dilation, smoothing, bridge, power, strength,
+             poissons_ratio, wave, angle, wavelength) in itertools.product(
+                 names("Pairs"), names("Elements"), self.ratios(within + "Spacing ratios"),
+                 numbers("Dilations", 1, 4), names("Smoothings"), names("Bridges"), powers,
+                 numbers("Filter strengths", 0, 10), numbers("Poisson's ratios", -0.9, 0.499),
+                 names("Waves"), numbers("Angles", 0, 80), numbers("Wavelengths", 4, 1000)):
             left, _, right = pair.partition("-")
-            case = replace(common, left=left, right=right.removeprefix("same "), is_one_part=right.startswith("same "),
-                           element=element, spacing_ratio=ratio, dilation=dilation, smoothing=smoothing, bridge=bridge,
-                           filter_power=int(power), filter_strength=strength, poissons_ratio=poissons_ratio, wave=wave,
-                           angle=math.radians(angle), wavelength=wavelength)
-            group.rows.append(Row(case, ratio_text, angle))
+            group.rows.append(Row(replace(
+                common, left=left, right=right.removeprefix("same "),
+                is_one_part=right.startswith("same "), element=element,
+                spacing_ratio=spacing_ratio, dilation=dilation, smoothing=smoothing,
+                bridge=bridge, filter_power=int(power), filter_strength=strength,
+                poissons_ratio=poissons_ratio, wave=wave, angle=math.radians(angle),
+                wavelength=wavelength), ratio, angle))
 
-        references = self.list_of(within + "Reference")
+        references = names("Reference")
         if references and len(references) != len(group.rows):
-            self.fail(within + "Reference", f"there are {len(references)} values for the {len(group.rows)} cases of the group")
+            self.fail(within + "Reference", f"there are {len(references)} values for the "
+                      f"{len(group.rows)} cases of the group")
         for row, text in zip(group.rows, references):
             if text != "-":
                 row.reference = self.number(within + "Reference", text)

@@ -29,9 +29,10 @@ def parts_of(text, separator):
 
 
 class DescribedFile:
-    """The entries of a ParameterFile. `entries` of a subclass is {path: (default, check, documentation)}; the entry `names`
-    lists the sections "`kind`: NAME", whose entries are those of `entries_of_each`. A check is the texts that are allowed, a
-    range of numbers (type, low, high), a ListOf or None."""
+    """The entries of a ParameterFile. `entries` of a subclass is {path: (default, check,
+    documentation)}; the entry `names` lists the sections "`kind`: NAME", whose entries are those of
+    `entries_of_each`. A check is the texts that are allowed, a range of numbers (type, low, high),
+    a ListOf or None. Throws InputError, with all that is wrong."""
     entries, kind, names, entries_of_each = {}, "", "", {}
 
     def __init__(self, file):
@@ -41,8 +42,8 @@ class DescribedFile:
     def fail(self, entry, message):
         value, where = self.file.entries.get(entry, (None, str(self.file.path)))
         is_set = f' = "{value}"' if value is not None else ""
-        raise InputError(f'{where}: entry "{entry}"{is_set}: {message}.' if not message.endswith((".", "?"))
-                         else f'{where}: entry "{entry}"{is_set}: {message}')
+        end = "" if message.endswith((".", "?")) else "."
+        raise InputError(f'{where}: entry "{entry}"{is_set}: {message}{end}')
 
     def description(self, entry):
         if entry.startswith(f"{self.kind}: "):
@@ -51,7 +52,8 @@ class DescribedFile:
         return self.entries.get(entry)
 
     def known(self):
-        return list(self.entries) + [f"{self.kind}: {name}/{entry}" for name in self.list_of(self.names)
+        return list(self.entries) + [f"{self.kind}: {name}/{entry}"
+                                     for name in self.list_of(self.names)
                                      for entry in self.entries_of_each]
 
     def refuse_unknown(self):
@@ -59,7 +61,8 @@ class DescribedFile:
         for entry, (value, where) in self.file.entries.items():
             described = self.description(entry)
             if described is None:
-                mistakes.append(f'{where}: there is no entry "{entry}".' + nearest(entry, self.known()))
+                mistakes.append(f'{where}: there is no entry "{entry}".'
+                                + nearest(entry, self.known()))
                 continue
             check, listed = described[1], ""
             values = [value]
@@ -71,8 +74,9 @@ class DescribedFile:
                 reason = self.refusal(check, one, listed)
                 if reason:
                     mistakes.append(f'{where}: entry "{entry}" = "{value}": {reason}')
-        mistakes += [f'{self.file.path}: the entry "{entry}" is missing.' for entry in self.known()
-                     if self.description(entry)[0] is MANDATORY and entry not in self.file.entries]
+        mistakes += [
+            f'{self.file.path}: the entry "{entry}" is missing.' for entry in self.known()
+            if self.description(entry)[0] is MANDATORY and entry not in self.file.entries]
         if mistakes:
             raise InputError("\n".join(mistakes))
 
@@ -80,12 +84,14 @@ class DescribedFile:
     def refusal(check, value, listed):
         """What is allowed where a value is not."""
         if check and isinstance(check[0], str):
-            return "" if value in check else f'allowed is {listed}{", ".join(check)}.' + nearest(value, check)
+            allowed = f'allowed is {listed}{", ".join(check)}.'
+            return "" if value in check else allowed + nearest(value, check)
         if check:
             kind, low, high = check
             is_right = re.fullmatch(r"[+-]?\d+", value) if kind is int else is_number(value)
             if not is_right or not low <= float(value) <= high:
-                return f'allowed is a {"whole " if kind is int else ""}number from {low:g} to {high:g}.'
+                whole = "whole " if kind is int else ""
+                return f"allowed is a {whole}number from {low:g} to {high:g}."
         return ""
 
     def get(self, entry):
@@ -105,7 +111,8 @@ class DescribedFile:
     def listing(self, documents):
         """The entries as a parameter file, with documentation or without."""
         lines, inside = [], ""
-        for entry in sorted(self.known(), key=lambda entry: ("/" in entry, entry.rpartition("/")[0])):
+        known = sorted(self.known(), key=lambda entry: ("/" in entry, entry.rpartition("/")[0]))
+        for entry in known:
             section, _, name = entry.rpartition("/")
             if section != inside:
                 lines += ["end", ""] * bool(inside) + [f"subsection {section}"]

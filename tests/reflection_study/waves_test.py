@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What returns from an interface agrees with closed forms and keeps energy; the operators are adjoint in the masses.
+"""What returns from an interface agrees with closed forms and keeps energy; the operators are
+adjoint in the masses.
 
 usage: waves_test.py STRIP_OPERATORS TOMBOLO
 """
@@ -11,11 +12,12 @@ from dataclasses import replace
 from itertools import product
 
 import numpy
-from cases import ReflectionCase, into_particles, operators_of, out_of_particles, results_of, take_programs
+from cases import (ReflectionCase, into_particles, operators_of, out_of_particles, results_of,
+                   take_programs)
 from reflection.waves import LatticeWaves
 
-DISCRETIZATIONS = (("paper", "paper"), ("fe matched", "paper"), ("affine", "paper"), ("none", "paper"), ("fe matched", "trace"),
-                   ("affine", "trace"))
+DISCRETIZATIONS = (("paper", "paper"), ("fe matched", "paper"), ("affine", "paper"),
+                   ("none", "paper"), ("fe matched", "trace"), ("affine", "trace"))
 FILTER = {"filter_power": 4, "filter_strength": 0.5}
 
 
@@ -24,9 +26,11 @@ class Reflection(unittest.TestCase):
         self.assertLess(abs(value - expected), tolerance, f"{value} is not {expected}")
 
     def test_of_elements_of_unequal_size_is_within_two_percent_of_the_exact_value(self):
-        cases = [ReflectionCase(element=element, spacing_ratio=ratio, poissons_ratio=0.3, wave=wave, wavelength=wavelength)
+        elements = "fully integrated hexahedron", "hexahedron", "lagrange hexahedron"
+        cases = [ReflectionCase(element=element, spacing_ratio=ratio, poissons_ratio=0.3, wave=wave,
+                                wavelength=wavelength)
                  for element, ratio, wave, wavelength in product(
-                     ("fully integrated hexahedron", "hexahedron", "lagrange hexahedron"), (2, 3, 1 / 2, 1 / 3), "PS", (10, 20))]
+                     elements, (2, 3, 1 / 2, 1 / 3), "PS", (10, 20))]
         for case, result in zip(cases, results_of(*cases)):
             with self.subTest(case=case):
                 self.assertGreater(result.exact, 1e-3)
@@ -42,8 +46,10 @@ class Reflection(unittest.TestCase):
         self.near(coarse.reflection, fine.reflection, 1e-3 * coarse.reflection)
 
     def test_is_zero_without_an_interface(self):
-        for result in results_of(ReflectionCase(wavelength=10, poissons_ratio=0.3, angle=math.pi / 6),
-                                 out_of_particles("affine", right="particles", is_one_part=True, angle=math.pi / 4, **FILTER)):
+        elements = ReflectionCase(wavelength=10, poissons_ratio=0.3, angle=math.pi / 6)
+        particles = out_of_particles("affine", right="particles", is_one_part=True,
+                                     angle=math.pi / 4, **FILTER)
+        for result in results_of(elements, particles):
             self.assertLess(result.unsmoothed, 1e-10)
 
     def test_and_transmission_share_the_energy_of_the_incident_wave(self):
@@ -54,13 +60,16 @@ class Reflection(unittest.TestCase):
             self.assertLess(result.fit_error, 1e-3)
 
     def test_from_particles_is_mostly_of_short_waves_that_the_filter_removes(self):
-        without_filter, filtered = results_of(out_of_particles("affine"), out_of_particles("affine", **FILTER))
+        without_filter, filtered = results_of(out_of_particles("affine"),
+                                              out_of_particles("affine", **FILTER))
         self.assertGreater(without_filter.unsmoothed, 5 * without_filter.reflection)
         self.assertGreater(without_filter.unsmoothed, 0.01)
         self.assertLess(filtered.unsmoothed, 0.002)
 
     def test_of_cell_averages_is_as_small_as_of_moving_least_squares(self):
-        of_least_squares, of_averages = results_of(into_particles("affine"), into_particles("affine", shape_functions="cell averages"))
+        of_least_squares, of_averages = results_of(
+            into_particles("affine"), into_particles("affine", shape_functions="cell averages"))
+        print("reflected:", of_least_squares.reflection, "and", of_averages.reflection)
         self.assertLess(of_averages.reflection, 1.5 * of_least_squares.reflection)
 
     def test_of_a_wave_that_the_lattice_does_not_carry_is_not_a_number(self):
@@ -72,10 +81,12 @@ class Reflection(unittest.TestCase):
 class ReducedOperators(unittest.TestCase):
     def test_are_adjoint_in_the_masses(self):
         columns = numpy.arange(-30, 31)
-        cases = [into_particles(*names, poissons_ratio=0.3, spacing_ratio=0.5) for names in DISCRETIZATIONS]
+        cases = [into_particles(*names, poissons_ratio=0.3, spacing_ratio=0.5)
+                 for names in DISCRETIZATIONS]
         for case, operators in zip(cases, operators_of(cases)):
             strip, reduced = operators.strip, operators.reduce(0.7)
-            masses = operators.masses[numpy.clip(columns, -strip.n_probed, strip.n_probed) + strip.n_columns]
+            alike = numpy.clip(columns, -strip.n_probed, strip.n_probed)
+            masses = operators.masses[alike + strip.n_columns]
             mass, nodal_mass = numpy.repeat(masses[:, 0], 2)[:, None], masses[:, 1:].reshape(-1, 1)
 
             def difference(a, mass_of_a, b, mass_of_b):
@@ -83,26 +94,30 @@ class ReducedOperators(unittest.TestCase):
                 return abs(mass_of_a * a - (mass_of_b * b).conj().T).max()
 
             with self.subTest(case=case):
-                self.assertLess(difference(reduced.update, mass, reduced.update, mass), 1e-12)
-                self.assertLess(difference(reduced.short_wave_part, mass, reduced.short_wave_part, mass), 1e-13)
-                self.assertLess(difference(reduced.smoothing, nodal_mass, reduced.interpolation, mass), 1e-13)
-                self.assertLess(difference(reduced.stiffness, nodal_mass, reduced.stiffness, nodal_mass), 1e-12)
+                for a, mass_of_a, b, mass_of_b, tolerance in (
+                        (reduced.update, mass, reduced.update, mass, 1e-12),
+                        (reduced.short_wave_part, mass, reduced.short_wave_part, mass, 1e-13),
+                        (reduced.smoothing, nodal_mass, reduced.interpolation, mass, 1e-13),
+                        (reduced.stiffness, nodal_mass, reduced.stiffness, nodal_mass, 1e-12)):
+                    self.assertLess(difference(a, mass_of_a, b, mass_of_b), tolerance)
                 self.assertGreater(reduced.update.largest_entry(), 0.1)
 
     def test_leave_translations_alone(self):
         cases = [into_particles(*names) for names in DISCRETIZATIONS]
-        translations = numpy.tile(numpy.eye(2), (81, 1))
+        translations, inside = numpy.tile(numpy.eye(2), (81, 1)), slice(2 * 20, -2 * 20)
         for case, operators in zip(cases, operators_of(cases)):
             reduced = operators.reduce(0)
             with self.subTest(case=case):
-                for operator, expected in ((reduced.smoothing, 1), (reduced.update, 0), (reduced.short_wave_part, 0)):
-                    moved = (operator.matrix(-40, 40) @ translations)[2 * 20:-2 * 20]
-                    self.assertLess(abs(moved - expected * translations[2 * 20:-2 * 20]).max(), 1e-12)
+                for operator, factor in ((reduced.smoothing, 1), (reduced.update, 0),
+                                         (reduced.short_wave_part, 0)):
+                    error = operator.matrix(-40, 40) @ translations - factor * translations
+                    self.assertLess(abs(error[inside]).max(), 1e-12)
 
     def test_of_a_strip_too_small_for_them_are_refused(self):
         operators, = operators_of([into_particles("affine")])
         strip = operators.strip
-        responses = numpy.zeros((2 * strip.n_probed + 1, 2, 2 * strip.n_columns + 1, strip.n_rows + 1, 2))
+        responses = numpy.zeros(
+            (2 * strip.n_probed + 1, 2, 2 * strip.n_columns + 1, strip.n_rows + 1, 2))
         first = strip.n_columns - strip.n_probed
         responses[0, 0, first, strip.middle] = 1
         operators.near(responses)
@@ -118,18 +133,22 @@ class Waves(unittest.TestCase):
     def test_have_the_dispersion_of_the_lattice(self):
         operators, = operators_of([into_particles("paper")])
         reduced = operators.reduce(0)
-        of_elements, of_particles = (LatticeWaves(reduced.update, side, 1, 0, 0.1) for side in (-1, 1))
+        of_elements, of_particles = (LatticeWaves(reduced.update, side, 1, 0, 0.1)
+                                     for side in (-1, 1))
         phi = abs(reduced.smoothing.homogeneous(1).symbol(math.pi)[0, 0] - 1) / 4
         for k in (0.2, 0.5, 1):
-            self.assertAlmostEqual(math.sqrt(of_elements.mode(k, "P").eigenvalue), 2 * math.sin(k / 2), delta=1e-12)
             symbol = 1 - 2 * phi * (1 - math.cos(k))
-            self.assertAlmostEqual(math.sqrt(of_particles.mode(k, "P").eigenvalue), symbol * math.sin(k), delta=1e-12)
+            for waves, expected in ((of_elements, 2 * math.sin(k / 2)),
+                                    (of_particles, symbol * math.sin(k))):
+                found = math.sqrt(waves.mode(k, "P").eigenvalue)
+                self.assertAlmostEqual(found, expected, delta=1e-12)
         # Under central differences the group velocity is cos(k/2)/cos(ωΔt/2).
         mode = of_elements.mode(1, "P")
-        self.assertAlmostEqual(mode.group_velocity, math.cos(0.5) / math.cos(0.05 * mode.frequency), delta=1e-8)
+        expected = math.cos(0.5) / math.cos(0.05 * mode.frequency)
+        self.assertAlmostEqual(mode.group_velocity, expected, delta=1e-8)
         # Every frequency has a physical and a short wave of P and of S type among particles.
-        self.assertEqual(len(of_particles.outgoing(0.3, -1)), 4)
-        self.assertEqual(len(of_elements.outgoing(0.3, -1)), 2)
+        self.assertEqual(len(of_particles.by_side(0.3)[1]), 4)
+        self.assertEqual(len(of_elements.by_side(0.3)[1]), 2)
 
 
 if __name__ == "__main__":
