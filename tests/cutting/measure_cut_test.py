@@ -4,16 +4,13 @@
 
 import json
 import math
-import os
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 
+from script_testing import DirectoryTest, run_module, write_table  # noqa: E402
 from cutting import measure, titanium  # noqa: E402
 
 TRAVEL, TIME = 2e-3, 1e-4
@@ -46,24 +43,8 @@ def write_run(directory, force, feed, n_rows=50, with_heat=True):
     (directory / "summary.json").write_text(json.dumps({"steps": 7, "wall_seconds": 1.5}), "utf-8")
 
 
-def write_table(path, headings, rows):
-    lines = [",".join(headings)] + [",".join(str(value) for value in row) for row in rows]
-    path.write_text("\n".join(lines) + "\n", "utf-8")
-
-
-def run(*arguments):
-    return subprocess.run([sys.executable, "-B", "-m", "cutting", *map(str, arguments)],
-                          env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
-                          capture_output=True, text=True, check=False)
-
-
-class Titanium(unittest.TestCase):
+class Titanium(DirectoryTest):
     """scripts/cut_titanium on tables of other tests."""
-
-    def setUp(self):
-        place = tempfile.TemporaryDirectory()
-        self.addCleanup(place.cleanup)
-        self.directory = Path(place.name)
 
     def table(self, speed, thickness):
         path = self.directory / "tests.csv"
@@ -89,14 +70,7 @@ class Titanium(unittest.TestCase):
             self.assertEqual(titanium.has_finished(self.directory), ended == "finished")
 
 
-class MeasureCut(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.directory = Path(self.temporary.name)
-
-    def tearDown(self):
-        self.temporary.cleanup()
-
+class MeasureCut(DirectoryTest):
     def test_forces_over_the_window_and_the_travel(self):
         write_run(self.directory / "run", lambda t: 600.0 * t / TIME, lambda t: 60.0)
         result = measure.measure(self.directory / "run", window=(0.4, 1.0), width=2.0)
@@ -131,7 +105,7 @@ class MeasureCut(unittest.TestCase):
     def test_the_ratio_of_two_runs(self):
         write_run(self.directory / "hot", lambda t: 600.0, lambda t: 55.0)
         write_run(self.directory / "cold", lambda t: 800.0, lambda t: 60.0, with_heat=False)
-        finished = run(self.directory / "hot", "--without-heat", self.directory / "cold", "--json",
+        finished = run_module("cutting", self.directory / "hot", "--without-heat", self.directory / "cold", "--json",
                        self.directory / "out.json")
         self.assertEqual(finished.returncode, 0, finished.stderr)
         self.assertIn("cutting force over the travel, with heat over without", finished.stdout)
@@ -154,18 +128,18 @@ class MeasureCut(unittest.TestCase):
 
     def test_what_cannot_be_measured_is_said_in_a_sentence(self):
         write_run(self.directory / "run", lambda t: 1.0, lambda t: 0.0)
-        finished = run(self.directory / "nowhere")
+        finished = run_module("cutting", self.directory / "nowhere")
         self.assertEqual(finished.returncode, 1)
         self.assertIn("error: there is no", finished.stderr)
-        finished = run(self.directory / "run", "--contact", "drill")
+        finished = run_module("cutting", self.directory / "run", "--contact", "drill")
         self.assertEqual(finished.returncode, 1)
         self.assertIn("has no column \"drill impulse x\"", finished.stderr)
         for option, value in (("--window", "1,0.4"), ("--window", "a"), ("--width", "0")):
-            finished = run(self.directory / "run", option, value)
+            finished = run_module("cutting", self.directory / "run", option, value)
             self.assertEqual(finished.returncode, 2, (option, value))
             self.assertIn("allowed", finished.stderr)
         (self.directory / "run" / "contact.csv").write_text("time [s]\n0\nx\n", "utf-8")
-        finished = run(self.directory / "run")
+        finished = run_module("cutting", self.directory / "run")
         self.assertEqual(finished.returncode, 1)
         self.assertIn("is damaged", finished.stderr)
         self.assertNotIn("Traceback", finished.stderr)

@@ -9,13 +9,9 @@ The program is a stand-in that moves a body as a whole, with the fault that its 
 import itertools
 import math
 import os
-import sys
-import tempfile
 import unittest
 
-PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path[:0] = [os.path.join(PROJECT, *names) for names in (
-    ["scripts"], ["tests", "loaded"], ["tests", "regression"], ["tests", "program"])]
+from stand_ins import judge_of
 from fuzzing import frames, meshes, related_scenes, relations, scene_runs
 
 STAND_IN = r'''#!/usr/bin/python3
@@ -76,12 +72,6 @@ row.update({"angular momentum %s [M L^2/T]" % "xyz"[i]: turn[i] for i in range(3
 with open("output/statistics.csv", "w") as file:
     file.write(",".join(row) + "\n")
     file.write(",".join(map(repr, row.values())) + "\n")
-'''
-
-LAUNCHER = r'''#!/usr/bin/python3
-import os, sys
-os.environ["STAND_IN_RANKS"] = sys.argv[2]
-os.execv(sys.argv[3], sys.argv[3:])
 '''
 
 SIDES = {2: ["x min", "x max", "y min", "y max"],
@@ -188,15 +178,7 @@ class FrameTest(unittest.TestCase):
 
 class RelationsTest(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory(prefix="tombolo_relations_test_")
-        self.addCleanup(holder.cleanup)
-        names = {}
-        for name, text in (("program", STAND_IN), ("launcher", LAUNCHER)):
-            names[name] = os.path.join(holder.name, name)
-            with open(names[name], "w") as file:
-                file.write(text)
-            os.chmod(names[name], 0o755)
-        self.judge = relations.Judge(names["program"], os.path.join(holder.name, "runs"), names["launcher"], 10.)
+        self.judge = judge_of(self, relations.Judge, STAND_IN, 10.)
 
     def scene(self, symmetric):
         """A block in flight along its last axis."""

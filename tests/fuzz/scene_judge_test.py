@@ -9,12 +9,9 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
 
-PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path[:0] = [os.path.join(PROJECT, *names) for names in (
-    ["scripts"], ["tests", "loaded"], ["tests", "regression"], ["tests", "program"])]
+from stand_ins import PROJECT, judge_of
 from fuzzing import scene_files, scene_runs, scenes
 
 STAND_IN = r'''#!/usr/bin/python3
@@ -74,24 +71,10 @@ if fault == "cut":
 sys.exit(code)
 '''
 
-LAUNCHER = r'''#!/usr/bin/python3
-import os, sys
-os.environ["STAND_IN_RANKS"] = sys.argv[2]
-os.execv(sys.argv[3], sys.argv[3:])
-'''
-
 
 class JudgeTest(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory(prefix="tombolo_scene_judge_")
-        self.addCleanup(holder.cleanup)
-        names = {}
-        for name, text in (("program", STAND_IN), ("launcher", LAUNCHER)):
-            names[name] = os.path.join(holder.name, name)
-            with open(names[name], "w") as file:
-                file.write(text)
-            os.chmod(names[name], 0o755)
-        self.judge = scene_runs.Judge(names["program"], os.path.join(holder.name, "runs"), names["launcher"], 3.)
+        self.judge = judge_of(self, scene_runs.Judge, STAND_IN, 3.)
         scene = next(scene for scene in map(scenes.drawn, range(1000)) if scene["ranks"] == 2 and scene["motion"]
                      and scene["units"] == [0, 0, 0] and scene["disorder"] and scene["contacts"])
         self.scene = dict(scene, **{"resumed on": "one"})

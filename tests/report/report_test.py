@@ -11,16 +11,15 @@ import math
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(PROJECT / "scripts"), str(Path(__file__).parent)]
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "python"), str(Path(__file__).parent)]
 
+from script_testing import run_module  # noqa: E402
 import make_run  # noqa: E402
 import numpy  # noqa: E402
 from plotting.results import PlotError, Table  # noqa: E402
@@ -39,12 +38,6 @@ def main(*arguments):
             return 0, said.getvalue()
         except SystemExit as ending:
             return 1, str(ending.code)
-
-
-def run_report(*arguments):
-    return subprocess.run([sys.executable, "-B", "-m", "reporting", *map(str, arguments)],
-                          env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
-                          capture_output=True, text=True, check=False)
 
 
 class Reader(html.parser.HTMLParser):
@@ -86,7 +79,7 @@ class WholeRun(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory()
         cls.rod = Path(cls.temporary.name) / "rod"
         make_run.make_run(cls.rod)
-        cls.finished = run_report(cls.rod)
+        cls.finished = run_module("reporting", cls.rod)
         assert cls.finished.returncode == 0, cls.finished.stderr
         cls.page = (cls.rod / "report.html").read_text("utf-8")
         cls.reader = Reader(cls.page)
@@ -136,7 +129,7 @@ class WholeRun(unittest.TestCase):
                 make_run.make_run(scene / name)
                 parameters = json.loads((scene / name / "parameters.json").read_text("utf-8"))
                 (scene / name / "parameters.json").write_text(json.dumps({**parameters, "Stages": "bend, release, cool"}), "utf-8")
-            finished = run_report(scene)
+            finished = run_module("reporting", scene)
             self.assertEqual(finished.returncode, 0, finished.stderr)
             front = Reader((scene / "report.html").read_text("utf-8"))
             self.assertEqual([address for address in front.addresses if "#" not in address],
@@ -145,10 +138,10 @@ class WholeRun(unittest.TestCase):
             self.assertIn("3 cells of <the mesh> are turned.", bend.text)
             self.assertIn("Stage 1 of 2: bend", bend.text)
             self.assertIn("../report.html", bend.addresses)
-            self.assertEqual(run_report(scene, "--output", scene / "all stages.html").returncode, 0)
+            self.assertEqual(run_module("reporting", scene, "--output", scene / "all stages.html").returncode, 0)
             self.assertIn("../all%20stages.html", Reader((scene / "bend/report.html").read_text("utf-8")).addresses)
             (scene / "bend/report.html").write_text("mine", "utf-8")
-            self.assertIn("exists and is no report", run_report(scene).stderr)
+            self.assertIn("exists and is no report", run_module("reporting", scene).stderr)
 
     def test_a_title_cannot_leave_its_place(self):
         self.assertNotIn("<script>document.title", self.page)

@@ -1,31 +1,28 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Distances of curves of runs from measured ones.
-
-usage: curves_test.py PROJECT
-"""
+"""Distances of curves of runs from measured ones."""
 
 import math
-import pathlib
 import sys
-import tempfile
 import unittest
+from pathlib import Path
 
-sys.path.insert(0, str(pathlib.Path(sys.argv.pop(1)) / "scripts"))
-from studying.curves import Distance
-from studying.quantities import NoValue
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+
+from script_testing import DirectoryTest  # noqa: E402
+from studying.curves import Distance  # noqa: E402
+from studying.quantities import NoValue  # noqa: E402
 
 MEASURED = "depth [mm],force [kN]\n0,0\n1,2\n3,6\n4,8"
 TEXT = "distance of press.csv/pull force from ../test.csv/force"
 
 
-class Curves(unittest.TestCase):
+class Curves(DirectoryTest):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.directory = pathlib.Path(holder.name) / "studies"
+        super().setUp()
+        self.measured = self.directory / "test.csv"
+        self.directory /= "studies"
         self.directory.mkdir()
-        self.measured = self.directory.parent / "test.csv"
         self.measured.write_text(MEASURED, "utf-8")
 
     def distance(self, table, text=TEXT):

@@ -1,18 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""scripts/study --table and scripts/measure_run on files of a few rows.
-
-usage: tables_test.py PROJECT
-"""
+"""scripts/study --table and scripts/measure_run on files of a few rows."""
 
 import json
-import pathlib
-import subprocess
 import sys
-import tempfile
 import unittest
+from pathlib import Path
 
-PROJECT = pathlib.Path(sys.argv.pop(1))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+
+from script_testing import PROJECT, DirectoryTest, run  # noqa: E402
+
 MEMBERS = """member,model,size,state,error of it,time [s],on the front,summary.json/steps,a.json/x/largest speed,message
 a,bar,2,measured,0.012345,123.4,1,1234567,-11.0,
 b,bar,1,measured,4.5678e-7,1.5,0,8,2,
@@ -20,16 +18,9 @@ c,rod,1,stopped,,,0,,,it said so
 """
 
 
-def run(*command):
-    return subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, check=False)
-
-
-class Tables(unittest.TestCase):
+class Tables(DirectoryTest):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.directory = pathlib.Path(holder.name)
+        super().setUp()
         (self.directory / "members.csv").write_text(MEMBERS, "utf-8")
 
     def table(self, *options):
@@ -58,12 +49,7 @@ class Tables(unittest.TestCase):
                 self.assertIn(words, result.stderr)
 
 
-class MeasuredRuns(unittest.TestCase):
-    def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.directory = pathlib.Path(holder.name)
-
+class MeasuredRuns(DirectoryTest):
     def make_run(self, directory, seconds, statics=None):
         directory.mkdir(exist_ok=True)
         summary = {"steps": 3, "step_processor_seconds": seconds}

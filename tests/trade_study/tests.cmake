@@ -14,9 +14,9 @@ foreach(study_file ${study_files})
 endforeach()
 
 add_test(NAME trade_study.tables
-  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tables_test.py ${PROJECT_SOURCE_DIR})
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tables_test.py)
 add_test(NAME trade_study.curves
-  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/curves_test.py ${PROJECT_SOURCE_DIR})
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/curves_test.py)
 
 execute_process(COMMAND ${TOMBOLO_PYTHON} -c "import scipy.optimize"
   RESULT_VARIABLE scipy_is_missing OUTPUT_QUIET ERROR_QUIET)

@@ -5,31 +5,22 @@ and heat are known."""
 
 import json
 import math
-import os
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 
+from script_testing import DirectoryTest, run_module, write_table  # noqa: E402
 from welding import flat_shoulder, measure  # noqa: E402
 
 TOOL = (9e-3, 3e-3, 4e-3, 10)
 PLUNGE, END = 0.05, 0.6
 
 
-def write_table(path, headings, rows):
-    lines = [",".join(headings)] + [",".join(str(value) for value in row) for row in rows]
-    path.write_text("\n".join(lines) + "\n", "utf-8")
-
-
 def write_run(directory, n_rows=60):
     """Torque of 100 N m in the plunge and of 150 after it; the contact at 200 °C and then at 425, where
     the metal has 150 MPa. Nothing touches at the first row."""
-    directory.mkdir()
     headings = (["time [s]", "step"] + [f"tool mean force {axis} [N]" for axis in "xyz"]
                 + ["tool mean torque z [N m]", "tool nodes [1]", "tool contact mean temperature [°C]",
                    "tool contact largest temperature [°C]", "tool tool temperature [°C]",
@@ -49,20 +40,10 @@ def write_run(directory, n_rows=60):
         json.dumps({"Material: aluminium": {"j2 plasticity": {"tabular": tabular}}}), "utf-8")
 
 
-def run(*arguments, module="welding"):
-    return subprocess.run([sys.executable, "-B", "-m", module, *map(str, arguments)],
-                          env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
-                          capture_output=True, text=True, check=False)
-
-
-class MeasureWeld(unittest.TestCase):
+class MeasureWeld(DirectoryTest):
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.directory = Path(self.temporary.name) / "run"
+        super().setUp()
         write_run(self.directory)
-
-    def tearDown(self):
-        self.temporary.cleanup()
 
     def test_the_torque_of_a_tool_that_sticks(self):
         self.assertAlmostEqual(measure.torque_over_shear(*TOOL), 2.01226e-6, delta=1e-11)
@@ -103,8 +84,8 @@ class MeasureWeld(unittest.TestCase):
         self.assertEqual(times, [0.5, 2.5])
 
     def test_picture_and_numbers(self):
-        picture = Path(self.temporary.name) / "weld.png"
-        finished = run(self.directory, "--picture", picture, "--window", "0.2,0.5")
+        picture = self.directory / "weld.png"
+        finished = run_module("welding", self.directory, "--picture", picture, "--window", "0.2,0.5")
         self.assertEqual(finished.returncode, 0, finished.stderr)
         self.assertIn("torque over that, traverse", finished.stdout)
         self.assertGreater(picture.stat().st_size, 10000)
@@ -113,7 +94,7 @@ class MeasureWeld(unittest.TestCase):
         for arguments, message in ((("nowhere",), "there is no"),
                                    ((self.directory, "--contact", "pin"), 'no column "pin'),
                                    ((self.directory, "--material", "steel"), "no table of flow stresses")):
-            finished = run(*arguments)
+            finished = run_module("welding", *arguments)
             self.assertEqual(finished.returncode, 1, arguments)
             self.assertIn(message, finished.stderr)
             self.assertNotIn("Traceback", finished.stderr)
@@ -121,7 +102,6 @@ class MeasureWeld(unittest.TestCase):
 
 def write_flat_shoulder(directory):
     """500 W of friction and 2 W of plastic work from 1 s on, and a temperature that rises by 100 degrees a second."""
-    directory.mkdir()
     times = [0.25 * k for k in range(41)]
     write_table(directory / "contact.csv", ["time [s]", "shoulder friction heat [J]"],
                 [[t, 500.0 * max(0.0, t - 1.0)] for t in times])
@@ -130,14 +110,10 @@ def write_flat_shoulder(directory):
                 [[t, 25.0 + 100.0 * t, 2.0 * max(0.0, t - 1.0), 400.0 * t] for t in times])
 
 
-class MeasureFlatShoulder(unittest.TestCase):
+class MeasureFlatShoulder(DirectoryTest):
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.directory = Path(self.temporary.name) / "run"
+        super().setUp()
         write_flat_shoulder(self.directory)
-
-    def tearDown(self):
-        self.temporary.cleanup()
 
     def test_rates_and_temperatures_until_the_end_of_the_run(self):
         rows = flat_shoulder.curves(self.directory)
@@ -156,8 +132,8 @@ class MeasureFlatShoulder(unittest.TestCase):
             self.assertAlmostEqual(left, 800.0 - 25.0 * distance, places=9)
 
     def test_numbers_and_a_picture_of_a_run_that_ends_early(self):
-        picture = Path(self.temporary.name) / "flat.png"
-        finished = run(self.directory, "--picture", picture, module="welding.flat_shoulder")
+        picture = self.directory / "flat.png"
+        finished = run_module("welding.flat_shoulder", self.directory, "--picture", picture)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         self.assertIn(" 500 ( 739  -32.3 %)", finished.stdout)
         self.assertGreater(picture.stat().st_size, 10000)
