@@ -32,10 +32,7 @@ namespace tombolo
     if (request == MPI_REQUEST_NULL)
       return;
     MPI_Wait(&request, MPI_STATUS_IGNORE);
-    if (any_has_failed == 0)
-      return;
-    for (const std::string &of_rank : texts_of_ranks(communicator, failure))
-      if (!of_rank.empty())
-        throw RunError(of_rank);
+    if (any_has_failed != 0)
+      throw_on_all_ranks<RunError>(failure, communicator);
   }
 } // namespace tombolo

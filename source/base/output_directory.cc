@@ -2,6 +2,8 @@
 #include <tombolo/base/directory_check.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>
+#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/output_directory.h>
 
 #include <deal.II/base/mpi.h>
@@ -59,49 +61,53 @@ namespace tombolo
       }
       return "";
     }
+
+    /** Calls @p act on the first rank. Throws the RunError that it returns on all. Collective. */
+    template <typename Act>
+    void act_on_first_rank(const MPI_Comm communicator, const Act &act)
+    {
+      const std::string error = of_first_rank(communicator, act);
+      if (!error.empty())
+        throw RunError(error);
+    }
   } // namespace
 
   OutputDirectory::OutputDirectory(const Section &section, const std::string &entry,
                                    const MPI_Comm communicator)
       : directory(section.get(entry)), mpi_communicator(communicator)
   {
-    const std::string error = create();
-    if (!error.empty())
+    if (const std::string error = create(); !error.empty())
       section.fail(entry, error);
   }
 
   OutputDirectory::OutputDirectory(const std::string &path, const MPI_Comm communicator)
       : directory(path), mpi_communicator(communicator)
   {
-    const std::string error = create();
-    if (!error.empty())
+    if (const std::string error = create(); !error.empty())
       throw InputError("Output directory \"" + path + "\": " + error);
   }
 
   std::string OutputDirectory::create() const
   {
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
-    {
-      std::error_code code;
-      error = what_prevents_directory(directory);
-      if (error.empty())
-      {
-        fs::create_directories(directory, code);
-        if (code)
-          error = "cannot create the directory (" + code.message() +
-                  "); name a path whose parents exist or can be made.";
-        else
+    return of_first_rank(
+        mpi_communicator,
+        [&]
         {
+          std::error_code code;
+          std::string error = what_prevents_directory(directory);
+          if (!error.empty())
+            return error;
+          fs::create_directories(directory, code);
+          if (code)
+            return "cannot create the directory (" + code.message() +
+                   "); name a path whose parents exist or can be made.";
           const std::string probe = file(".write_test");
           if (!write_atomically(probe, [](std::ostream &out) { out << "\n"; }).empty())
             error = std::string("the directory cannot be written (") + std::strerror(errno) +
                     "); change its permissions or name another path.";
           fs::remove(probe, code);
-        }
-      }
-    }
-    return Utilities::MPI::broadcast(mpi_communicator, error, 0);
+          return error;
+        });
   }
 
   std::string OutputDirectory::file(const std::string &name) const
@@ -111,72 +117,67 @@ namespace tombolo
 
   void OutputDirectory::create_subdirectory(const std::string &name) const
   {
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
-    {
-      std::error_code code;
-      const bool is_link = fs::is_symlink(file(name), code);
-      if (!is_link)
-        fs::create_directories(file(name), code);
-      if (is_link || code)
-        error = "Cannot create the directory " + file(name) + ": " +
-                (is_link ? "a link has that name, and links are not followed" : code.message()) +
-                ".";
-    }
-    throw_on_all_ranks<RunError>(error, mpi_communicator);
+    act_on_first_rank(mpi_communicator,
+                      [&]() -> std::string
+                      {
+                        std::error_code code;
+                        const bool is_link = fs::is_symlink(file(name), code);
+                        if (!is_link)
+                          fs::create_directories(file(name), code);
+                        if (!is_link && !code)
+                          return "";
+                        return "Cannot create the directory " + file(name) + ": " +
+                               (is_link ? "a link has that name, and links are not followed"
+                                        : code.message()) +
+                               ".";
+                      });
   }
 
   void OutputDirectory::write(const std::string &name, const Writer &writer) const
   {
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
-      error = write_atomically(file(name), writer);
-    throw_on_all_ranks<RunError>(error, mpi_communicator);
+    act_on_first_rank(mpi_communicator, [&] { return write_atomically(file(name), writer); });
   }
 
   void OutputDirectory::append(const std::string &name, const std::string &text) const
   {
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
-    {
-      FileStream out(file(name), FileStream::Mode::append);
-      out << text;
-      if (const std::string reason = out.close(); !reason.empty())
-        error = "Cannot write " + file(name) + ": " + reason + ".";
-    }
-    throw_on_all_ranks<RunError>(error, mpi_communicator);
+    act_on_first_rank(mpi_communicator,
+                      [&]
+                      {
+                        FileStream out(file(name), FileStream::Mode::append);
+                        out << text;
+                        const std::string reason = out.close();
+                        return reason.empty() ? reason
+                                              : "Cannot write " + file(name) + ": " + reason + ".";
+                      });
   }
 
   std::uint64_t OutputDirectory::size(const std::string &name) const
   {
-    std::uint64_t bytes = 0;
-    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
-    {
-      std::error_code code;
-      if (is_file(file(name)))
-        bytes = fs::file_size(file(name), code);
-      if (code)
-        bytes = 0;
-    }
-    return Utilities::MPI::broadcast(mpi_communicator, bytes, 0);
+    return of_first_rank(mpi_communicator,
+                         [&]
+                         {
+                           std::error_code code;
+                           const std::uint64_t bytes =
+                               is_file(file(name)) ? fs::file_size(file(name), code) : 0;
+                           return code ? 0 : bytes;
+                         });
   }
 
   void OutputDirectory::truncate(const std::string &name, const std::uint64_t bytes) const
   {
-    std::string error;
     const std::uint64_t present = size(name);
     if (present < bytes)
-      error = file(name) + " has " + std::to_string(present) + " bytes, fewer than the " +
-              std::to_string(bytes) + " at the checkpoint: it cannot be continued. Resume into " +
-              "another output directory.";
-    else if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
-    {
-      std::error_code code;
-      fs::resize_file(file(name), bytes, code);
-      if (code)
-        error = "Cannot shorten " + file(name) + ": " + code.message() + ".";
-    }
-    throw_on_all_ranks<RunError>(error, mpi_communicator);
+      throw RunError(file(name) + " has " + std::to_string(present) + " bytes, fewer than the " +
+                     std::to_string(bytes) + " at the checkpoint: it cannot be continued. Resume " +
+                     "into another output directory.");
+    act_on_first_rank(mpi_communicator,
+                      [&]() -> std::string
+                      {
+                        std::error_code code;
+                        fs::resize_file(file(name), bytes, code);
+                        return code ? "Cannot shorten " + file(name) + ": " + code.message() + "."
+                                    : "";
+                      });
   }
 
   void OutputDirectory::write_pieces(const std::string &name, const Writer &writer) const
@@ -202,36 +203,35 @@ namespace tombolo
 
   void OutputDirectory::remove_earlier_results() const
   {
-    std::string error;
-    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    const auto remove_files = [&](const std::string &subdirectory, const std::string &names)
     {
-      try
-      {
-        fs::remove(file("summary.json"));
-        // This scene may write fewer tables and series than the last one.
-        for (const char *const name :
-             {"solution.pvd", "tools.pvd", "cells.xdmf", "cells.h5", "particles.xdmf",
-              "particles.h5", "tools.xdmf", "tools.h5", "statistics.csv", "conditions.csv",
-              "contact.csv", "sections.csv", "rigid_bodies.csv", "parts.csv", "probes.csv",
-              "specimen.csv"})
-          fs::remove(file(name));
-        const std::regex checkpoint_file("(step_[0-9]+|end)\\.h5(\\.tmp)?");
-        if (is_directory(file("checkpoint")))
-          for (const auto &entry : fs::directory_iterator(file("checkpoint")))
-            if (std::regex_match(entry.path().filename().string(), checkpoint_file))
-              fs::remove(entry.path());
-        const std::regex solution_file(
-            "(cells|particles|tools)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
-        if (is_directory(file("solution")))
-          for (const auto &entry : fs::directory_iterator(file("solution")))
-            if (std::regex_match(entry.path().filename().string(), solution_file))
-              fs::remove(entry.path());
-      }
-      catch (const fs::filesystem_error &exception)
-      {
-        error = std::string("Cannot remove the results of an earlier run: ") + exception.what();
-      }
-    }
-    throw_on_all_ranks<RunError>(error, mpi_communicator);
+      const std::regex pattern(names);
+      if (is_directory(file(subdirectory)))
+        for (const auto &entry : fs::directory_iterator(file(subdirectory)))
+          if (std::regex_match(entry.path().filename().string(), pattern))
+            fs::remove(entry.path());
+    };
+    act_on_first_rank(
+        mpi_communicator,
+        [&]() -> std::string
+        {
+          try
+          {
+            // This scene may write fewer tables and series than the last one.
+            for (const char *const name :
+                 {"summary.json", "solution.pvd", "tools.pvd", "cells.xdmf", "cells.h5",
+                  "particles.xdmf", "particles.h5", "tools.xdmf", "tools.h5", "statistics.csv",
+                  "conditions.csv", "contact.csv", "sections.csv", "rigid_bodies.csv", "parts.csv",
+                  "probes.csv", "specimen.csv"})
+              fs::remove(file(name));
+            remove_files("checkpoint", "(step_[0-9]+|end)\\.h5(\\.tmp)?");
+            remove_files("solution", "(cells|particles|tools)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
+          }
+          catch (const fs::filesystem_error &exception)
+          {
+            return std::string("Cannot remove the results of an earlier run: ") + exception.what();
+          }
+          return "";
+        });
   }
 } // namespace tombolo

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/as_text.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/refinement.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/memory_check.h>
@@ -12,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace tombolo
 {
@@ -125,36 +127,30 @@ namespace tombolo
     Survey result;
     result.is_to_be_refined.assign(mesh.triangulation.n_active_cells(), false);
     result.n_cells.assign(levels.size(), 0);
-    std::string error;
-    try
-    {
-      for (const auto &cell : mesh.triangulation.active_cell_iterators())
-      {
-        if (!cell->is_locally_owned())
-          continue;
-        const auto level = static_cast<unsigned int>(cell->level()) - base_level;
-        unsigned int wanted = 0;
-        for (unsigned int region = 0; region < levels.size(); ++region)
-          if (regions->value(cell->center(), 0., region) != 0.)
+    // Other ranks may have no such cell: all must throw together.
+    attempt_on_all_ranks<InputError, RunError>(
+        communicator,
+        [&]
+        {
+          for (const auto &cell : mesh.triangulation.active_cell_iterators())
           {
-            ++result.n_cells[region];
-            wanted = std::max(wanted, levels[region]);
+            if (!cell->is_locally_owned())
+              continue;
+            const auto level = static_cast<unsigned int>(cell->level()) - base_level;
+            unsigned int wanted = 0;
+            for (unsigned int region = 0; region < levels.size(); ++region)
+              if (regions->value(cell->center(), 0., region) != 0.)
+              {
+                ++result.n_cells[region];
+                wanted = std::max(wanted, levels[region]);
+              }
+            const bool is_too_coarse = level < wanted;
+            result.is_to_be_refined[cell->active_cell_index()] = is_too_coarse;
+            result.n_to_be_refined += is_too_coarse ? 1 : 0;
+            result.n_cells_at_the_end +=
+                is_too_coarse ? std::pow(2., dim * static_cast<double>(wanted - level)) : 1.;
           }
-        const bool is_too_coarse = level < wanted;
-        result.is_to_be_refined[cell->active_cell_index()] = is_too_coarse;
-        result.n_to_be_refined += is_too_coarse ? 1 : 0;
-        result.n_cells_at_the_end +=
-            is_too_coarse ? std::pow(2., dim * static_cast<double>(wanted - level)) : 1.;
-      }
-    }
-    catch (const RunError &exception)
-    {
-      // Other ranks may have no such cell: all must throw together.
-      error = exception.what();
-    }
-    for (const std::string &of_rank : texts_of_ranks(communicator, error))
-      if (!of_rank.empty())
-        throw InputError(of_rank);
+        });
     Utilities::MPI::sum(result.n_cells, communicator, result.n_cells);
     result.n_to_be_refined = Utilities::MPI::sum(result.n_to_be_refined, communicator);
     result.n_cells_at_the_end = Utilities::MPI::sum(result.n_cells_at_the_end, communicator);
@@ -186,10 +182,8 @@ namespace tombolo
                               found.n_cells_at_the_end, communicator_of(triangulation));
       if (found.n_cells_at_the_end > std::numeric_limits<types::global_dof_index>::max() / 2.)
       {
-        std::ostringstream message;
-        message << "The mesh would have " << found.n_cells_at_the_end
-                << " cells, more than this deal.II can number.";
-        section.fail(levels_entry, message.str());
+        section.fail(levels_entry, as_text("The mesh would have ", found.n_cells_at_the_end,
+                                           " cells, more than this deal.II can number."));
       }
       for (const auto &cell : triangulation.active_cell_iterators())
         if (cell->is_locally_owned() && found.is_to_be_refined[cell->active_cell_index()])

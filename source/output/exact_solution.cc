@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/boundary/region.h>
 #include <tombolo/output/exact_solution.h>
 
 #include <deal.II/base/mpi.h>
@@ -56,25 +58,19 @@ namespace tombolo
                                                const NodalVector &weights, const double time) const
   {
     std::array<double, 2> sums{}; // squares of error and of exact
-    std::string failure;
-    try
-    {
-      for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
-      {
-        Point<dim> place;
-        for (unsigned int d = 0; d < dim; ++d)
-          place[d] = initial_position.node(i)[d];
-        const double exact = temperature_function->value(place, time);
-        const double error = *temperature.node(i) - exact;
-        sums[0] += *weights.node(i) * error * error;
-        sums[1] += *weights.node(i) * exact * exact;
-      }
-    }
-    catch (const RunError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<RunError>(failure, temperature.partition()->communicator());
+    attempt_on_all_ranks<RunError>(
+        temperature.partition()->communicator(),
+        [&]
+        {
+          for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
+          {
+            const double exact =
+                temperature_function->value(point_of<dim>(initial_position.node(i)), time);
+            const double error = *temperature.node(i) - exact;
+            sums[0] += *weights.node(i) * error * error;
+            sums[1] += *weights.node(i) * exact * exact;
+          }
+        });
     sums = ordered_sum(sums, temperature.partition()->communicator());
     return sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : std::numeric_limits<double>::quiet_NaN();
   }
@@ -123,9 +119,7 @@ namespace tombolo
       if (has_velocity())
         for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
         {
-          Point<dim> place;
-          for (unsigned int d = 0; d < dim; ++d)
-            place[d] = initial_position.node(i)[d];
+          const Point<dim> place = point_of<dim>(initial_position.node(i));
           for (unsigned int d = 0; d < dim; ++d)
           {
             const double exact = velocity_function->value(place, velocity_time, d);
@@ -136,16 +130,7 @@ namespace tombolo
         }
     };
     // A function can be without a value where only one rank looks.
-    std::string failure;
-    try
-    {
-      add();
-    }
-    catch (const RunError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<RunError>(failure, velocity.partition()->communicator());
+    attempt_on_all_ranks<RunError>(velocity.partition()->communicator(), add);
     const std::array<double, 6> total = ordered_sum(sums, velocity.partition()->communicator());
     for (const auto &[exact, largest] :
          {std::pair<double, double &>{total[1], largest_axial_stress},

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/checkpoint_header.h>
 
-#include <deal.II/base/mpi.h>
+#include <tombolo/base/of_all_ranks.h>
 
 #include <filesystem>
 #include <system_error>
@@ -52,13 +53,12 @@ namespace tombolo
   bool is_of_directory(const std::string &file, const std::string &directory,
                        const MPI_Comm communicator)
   {
-    bool is = false;
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      std::error_code code;
-      is = std::filesystem::equivalent(std::filesystem::absolute(file).parent_path().parent_path(),
-                                       directory, code);
-    }
-    return Utilities::MPI::broadcast(communicator, is, 0);
+    namespace fs = std::filesystem;
+    std::error_code code;
+    return of_first_rank(communicator,
+                         [&] {
+                           return fs::equivalent(fs::absolute(file).parent_path().parent_path(),
+                                                 directory, code);
+                         });
   }
 } // namespace tombolo

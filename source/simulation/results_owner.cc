@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/results_owner.h>
 
 #include <tombolo/base/json.h>
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/simulation/stages.h>
 
 #include <deal.II/base/mpi.h>
@@ -102,11 +104,9 @@ namespace tombolo
 
   void refuse_running_run(const Parameters &parameters)
   {
-    const MPI_Comm communicator = parameters.communicator();
     const std::string directory = parameters.section("").get("Output directory");
-    const bool is_held = Utilities::MPI::this_mpi_process(communicator) == 0 &&
-                         is_held_by_another(fs::path(directory) / owner_file);
-    if (Utilities::MPI::broadcast(communicator, is_held, 0))
+    if (of_first_rank(parameters.communicator(),
+                      [&] { return is_held_by_another(fs::path(directory) / owner_file); }))
       parameters.fail("Output directory", "another run writes there now. Name another directory, "
                                           "or wait for its end.");
   }
@@ -124,14 +124,9 @@ namespace tombolo
 
   void refuse_results_of_another_file(const Parameters &parameters)
   {
-    const MPI_Comm communicator = parameters.communicator();
     const std::string directory = parameters.section("").get("Output directory");
-    const std::string obstacle =
-        Utilities::MPI::broadcast(communicator,
-                                  Utilities::MPI::this_mpi_process(communicator) == 0
-                                      ? what_owns_results(parameters, directory)
-                                      : "",
-                                  0);
+    const std::string obstacle = of_first_rank(
+        parameters.communicator(), [&] { return what_owns_results(parameters, directory); });
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);
   }

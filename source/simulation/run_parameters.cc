@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/run_parameters.h>
 
 #include <tombolo/base/directory_check.h>
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/checkpoint.h>
@@ -15,8 +17,6 @@
 #include <tombolo/physics/mechanics/step_size.h>
 #include <tombolo/physics/statics/static_steps.h>
 #include <tombolo/simulation/initial_state.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <utility>
 
@@ -64,11 +64,7 @@ namespace tombolo
         {
           const std::string directory = parameters.section("").get("Output directory");
           const std::string obstacle =
-              Utilities::MPI::broadcast(communicator,
-                                        Utilities::MPI::this_mpi_process(communicator) == 0
-                                            ? what_prevents_directory(directory)
-                                            : "",
-                                        0);
+              of_first_rank(communicator, [&] { return what_prevents_directory(directory); });
           if (!obstacle.empty())
             parameters.fail("Output directory", obstacle);
         });

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/as_text.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/stages.h>
 
-#include <tombolo/base/input/registry.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/name_hints.h>
+#include <tombolo/base/of_all_ranks.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
 #include <nlohmann/json.hpp>
@@ -85,22 +88,17 @@ namespace tombolo
                                   file + ", not in one that it includes.");
       if (seen.count(name) == 0)
       {
-        const std::string nearest = nearest_name(name, stage_names);
         refuse(item.location,
-               "section " + in_quotes(item.path) +
-                   " is of no stage; the entry \"Stages\" lists: " + joined(stage_names, ", ") +
-                   "." + (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+               "section " + in_quotes(item.path) + " is of no stage; the entry \"Stages\" lists: " +
+                   joined(stage_names, ", ") + "." + did_you_mean(name, stage_names));
       }
     }
-    std::string text;
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      std::ifstream in(file, std::ios::binary);
-      std::ostringstream whole;
-      whole << in.rdbuf();
-      text = whole.str();
-    }
-    read_lines(Utilities::MPI::broadcast(communicator, text, 0));
+    read_lines(of_first_rank(communicator,
+                             [&]
+                             {
+                               std::ifstream in(file, std::ios::binary);
+                               return as_text(in.rdbuf());
+                             }));
   }
 
   void Stages::read_lines(const std::string &text)
@@ -222,29 +220,28 @@ namespace tombolo
 
   bool has_checkpoints(const std::string &output_directory, const MPI_Comm communicator)
   {
-    bool result = false;
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      std::error_code code;
-      for (const auto &file :
-           std::filesystem::directory_iterator(output_directory + "/checkpoint", code))
-      {
-        const std::string name = file.path().filename().string();
-        result = result || (name.rfind("step_", 0) == 0 && file.path().extension() == ".h5");
-      }
-    }
-    return Utilities::MPI::broadcast(communicator, result, 0);
+    return of_first_rank(
+        communicator,
+        [&]
+        {
+          std::error_code code;
+          bool result = false;
+          for (const auto &file :
+               std::filesystem::directory_iterator(output_directory + "/checkpoint", code))
+            result = result || (file.path().filename().string().rfind("step_", 0) == 0 &&
+                                file.path().extension() == ".h5");
+          return result;
+        });
   }
 
   bool has_finished(const std::string &output_directory, const MPI_Comm communicator)
   {
-    bool result = false;
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      std::ifstream in(output_directory + "/summary.json");
-      const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
-      result = summary.is_object() && summary.value("ended", "") == "finished";
-    }
-    return Utilities::MPI::broadcast(communicator, result, 0);
+    return of_first_rank(communicator,
+                         [&]
+                         {
+                           std::ifstream in(output_directory + "/summary.json");
+                           const auto summary = nlohmann::json::parse(in, nullptr, false);
+                           return summary.is_object() && summary.value("ended", "") == "finished";
+                         });
   }
 } // namespace tombolo

@@ -13,10 +13,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  /** What to take instead of the entry at @p path, or of its @p value, where that was removed from
-   * the program and files of earlier versions may have it; empty where it was not. */
-  std::string instead_of_removed(const std::string &path, const std::string &value = "");
-
   namespace
   {
     struct RemovedEntry
@@ -52,18 +48,16 @@ namespace tombolo
              (path.size() > end.size() &&
               path.compare(path.size() - end.size() - 1, std::string::npos, "/" + end) == 0);
     }
-  } // namespace
+    /** What to take instead of the entry at @p path, or of its @p value, where that was removed
+     * from the program and files of earlier versions may have it; empty where it was not. */
+    std::string instead_of_removed(const std::string &path, const std::string &value = "")
+    {
+      for (const RemovedEntry &removed : removed_entries)
+        if (value == removed.value && is_end_of(path, removed.path))
+          return removed.instead;
+      return {};
+    }
 
-  std::string instead_of_removed(const std::string &path, const std::string &value)
-  {
-    for (const RemovedEntry &removed : removed_entries)
-      if (value == removed.value && is_end_of(path, removed.path))
-        return removed.instead;
-    return {};
-  }
-
-  namespace
-  {
     /** The paths of all entries of a name. */
     void find_entries(const ParameterDeclaration &section, const std::string &name,
                       std::vector<std::string> &paths)

@@ -59,7 +59,7 @@ namespace tombolo
     std::string read_on_root(const std::string &name, const MPI_Comm communicator,
                              std::string &text, std::string &identity)
     {
-      std::array<std::string, 3> message;
+      std::vector<std::string> message(3);
       if (Utilities::MPI::this_mpi_process(communicator) == 0)
       {
         message[0] = read_locally(name, message[1]);
@@ -68,14 +68,7 @@ namespace tombolo
         if (error)
           message[2] = name;
       }
-      if (Utilities::MPI::n_mpi_processes(communicator) > 1)
-        for (auto &part : message)
-        {
-          unsigned long size = part.size();
-          MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, 0, communicator);
-          part.resize(size);
-          MPI_Bcast(part.data(), static_cast<int>(size), MPI_CHAR, 0, communicator);
-        }
+      message = Utilities::MPI::broadcast(communicator, message, 0);
       text = std::move(message[1]);
       identity = std::move(message[2]);
       return message[0];

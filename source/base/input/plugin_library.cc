@@ -140,23 +140,10 @@ namespace tombolo
   void load_plugin_libraries(const Parameters &parameters, const MPI_Comm communicator,
                              const std::string &entry)
   {
-    int rank = 0;
-    int n_ranks = 1;
-    MPI_Comm_rank(communicator, &rank);
-    MPI_Comm_size(communicator, &n_ranks);
     for (const auto &name : parameters.raw_list(entry))
-    {
-      std::string problem = load(name, parameters.file_name());
-      const int mine = problem.empty() ? n_ranks : rank;
-      int first = n_ranks;
-      MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, communicator);
-      if (first == n_ranks)
-        continue;
-      unsigned long size = problem.size();
-      MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, first, communicator);
-      problem.resize(size);
-      MPI_Bcast(problem.data(), static_cast<int>(size), MPI_CHAR, first, communicator);
-      parameters.fail(entry, problem);
-    }
+      for (const std::string &problem :
+           texts_of_ranks(communicator, load(name, parameters.file_name())))
+        if (!problem.empty())
+          parameters.fail(entry, problem);
   }
 } // namespace tombolo

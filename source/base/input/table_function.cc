@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/table_function.h>
 
+#include <deal.II/base/utilities.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -17,14 +19,6 @@ namespace tombolo
     bool is_of_name(const char character)
     {
       return std::isalnum(static_cast<unsigned char>(character)) != 0 || character == '_';
-    }
-
-    std::string trimmed(const std::string &text)
-    {
-      const std::size_t begin = text.find_first_not_of(" \t");
-      if (begin == std::string::npos)
-        return "";
-      return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
     }
 
     /** The place of the next `table` that is a word and is called, and of its parenthesis. */
@@ -65,8 +59,8 @@ namespace tombolo
       Call call;
       if (closing != std::string::npos && comma < closing)
       {
-        call.file = trimmed(expression.substr(opening + 1, comma - opening - 1));
-        call.argument = trimmed(expression.substr(comma + 1, closing - comma - 1));
+        call.file = dealii::Utilities::trim(expression.substr(opening + 1, comma - opening - 1));
+        call.argument = dealii::Utilities::trim(expression.substr(comma + 1, closing - comma - 1));
       }
       if (call.file.empty() || call.argument.empty())
       {
@@ -102,10 +96,7 @@ namespace tombolo
         else
           fields.back() += character;
       for (std::string &field : fields)
-      {
-        field.erase(0, std::min(field.find_first_not_of(" \t\r"), field.size()));
-        field.erase(field.find_last_not_of(" \t\r") + 1);
-      }
+        field = dealii::Utilities::trim(field);
       if (separator == ' ')
         fields.erase(std::remove(fields.begin(), fields.end(), ""), fields.end());
       return fields;
