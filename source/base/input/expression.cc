@@ -3,8 +3,8 @@
 
 #include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/base/input/input_file.h>
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/base/input/registry.h>
 #include <tombolo/base/input/table_function.h>
 
 #include <deal.II/base/function_parser.h>
@@ -13,6 +13,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -25,28 +26,111 @@ namespace tombolo
 {
   using namespace dealii;
 
-  /** The names of the variables of expressions. */
-  std::vector<std::string> variables_of_expressions(unsigned int dim);
-
-  /** The function of place and time that a text means, as muParser reads it, with tables from
-   * files. Several threads may evaluate it at the same time. */
-  template <int dim>
-  class PlaceFunction
-  {
-  public:
-    virtual ~PlaceFunction() = default;
-
-    virtual double evaluate(const dealii::Point<dim> &point, double time) const = 0;
-
-    /** @p entry of @p section has the text, and its files are looked for as read_input_file() does.
-     * Throws InputError for a table that cannot be read, and what muParser throws for a text that
-     * it cannot read. Collective where there are tables. */
-    static std::unique_ptr<PlaceFunction> create(const TableCalls &calls, const Section &section,
-                                                 const std::string &entry);
-  };
-
   namespace
   {
+    std::vector<std::string> variables_of_expressions(const unsigned int dim)
+    {
+      if (dim == 2)
+        return {"x", "y", "t"};
+      return {"x", "y", "z", "t"};
+    }
+
+    /** FunctionParser with the time as an argument instead of a state, so that several threads
+     * may evaluate at different times. */
+    class Parser : public FunctionParser<3>
+    {
+    public:
+      Parser(const std::string &text, const std::vector<std::string> &names)
+      {
+        initialize(joined(names, ","), std::vector<std::string>{text}, {{"pi", numbers::PI}}, true);
+      }
+
+      double evaluate(const std::array<double, 4> &values) const
+      {
+        return do_value(Point<3>(values[0], values[1], values[2]), values[3], 0);
+      }
+    };
+
+    /** The function of place and time that a text means, as muParser reads it. Values of tables
+     * from files are further variables, in the places of variables that are not used: the parser
+     * has four. Several threads may evaluate it at the same time. */
+    template <int dim>
+    class PlaceFunction
+    {
+    public:
+      /** @p entry of @p section has the text, and its files are looked for as read_input_file()
+       * does. Throws InputError for a table that cannot be read, and what muParser throws for a
+       * text that it cannot read. Collective where there are tables. */
+      PlaceFunction(const TableCalls &calls, const Section &section, const std::string &entry)
+      {
+        if (!calls.problem.empty())
+          section.fail(entry, calls.problem);
+        const std::vector<std::string> variables = variables_of_expressions(dim);
+        const std::vector<ExpressionToken> tokens = split_into_tokens(calls.text);
+        std::vector<std::string> names;
+        for (unsigned int v = 0; v < variables.size(); ++v)
+          if (has_name(tokens, variables[v]))
+          {
+            names.push_back(variables[v]);
+            slots.push_back({v, nullptr, nullptr});
+          }
+        for (const TableCalls::Call &call : calls.calls)
+        {
+          names.push_back(call.name);
+          slots.push_back(
+              {dim + 1,
+               std::make_unique<const PlaceFunction>(TableCalls(call.argument), section, entry),
+               read_table(call.file, section, entry)});
+        }
+        if (names.size() > n_slots)
+          section.fail(entry, "an expression can have four tables and variables in all, not "
+                              "counting those in the arguments of tables; found " +
+                                  std::to_string(names.size()) + ".");
+        while (names.size() < n_slots)
+          names.push_back("unused_" + std::to_string(names.size()));
+        parser = std::make_unique<Parser>(calls.text, names);
+      }
+
+      double evaluate(const Point<dim> &point, const double time) const
+      {
+        std::array<double, n_slots> values{};
+        for (std::size_t i = 0; i < slots.size(); ++i)
+          values[i] = slots[i].variable < dim ? point[slots[i].variable]
+                      : slots[i].table == nullptr
+                          ? time
+                          : slots[i].table->value(slots[i].argument->evaluate(point, time));
+        return parser->evaluate(values);
+      }
+
+    private:
+      static constexpr unsigned int n_slots = 4;
+
+      struct Slot
+      {
+        unsigned int variable; ///< a coordinate, dim the time, dim + 1 a table
+        std::unique_ptr<const PlaceFunction> argument;
+        std::shared_ptr<const TableFunction> table;
+      };
+
+      static std::shared_ptr<const TableFunction>
+      read_table(const std::string &file, const Section &section, const std::string &entry)
+      {
+        const std::string text =
+            read_input_file(section, entry, file, section.all().communicator());
+        try
+        {
+          return std::make_shared<const TableFunction>(text);
+        }
+        catch (const std::invalid_argument &error)
+        {
+          section.fail(entry, "in the table \"" + file + "\", " + error.what());
+        }
+      }
+
+      std::vector<Slot> slots;
+      std::unique_ptr<Parser> parser;
+    };
+
     bool is_one_of(const std::string &text, const std::vector<std::string> &list)
     {
       return std::find(list.begin(), list.end(), text) != list.end();
@@ -140,9 +224,7 @@ namespace tombolo
             continue;
           std::vector<std::string> known = variables_of_expressions(dim);
           known.insert(known.end(), functions.begin(), functions.end());
-          const std::string nearest = nearest_name(name, known);
-          return " The name " + in_quotes(name) + " is unknown." +
-                 (nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?") +
+          return " The name " + in_quotes(name) + " is unknown." + did_you_mean(name, known) +
                  " The variables are " + joined(variables_of_expressions(dim), ", ") +
                  ", the constant is pi.";
         }
@@ -306,7 +388,7 @@ namespace tombolo
       try
       {
         const SilentErrorStream silent;
-        component.function = PlaceFunction<dim>::create(calls, section, entry);
+        component.function = std::make_unique<PlaceFunction<dim>>(calls, section, entry);
         component.constant = component.function->evaluate(Point<dim>(), 0.);
         is_parsed = true;
         is_finite = std::isfinite(component.constant) ||
@@ -434,136 +516,4 @@ namespace tombolo
   template class Expression<3>;
   template class Predicate<2>;
   template class Predicate<3>;
-
-  namespace
-  {
-    /** FunctionParser with the time as an argument instead of a state, so that several threads
-     * may evaluate at different times. */
-    template <int n>
-    class Parser : public FunctionParser<n>
-    {
-    public:
-      Parser(const std::string &text, const std::vector<std::string> &names)
-      {
-        FunctionParser<n>::initialize(joined(names, ","), std::vector<std::string>{text},
-                                      {{"pi", numbers::PI}}, true);
-      }
-
-      double evaluate(const Point<n> &point, const double time) const
-      {
-        return this->do_value(point, time, 0);
-      }
-    };
-
-    template <int dim>
-    class WithoutTables : public PlaceFunction<dim>
-    {
-    public:
-      explicit WithoutTables(const std::string &text) : parser(text, variables_of_expressions(dim))
-      {}
-
-      double evaluate(const Point<dim> &point, const double time) const override
-      {
-        return parser.evaluate(point, time);
-      }
-
-    private:
-      Parser<dim> parser;
-    };
-
-    /** Values of tables are further variables, in the places of variables that are not used: the
-     * parser has four. */
-    template <int dim>
-    class WithTables : public PlaceFunction<dim>
-    {
-    public:
-      WithTables(const TableCalls &calls, const Section &section, const std::string &entry)
-      {
-        const std::vector<std::string> variables = variables_of_expressions(dim);
-        const std::vector<ExpressionToken> tokens = split_into_tokens(calls.text);
-        std::vector<std::string> names;
-        for (unsigned int v = 0; v < variables.size(); ++v)
-          if (has_name(tokens, variables[v]))
-          {
-            names.push_back(variables[v]);
-            slots.push_back({v, nullptr, nullptr});
-          }
-        for (const TableCalls::Call &call : calls.calls)
-        {
-          names.push_back(call.name);
-          slots.push_back({dim + 1,
-                           PlaceFunction<dim>::create(TableCalls(call.argument), section, entry),
-                           read_table(call.file, section, entry)});
-        }
-        if (names.size() > n_slots)
-          section.fail(entry, "an expression can have four tables and variables in all, not "
-                              "counting those in the arguments of tables; found " +
-                                  std::to_string(names.size()) + ".");
-        while (names.size() < n_slots)
-          names.push_back("unused_" + std::to_string(names.size()));
-        parser = std::make_unique<Parser<n_slots - 1>>(calls.text, names);
-      }
-
-      double evaluate(const Point<dim> &point, const double time) const override
-      {
-        double values[n_slots] = {0, 0, 0, 0};
-        for (std::size_t i = 0; i < slots.size(); ++i)
-          values[i] = slots[i].variable < dim ? point[slots[i].variable]
-                      : slots[i].table == nullptr
-                          ? time
-                          : slots[i].table->value(slots[i].argument->evaluate(point, time));
-        return parser->evaluate(Point<3>(values[0], values[1], values[2]), values[3]);
-      }
-
-    private:
-      static constexpr int n_slots = 4;
-
-      struct Slot
-      {
-        unsigned int variable; ///< a coordinate, dim the time, dim + 1 a table
-        std::unique_ptr<const PlaceFunction<dim>> argument;
-        std::shared_ptr<const TableFunction> table;
-      };
-
-      static std::shared_ptr<const TableFunction>
-      read_table(const std::string &file, const Section &section, const std::string &entry)
-      {
-        const std::string text =
-            read_input_file(section, entry, file, section.all().communicator());
-        try
-        {
-          return std::make_shared<const TableFunction>(text);
-        }
-        catch (const std::invalid_argument &error)
-        {
-          section.fail(entry, "in the table \"" + file + "\", " + error.what());
-        }
-      }
-
-      std::vector<Slot> slots;
-      std::unique_ptr<Parser<n_slots - 1>> parser;
-    };
-  } // namespace
-
-  std::vector<std::string> variables_of_expressions(const unsigned int dim)
-  {
-    if (dim == 2)
-      return {"x", "y", "t"};
-    return {"x", "y", "z", "t"};
-  }
-
-  template <int dim>
-  std::unique_ptr<PlaceFunction<dim>> PlaceFunction<dim>::create(const TableCalls &calls,
-                                                                 const Section &section,
-                                                                 const std::string &entry)
-  {
-    if (!calls.problem.empty())
-      section.fail(entry, calls.problem);
-    if (calls.calls.empty())
-      return std::make_unique<WithoutTables<dim>>(calls.text);
-    return std::make_unique<WithTables<dim>>(calls, section, entry);
-  }
-
-  template class PlaceFunction<2>;
-  template class PlaceFunction<3>;
 } // namespace tombolo
