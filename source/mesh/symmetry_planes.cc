@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/as_text.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/image_conditions.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/mesh/boundary_names.h>
+#include <tombolo/mesh/extent.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -26,50 +30,6 @@ namespace tombolo
     constexpr double coordinate_tolerance = 1e-9;
 
     constexpr char axis_name[] = {'x', 'y', 'z'};
-
-    /** The range of coordinates of some nodes, over all ranks. */
-    template <int dim>
-    struct Extent
-    {
-      std::array<double, dim> lowest, highest;
-
-      Extent()
-      {
-        lowest.fill(std::numeric_limits<double>::max());
-        highest.fill(std::numeric_limits<double>::lowest());
-      }
-
-      void add(const Point<dim> &point)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          lowest[d] = std::min(lowest[d], point[d]);
-          highest[d] = std::max(highest[d], point[d]);
-        }
-      }
-
-      void merge_ranks(MPI_Comm communicator)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          lowest[d] = Utilities::MPI::min(lowest[d], communicator);
-          highest[d] = Utilities::MPI::max(highest[d], communicator);
-        }
-      }
-
-      double length(const unsigned int d) const
-      {
-        return highest[d] - lowest[d];
-      }
-
-      double longest() const
-      {
-        double result = 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          result = std::max(result, length(d));
-        return result;
-      }
-    };
 
     template <int dim>
     using NodePoints = std::map<types::global_dof_index, Point<dim>>;
@@ -107,21 +67,17 @@ namespace tombolo
         }
       }
       std::set<types::global_dof_index> selected;
-      std::string failure;
-      try
-      {
-        for (const types::global_dof_index node : candidates)
-        {
-          const auto point = all_nodes.find(node);
-          if (point != all_nodes.end() && (!where || (*where)(point->second)))
-            selected.insert(node);
-        }
-      }
-      catch (const InputError &error)
-      {
-        failure = error.what();
-      }
-      throw_on_all_ranks<InputError>(failure, nodes.communicator());
+      attempt_on_all_ranks<InputError>(nodes.communicator(),
+                                       [&]
+                                       {
+                                         for (const types::global_dof_index node : candidates)
+                                         {
+                                           const auto point = all_nodes.find(node);
+                                           if (point != all_nodes.end() &&
+                                               (!where || (*where)(point->second)))
+                                             selected.insert(node);
+                                         }
+                                       });
       return selected;
     }
 
@@ -158,10 +114,7 @@ namespace tombolo
 
     std::string plane_text(const unsigned int axis, const double coordinate)
     {
-      std::ostringstream text;
-      text.precision(6);
-      text << axis_name[axis] << " = " << coordinate;
-      return text.str();
+      return as_text(axis_name[axis], " = ", coordinate);
     }
 
     /** The axis that the plane of the nodes is normal to. Throws InputError where there is no such
@@ -177,7 +130,6 @@ namespace tombolo
       if (flat_axes.size() == 1)
         return flat_axes.front();
       std::ostringstream text;
-      text.precision(6);
       text << "a plane of symmetry is normal to a coordinate axis, but the nodes selected have ";
       for (unsigned int d = 0; d < dim; ++d)
         text << (d > 0 ? ", " : "") << axis_name[d] << " in [" << of_plane.lowest[d] << ", "
@@ -195,12 +147,10 @@ namespace tombolo
       const double above = body.highest[plane.axis] - plane.coordinate;
       if (!(below > tolerance && above > tolerance))
         return;
-      std::ostringstream text;
-      text.precision(6);
-      text << "the body reaches beyond the plane " << plane_text(plane.axis, plane.coordinate)
-           << " on both sides, by " << below << " and " << above
-           << "; model one side of a plane of symmetry only.";
-      section.fail(entry_of(section), text.str());
+      section.fail(entry_of(section),
+                   as_text("the body reaches beyond the plane ",
+                           plane_text(plane.axis, plane.coordinate), " on both sides, by ", below,
+                           " and ", above, "; model one side of a plane of symmetry only."));
     }
 
     /** Owned nodes on a plane, all of which must be @p selected. Throws InputError. Collective. */

@@ -2,6 +2,7 @@
 #include <tombolo/simulation/advice.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/mesh/extent.h>
 #include <tombolo/model/shown_by_processes.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/unit_labels.h>
@@ -45,21 +46,10 @@ namespace tombolo
     template <int dim>
     double crossing_time(const Model<dim> &model)
     {
-      double largest = 0, speed = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        double lower = 1e300, upper = -1e300;
-        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        {
-          lower = std::min(lower, model.state.initial_position.node(i)[d]);
-          upper = std::max(upper, model.state.initial_position.node(i)[d]);
-        }
-        largest = std::max(largest, Utilities::MPI::max(upper, model.communicator) -
-                                        Utilities::MPI::min(lower, model.communicator));
-      }
+      double speed = 0;
       for (const Part<dim> &part : model.parts)
         speed = std::max(speed, part.material->longitudinal_wave_speed());
-      return largest / speed;
+      return extent_of<dim>(model.state.initial_position).longest() / speed;
     }
 
     template <int dim>

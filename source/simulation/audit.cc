@@ -2,6 +2,7 @@
 #include <tombolo/simulation/audit.h>
 
 #include <tombolo/base/memory.h>
+#include <tombolo/mesh/extent.h>
 #include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/simulation/advice.h>
@@ -31,22 +32,12 @@ namespace tombolo
     }
 
     template <int dim>
-    std::string extent_of(const Model<dim> &model)
+    std::string text_of_extent(const Model<dim> &model)
     {
-      std::array<double, 3> lower, upper;
-      lower.fill(1e300);
-      upper.fill(-1e300);
-      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          const double x = model.state.initial_position.node(i)[d];
-          lower[d] = std::min(lower[d], x);
-          upper[d] = std::max(upper[d], x);
-        }
+      const Extent<dim> extent = extent_of<dim>(model.state.initial_position);
       std::ostringstream text;
       for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? " x " : "") << "[" << Utilities::MPI::min(lower[d], model.communicator)
-             << ", " << Utilities::MPI::max(upper[d], model.communicator) << "]";
+        text << (d > 0 ? " x " : "") << "[" << extent.lowest[d] << ", " << extent.highest[d] << "]";
       return text.str();
     }
 
@@ -155,10 +146,9 @@ namespace tombolo
       text << "  ";
       if (model.has_mechanics)
         text << "mass " << Utilities::MPI::sum(mass, model.communicator) << ", ";
-      text << "extent " << extent_of(model) << "\n";
+      text << "extent " << text_of_extent(model) << "\n";
     }
 
-    /** Returns how many steps are expected. Collective. */
     /** The least and the largest spacing V^(1/dim) of the initial volumes of cells, or of
      * particles, of a part; the first is larger where there are none. Collective. */
     template <int dim>
@@ -218,6 +208,7 @@ namespace tombolo
       }
     }
 
+    /** Returns how many steps are expected. Collective. */
     template <int dim>
     double print_steps(const Model<dim> &model, StepSize<dim> &step_size,
                        ThermalStep<dim> *thermal_step, const StaticSteps<dim> *statics,
