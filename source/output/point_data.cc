@@ -196,27 +196,25 @@ namespace tombolo
   }
 
   template <int dim>
-  void PointData<dim>::write_to(const bool with_volume,
-                                const std::function<void(const std::string &, const std::string &,
-                                                         unsigned int, std::vector<double>)> &add)
+  void PointData<dim>::move_to(const bool with_volume, VtuPiece::Arrays &data)
   {
     for (std::size_t f = 0; f < fields.size(); ++f)
     {
       if (f == MaterialPoints::volume && !with_volume)
         continue;
-      add(fields[f].name, fields[f].unit, fields[f].n_components, std::move(values[f]));
+      data.add(fields[f].name, fields[f].unit, fields[f].n_components, std::move(values[f]));
       if (f != MaterialPoints::stress)
         continue;
       const std::string unit = fields[f].unit;
       if (view.exact_stress)
-        add("exact stress", unit, 6, std::move(exact_stresses));
-      add("pressure", unit, 1, std::move(pressures));
-      add("von Mises stress", unit, 1, std::move(von_mises_stresses));
+        data.add("exact stress", unit, 6, std::move(exact_stresses));
+      data.add("pressure", unit, 1, std::move(pressures));
+      data.add("von Mises stress", unit, 1, std::move(von_mises_stresses));
       if (wanted.principal_stresses)
         for (unsigned int d = 0; d < 3; ++d)
-          add("principal stress " + std::to_string(d + 1), unit, 1, std::move(principal[d]));
+          data.add("principal stress " + std::to_string(d + 1), unit, 1, std::move(principal[d]));
       if (wanted.logarithmic_strain)
-        add("logarithmic strain", "1", 6, std::move(strains));
+        data.add("logarithmic strain", "1", 6, std::move(strains));
     }
   }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/mesh/extent.h>
 #include <tombolo/output/solution_pieces.h>
 
 #include <deal.II/base/mpi.h>
@@ -12,37 +13,18 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** The corners of the box around all nodes. Collective. */
-    template <int dim>
-    std::pair<Tensor<1, dim>, Tensor<1, dim>> box_of(const NodalVector &position)
-    {
-      std::array<double, dim> low, high;
-      low.fill(std::numeric_limits<double>::max());
-      high.fill(std::numeric_limits<double>::lowest());
-      for (unsigned int node = 0; node < position.partition()->n_owned(); ++node)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          low[d] = std::min(low[d], position.node(node)[d]);
-          high[d] = std::max(high[d], position.node(node)[d]);
-        }
-      std::pair<Tensor<1, dim>, Tensor<1, dim>> result;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        result.first[d] = Utilities::MPI::min(low[d], position.partition()->communicator());
-        result.second[d] = Utilities::MPI::max(high[d], position.partition()->communicator());
-      }
-      return result;
-    }
-  } // namespace
-
   template <int dim>
   VtuPiece make_tool_piece(const OutputView<dim> &view, const bool double_precision,
                            const bool with_facets)
   {
     VtuPiece piece(dim == 2 ? 3 : 5, dim, double_precision);
-    const auto [low, high] = box_of<dim>(view.state->position);
+    const Extent<dim> box = extent_of<dim>(view.state->position);
+    Tensor<1, dim> low, high;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      low[d] = box.lowest[d];
+      high[d] = box.highest[d];
+    }
     std::vector<std::string> names;
     std::vector<std::int64_t> numbers;
     std::vector<double> forces, penetrations;
@@ -374,9 +356,7 @@ namespace tombolo
     }
 
     node_data.write_to(piece);
-    point_data.write_to(false, [&](const std::string &name, const std::string &unit,
-                                   const unsigned int n, std::vector<double> values)
-                        { piece.cell_data.add(name, unit, n, std::move(values)); });
+    point_data.move_to(false, piece.cell_data);
     piece.cell_data.add("part", std::move(point_data.parts));
     piece.cell_data.add("owner rank",
                         std::vector<std::int64_t>(piece.n_cells(), Utilities::MPI::this_mpi_process(
@@ -429,9 +409,7 @@ namespace tombolo
     node_data.write_to(piece);
     if (view.has_mechanics)
       piece.point_data.add("unsmoothed velocity", "L/T", 3, std::move(unsmoothed_velocities));
-    point_data.write_to(true, [&](const std::string &name, const std::string &unit,
-                                  const unsigned int n, std::vector<double> values)
-                        { piece.point_data.add(name, unit, n, std::move(values)); });
+    point_data.move_to(true, piece.point_data);
     piece.point_data.add("support", "L", 3, std::move(supports));
     piece.point_data.add("mass", "M", 1, std::move(masses));
     piece.point_data.add("part", std::move(point_data.parts));

@@ -50,13 +50,9 @@ namespace tombolo
     void add(const std::vector<unsigned int> &indices, const std::vector<double> &weights,
              const std::function<dealii::Tensor<2, dim>()> &deformation_gradient);
 
-    /** Calls @p add with name, unit, number of components and values of each field, in the order of
-     * the files, once. Cells leave the volume out, since a mean of the volumes of points has no
-     * meaning. */
-    void
-    write_to(bool with_volume,
-             const std::function<void(const std::string &name, const std::string &unit,
-                                      unsigned int n_components, std::vector<double> values)> &add);
+    /** Moves the fields to @p data, in the order of the files. Cells leave the volume out, since a
+     * mean of the volumes of points has no meaning. */
+    void move_to(bool with_volume, VtuPiece::Arrays &data);
 
     std::vector<std::int64_t> parts; ///< of each entity
 
