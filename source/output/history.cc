@@ -55,8 +55,13 @@ namespace tombolo
   template <int dim>
   void History<dim>::after_step(const OutputView<dim> &view)
   {
-    if (!has_row(view))
-      return;
+    if (has_row(view))
+      write_row(view);
+  }
+
+  template <int dim>
+  void History<dim>::write_row(const OutputView<dim> &view)
+  {
     table.begin_row(view.time, view.step);
     add_columns(view);
     table.write_row();

@@ -20,24 +20,6 @@ namespace tombolo
   namespace
   {
     const char *const probes_file = "probes.csv";
-    const char *const probe_axes[] = {"x", "y", "z"};
-
-    struct ProbeQuantity
-    {
-      const char *name;
-      const char *unit;
-    };
-    constexpr ProbeQuantity probe_quantities[] = {
-        {"position", "L"}, {"displacement", "L"}, {"velocity", "L/T"}};
-
-    /** How many columns a probe has. */
-    template <int dim>
-    unsigned int n_columns(const OutputView<dim> &view)
-    {
-      return (view.has_mechanics ? dim * static_cast<unsigned int>(std::size(probe_quantities))
-                                 : 0) +
-             (view.heat != nullptr ? 1 : 0);
-    }
 
     template <int dim>
     std::string text_of(const Point<dim> &point)
@@ -162,36 +144,39 @@ namespace tombolo
   template <int dim>
   void Probes<dim>::add_columns(const OutputView<dim> &view)
   {
-    const unsigned int n_values = n_columns(view);
+    constexpr unsigned int n_values = 10; // position, displacement, velocity, temperature
     std::vector<double> values(probes.size() * n_values, 0.);
     for (std::size_t p = 0; p < probes.size(); ++p)
       if (probes[p].is_owned)
       {
         const unsigned int node = probes[p].owned_index;
         double *const value = values.data() + p * n_values;
-        if (view.has_mechanics)
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double position = view.state->position.node(node)[d];
-            value[d] = position;
-            value[dim + d] = position - view.state->initial_position.node(node)[d];
-            value[2 * dim + d] = view.state->velocity.node(node)[d];
-          }
+        for (unsigned int d = 0; d < dim && view.has_mechanics; ++d)
+        {
+          value[d] = view.state->position.node(node)[d];
+          value[3 + d] = value[d] - view.state->initial_position.node(node)[d];
+          value[6 + d] = view.state->velocity.node(node)[d];
+        }
         if (view.heat != nullptr)
-          value[n_values - 1] = *view.heat->present_temperature.node(node);
+          value[9] = *view.heat->present_temperature.node(node);
       }
     // One rank owns each node: the sum only adds zeros to its values.
     Utilities::MPI::sum(std::vector<double>(values), view.nodes->communicator(), values);
-    auto value = values.begin();
-    for (const Probe &probe : probes)
+    for (std::size_t p = 0; p < probes.size(); ++p)
     {
+      const double *const value = values.data() + p * n_values;
+      const auto add = [&](const std::string &what, const std::string &unit, const double *const of)
+      {
+        this->add_vector(probes[p].name + " " + what, unit, {{of[0], of[1], of[2]}});
+      };
       if (view.has_mechanics)
-        for (const ProbeQuantity &quantity : probe_quantities)
-          for (unsigned int d = 0; d < dim; ++d)
-            this->table.add(probe.name + " " + quantity.name + " " + probe_axes[d], quantity.unit,
-                            *value++);
+      {
+        add("position", "L", value);
+        add("displacement", "L", value + 3);
+        add("velocity", "L/T", value + 6);
+      }
       if (view.heat != nullptr)
-        this->table.add(probe.name + " temperature", "temperature", *value++);
+        this->table.add(probes[p].name + " temperature", "temperature", value[9]);
     }
   }
 

@@ -2,6 +2,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/output/specimen_shape.h>
 
@@ -102,7 +103,8 @@ namespace tombolo
     }
   } // namespace
 
-  SpecimenShape::SpecimenShape(const Entries &e) : section(e.section())
+  SpecimenShape::SpecimenShape(const Entries &e)
+      : History<3>("specimen.csv", 1), section(e.section())
   {
     axis = static_cast<unsigned int>(
         e.choice("Axis", "z", "x|y|z", "The direction of the axis of the specimen.")[0] - 'x');
@@ -154,7 +156,6 @@ namespace tombolo
         result.push_back(&(dimensions.*measure.value));
       return result;
     };
-    table.list(records);
     records.value("bulge height", bulge_height);
     records.numbers("present", all_of(present));
     records.numbers("time integral", all_of(time_integral));
@@ -176,48 +177,44 @@ namespace tombolo
     edge_nodes.clear(); // those of another mesh
     side_nodes.clear();
 
-    std::string failure;
-    try
-    {
-      // A foot face of an owned cell may have its edge in common with a side face of a ghost.
-      std::set<unsigned int> lines_of_side;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        for (const unsigned int f : cell->face_indices())
-          if (!cell->is_artificial() && cell->face(f)->at_boundary() && side.has(cell->face(f)))
-            for (unsigned int l = 0; l < 4; ++l)
-              lines_of_side.insert(cell->face(f)->line_index(l));
-
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned())
-          for (const unsigned int f : cell->face_indices())
-          {
-            const auto face = cell->face(f);
-            if (!face->at_boundary())
-              continue;
-            const Surface *const surfaces[] = {&foot, &side, &rear};
-            for (unsigned int s = 0; s < 3; ++s)
-              if (surfaces[s]->has(face))
-              {
-                ++n_faces[s];
-                for (const unsigned int v : face->vertex_indices())
-                  on_surface.insert(face->vertex_dof_index(v, 0));
-              }
-            if (side.has(face))
-              for (const unsigned int v : {0u, 1u, 3u, 2u})
-                side_nodes.push_back(face->vertex_dof_index(v, 0));
-            if (foot.has(face))
-              for (unsigned int l = 0; l < 4; ++l)
-                if (lines_of_side.count(face->line_index(l)) > 0)
-                  for (unsigned int v = 0; v < 2; ++v)
-                    edge_nodes.push_back(face->line(l)->vertex_dof_index(v, 0));
-          }
-    }
-    catch (const InputError &error)
-    {
-      failure = error.what();
-    }
     const MPI_Comm communicator = nodes.communicator();
-    throw_on_all_ranks<InputError>(failure, communicator);
+    attempt_on_all_ranks<InputError>(
+        communicator,
+        [&]
+        {
+          // A foot face of an owned cell may have its edge in common with a side face of a ghost.
+          std::set<unsigned int> lines_of_side;
+          for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+            for (const unsigned int f : cell->face_indices())
+              if (!cell->is_artificial() && cell->face(f)->at_boundary() && side.has(cell->face(f)))
+                for (unsigned int l = 0; l < 4; ++l)
+                  lines_of_side.insert(cell->face(f)->line_index(l));
+
+          for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+            if (cell->is_locally_owned())
+              for (const unsigned int f : cell->face_indices())
+              {
+                const auto face = cell->face(f);
+                if (!face->at_boundary())
+                  continue;
+                const Surface *const surfaces[] = {&foot, &side, &rear};
+                for (unsigned int s = 0; s < 3; ++s)
+                  if (surfaces[s]->has(face))
+                  {
+                    ++n_faces[s];
+                    for (const unsigned int v : face->vertex_indices())
+                      on_surface.insert(face->vertex_dof_index(v, 0));
+                  }
+                if (side.has(face))
+                  for (const unsigned int v : {0u, 1u, 3u, 2u})
+                    side_nodes.push_back(face->vertex_dof_index(v, 0));
+                if (foot.has(face))
+                  for (unsigned int l = 0; l < 4; ++l)
+                    if (lines_of_side.count(face->line_index(l)) > 0)
+                      for (unsigned int v = 0; v < 2; ++v)
+                        edge_nodes.push_back(face->line(l)->vertex_dof_index(v, 0));
+              }
+        });
     surface_nodes.assign(on_surface.begin(), on_surface.end());
 
     const Surface *const surfaces[] = {&foot, &side, &rear};
@@ -257,14 +254,6 @@ namespace tombolo
     if (bulge_height >= initial.length)
       section.fail("Bulge height", "the specimen is not so high: its initial length is " +
                                        format_number(initial.length));
-  }
-
-  void SpecimenShape::start(const OutputView<3> &view, const OutputDirectory &directory,
-                            const UnitLabels &unit_labels)
-  {
-    find_local_nodes(view);
-    add_row(view, measure(view));
-    table.open(directory, unit_labels);
   }
 
   SpecimenShape::Dimensions SpecimenShape::measure(const OutputView<3> &view) const
@@ -348,58 +337,49 @@ namespace tombolo
     return sum / 3;
   }
 
-  void SpecimenShape::sample(const OutputView<3> &view)
+  bool SpecimenShape::has_row(const OutputView<3> &view)
   {
-    if (has_present && step_of_present == view.step)
-      return;
+    return History<3>::has_row(view) && !is_sampled(view);
+  }
+
+  void SpecimenShape::add_columns(const OutputView<3> &view)
+  {
     if (view.state->position.partition() != partition)
       find_local_nodes(view);
-    const Dimensions before = present;
-    const double interval = view.time - time_of_present;
-    present = measure(view);
+    measured = measure(view);
+    for (const Measure &measure : measures)
+      table.add(measure.heading, "L", measured.*measure.value);
+    if (has_test)
+      table.add("mean error", "1", mean_error(measured));
+  }
+
+  void SpecimenShape::end_row(const OutputView<3> &view)
+  {
+    if (average_from >= 0 && view.time >= average_from)
+    {
+      const double interval = view.time - time_of_present;
+      for (const Measure &measure : measures)
+        if (is_averaging)
+          time_integral.*measure.value +=
+              0.5 * interval * (present.*measure.value + measured.*measure.value);
+      averaged_time += is_averaging ? interval : 0.;
+      is_averaging = true;
+    }
+    present = measured;
     time_of_present = view.time;
     step_of_present = view.step;
     has_present = true;
-
-    if (average_from >= 0 && view.time >= average_from)
-    {
-      if (is_averaging)
-      {
-        for (const Measure &measure : measures)
-          time_integral.*measure.value +=
-              0.5 * interval * (before.*measure.value + present.*measure.value);
-        averaged_time += interval;
-      }
-      is_averaging = true;
-    }
-
-    add_row(view, present);
-    table.write_row();
-  }
-
-  void SpecimenShape::add_row(const OutputView<3> &view, const Dimensions &dimensions)
-  {
-    table.begin_row(view.time, view.step);
-    for (const Measure &measure : measures)
-      table.add(measure.heading, "L", dimensions.*measure.value);
-    if (has_test)
-      table.add("mean error", "1", mean_error(dimensions));
-  }
-
-  void SpecimenShape::after_step(const OutputView<3> &view)
-  {
-    if (view.step % steps_between == 0)
-      sample(view);
   }
 
   void SpecimenShape::write(const OutputView<3> &view, TimeTable &statistics)
   {
-    sample(view);
+    if (!is_sampled(view))
+      write_row(view);
     for (const Measure &measure : measures)
       statistics.add(std::string("specimen ") + measure.heading, "L", present.*measure.value);
     if (has_test)
       statistics.add("specimen mean error", "1", mean_error(present));
-    table.flush();
+    History<3>::write(view, statistics);
   }
 
   void SpecimenShape::finish(Json &results)
@@ -426,7 +406,7 @@ namespace tombolo
       averaged_time = 1;
       write(time_integral, "average_");
     }
-    table.flush();
+    History<3>::finish(results);
   }
 
   std::string SpecimenShape::text_of(const Dimensions &dimensions) const

@@ -56,6 +56,9 @@ namespace tombolo
     /** The row was written. */
     virtual void end_row(const OutputView<dim> & /*view*/) {}
 
+    /** Writes a row of now. Collective. */
+    void write_row(const OutputView<dim> &view);
+
     /** Adds the components of a vector to the row: all of one of rotation that can differ from
      * zero, which in two dimensions is that about z. */
     void add_vector(const std::string &name, const std::string &unit,

@@ -3,11 +3,6 @@
 
 #include <vector>
 
-namespace dealii
-{
-  class ParameterHandler;
-}
-
 namespace tombolo
 {
   class Entries;

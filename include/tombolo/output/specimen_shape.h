@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/output/output.h>
+#include <tombolo/output/history.h>
 
 #include <array>
 #include <memory>
@@ -21,7 +21,7 @@ namespace tombolo
    * planes has those of the whole. A row of specimen.csv comes every so many steps and at each
    * output; averages over time are those of the rows.
    */
-  class SpecimenShape : public Output<3>
+  class SpecimenShape : public History<3>
   {
   public:
     /** What is measured at one time. NaN where there is nothing to measure. */
@@ -39,10 +39,6 @@ namespace tombolo
     /** Throws InputError where a surface has no face or foot and side have no edge in common. */
     void check(const OutputView<3> &view) override;
 
-    void start(const OutputView<3> &view, const OutputDirectory &directory,
-               const UnitLabels &unit_labels) override;
-
-    void after_step(const OutputView<3> &view) override;
     void write(const OutputView<3> &view, TimeTable &statistics) override;
     void finish(Json &results) override;
     std::string report() const override;
@@ -58,14 +54,19 @@ namespace tombolo
 
     void select_surfaces(const OutputView<3> &view);
     void find_local_nodes(const OutputView<3> &view);
-    void sample(const OutputView<3> &view);
-    void add_row(const OutputView<3> &view, const Dimensions &dimensions);
+    bool is_sampled(const OutputView<3> &view) const
+    {
+      return has_present && step_of_present == view.step;
+    }
+
+    bool has_row(const OutputView<3> &view) override;
+    void add_columns(const OutputView<3> &view) override;
+    void end_row(const OutputView<3> &view) override;
     std::string text_of(const Dimensions &dimensions) const;
 
     Section section;
     unsigned int axis;
     std::array<double, 3> point_on_axis;
-    unsigned int steps_between;
     double average_from; ///< negative: no averages
     double bulge_height; ///< above the lowest point of the foot [L]
     std::array<double, 3> test_dimensions;
@@ -77,6 +78,7 @@ namespace tombolo
     std::vector<unsigned int> local_surface, local_edges, local_sides;
     std::shared_ptr<const NodePartition> partition;
 
+    Dimensions measured; ///< of the row that is being written
     Dimensions present;
     double time_of_present = 0;
     std::uint64_t step_of_present = 0;
@@ -85,7 +87,5 @@ namespace tombolo
     double averaged_time = 0;
     bool is_averaging = false;
     bool is_finished = false;
-
-    TimeTable table{"specimen.csv", TimeTable::Rows::in_file};
   };
 } // namespace tombolo
