@@ -4,12 +4,11 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>
 #include <tombolo/base/format.h>
+#include <tombolo/base/hdf5_handle.h>
 #include <tombolo/output/xml_text.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
-
-#include <hdf5.h>
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -28,34 +27,6 @@ namespace tombolo
   namespace
   {
     constexpr const char *name_of_text = "grid";
-
-    /** An identifier of HDF5 that is closed with its scope. */
-    class Hdf5Identifier
-    {
-    public:
-      Hdf5Identifier(const hid_t id, herr_t (*close)(hid_t)) : id(id), close(close) {}
-      ~Hdf5Identifier()
-      {
-        if (id >= 0)
-          close(id);
-      }
-      Hdf5Identifier(const Hdf5Identifier &) = delete;
-      Hdf5Identifier &operator=(const Hdf5Identifier &) = delete;
-      operator hid_t() const
-      {
-        return id;
-      }
-      /** Whether that worked. */
-      bool close_now()
-      {
-        const hid_t open = std::exchange(id, -1);
-        return open < 0 || close(open) >= 0;
-      }
-
-    private:
-      hid_t id;
-      herr_t (*close)(hid_t);
-    };
 
     std::string group_of(const unsigned int output)
     {
@@ -116,8 +87,8 @@ namespace tombolo
         const hsize_t dimensions[2] = {n_rows, n_columns}, start[2] = {first, 0},
                       count[2] = {n_own, n_columns};
         const int rank = n_columns == 1 ? 1 : 2;
-        const Hdf5Identifier in_file(H5Screate_simple(rank, dimensions, nullptr), H5Sclose);
-        const Hdf5Identifier in_memory(H5Screate_simple(rank, count, nullptr), H5Sclose);
+        const Hdf5Handle in_file(H5Screate_simple(rank, dimensions, nullptr), H5Sclose);
+        const Hdf5Handle in_memory(H5Screate_simple(rank, count, nullptr), H5Sclose);
         if (n_own == 0)
         {
           H5Sselect_none(in_file);
@@ -125,9 +96,9 @@ namespace tombolo
         }
         else
           H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
-        const Hdf5Identifier dataset(H5Dcreate2(group, name.c_str(), Hdf5Number<Number>::type(),
-                                                in_file, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                                     H5Dclose);
+        const Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), Hdf5Number<Number>::type(),
+                                            in_file, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                                 H5Dclose);
         is_written = is_written && dataset >= 0 &&
                      H5Dwrite(dataset, Hdf5Number<Number>::type(), in_memory, in_file, transfer,
                               values.data()) >= 0;
@@ -160,11 +131,11 @@ namespace tombolo
       void write_text(const std::string &name, const std::string &text)
       {
         const hsize_t size = text.size();
-        const Hdf5Identifier space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-        const Hdf5Identifier dataset(H5Dcreate2(group, name.c_str(), H5T_NATIVE_CHAR, space,
-                                                H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                                     H5Dclose);
-        const Hdf5Identifier mine(H5Scopy(space), H5Sclose);
+        const Hdf5Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+        const Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), H5T_NATIVE_CHAR, space,
+                                            H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                                 H5Dclose);
+        const Hdf5Handle mine(H5Scopy(space), H5Sclose);
         if (Utilities::MPI::this_mpi_process(communicator) != 0)
           H5Sselect_none(mine);
         is_written = is_written && dataset >= 0 &&
@@ -191,7 +162,7 @@ namespace tombolo
     private:
       std::string place;
       MPI_Comm communicator;
-      Hdf5Identifier group, transfer;
+      Hdf5Handle group, transfer;
     };
 
     const char *topology_of(const unsigned int vtk_cell_type)
@@ -295,19 +266,19 @@ namespace tombolo
     bool read_grids(const std::string &file, const unsigned int n_outputs,
                     std::vector<std::string> &grids)
     {
-      const Hdf5Identifier opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+      const Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
       if (opened < 0)
         return false;
       for (unsigned int output = 0; output < n_outputs; ++output)
       {
         if (H5Lexists(opened, group_of(output).c_str(), H5P_DEFAULT) <= 0)
           continue; // without cells
-        const Hdf5Identifier dataset(
+        const Hdf5Handle dataset(
             H5Dopen2(opened, (group_of(output) + "/" + name_of_text).c_str(), H5P_DEFAULT),
             H5Dclose);
         if (dataset < 0)
           return false;
-        const Hdf5Identifier space(H5Dget_space(dataset), H5Sclose);
+        const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
         std::string text(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)), ' ');
         if (H5Dread(dataset, H5T_NATIVE_CHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
           return false;
@@ -365,12 +336,11 @@ namespace tombolo
     std::string grid;
     bool is_written = false;
     {
-      const Hdf5Identifier access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+      const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
       H5Pset_fapl_mpio(access, communicator, MPI_INFO_NULL);
-      Hdf5Identifier file(grids.empty()
-                              ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
-                              : H5Fopen(path.c_str(), H5F_ACC_RDWR, access),
-                          H5Fclose);
+      Hdf5Handle file(grids.empty() ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
+                                    : H5Fopen(path.c_str(), H5F_ACC_RDWR, access),
+                      H5Fclose);
       throw_on_all_ranks<RunError>(
           file >= 0 ? "" : "Cannot write " + path + ": HDF5 does not open it. Is the disk full?",
           communicator);

@@ -3,8 +3,7 @@
 
 #include <deal.II/base/mpi.h>
 #include <tombolo/base/file_stream.h>
-
-#include <hdf5.h>
+#include <tombolo/base/hdf5_handle.h>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -19,28 +18,6 @@ namespace tombolo
   namespace
   {
     const char *const checksum_name = "checksum";
-
-    /** A handle of HDF5 that is closed with its scope. */
-    class Handle
-    {
-    public:
-      Handle(const hid_t id, herr_t (*close)(hid_t)) : id(id), close(close) {}
-      ~Handle()
-      {
-        if (id >= 0)
-          close(id);
-      }
-      Handle(const Handle &) = delete;
-      Handle &operator=(const Handle &) = delete;
-      operator hid_t() const
-      {
-        return id;
-      }
-
-    private:
-      hid_t id;
-      herr_t (*close)(hid_t);
-    };
 
     hid_t type_of(const double *)
     {
@@ -65,7 +42,7 @@ namespace tombolo
     /** Makes the groups on the way to @p path where they do not exist. */
     bool create_groups(const hid_t file, const std::string &path)
     {
-      const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+      const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
       keep_links_in_header(creation);
       for (std::size_t slash = path.find('/'); slash != std::string::npos;
            slash = path.find('/', slash + 1))
@@ -73,8 +50,8 @@ namespace tombolo
         const std::string name = path.substr(0, slash);
         if (H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0)
           continue;
-        const Handle group(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
-                           H5Gclose);
+        const Hdf5Handle group(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
+                               H5Gclose);
         if (group < 0)
           return false;
       }
@@ -138,7 +115,7 @@ namespace tombolo
       : file_name(name), mode(mode), mpi_communicator(communicator)
   {
     silence();
-    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     if (mode == Mode::write)
     {
       // Not written by all ranks: where one of them fails, the others would wait for it for ever.
@@ -151,7 +128,7 @@ namespace tombolo
           ::close(descriptor);
         // The newest format has checksums of its own in what describes the datasets.
         H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-        const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+        const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
         keep_links_in_header(creation);
         if (problem.empty())
           handle = H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation, access);
@@ -235,10 +212,10 @@ namespace tombolo
     hsize_t dimensions[2] = {0, 0};
     bool is_found = false;
     {
-      const Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
+      const Hdf5Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
       if (dataset >= 0)
       {
-        const Handle space(H5Dget_space(dataset), H5Sclose);
+        const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
         is_found = H5Sget_simple_extent_ndims(space) == 2 &&
                    H5Sget_simple_extent_dims(space, dimensions, nullptr) == 2;
       }
@@ -272,13 +249,13 @@ namespace tombolo
 
     const hid_t type = type_of(values.data());
     const hsize_t dimensions[2] = {n_rows, n_columns};
-    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
     if (n_rows * n_columns > 0) // the library refuses to write nothing
       H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
-    const Handle in_file(H5Screate_simple(2, dimensions, nullptr), H5Sclose);
+    const Hdf5Handle in_file(H5Screate_simple(2, dimensions, nullptr), H5Sclose);
     const bool has_groups = create_groups(handle, path);
-    const Handle dataset(
+    const Hdf5Handle dataset(
         H5Dcreate2(handle, path.c_str(), type, in_file, H5P_DEFAULT, creation, H5P_DEFAULT),
         H5Dclose);
     bool is_written = has_groups && dataset >= 0;
@@ -296,13 +273,13 @@ namespace tombolo
                  static_cast<int>(from), 0, mpi_communicator, MPI_STATUS_IGNORE);
       const hsize_t start[2] = {first_row_of_share, 0};
       const hsize_t count[2] = {n / n_columns, n_columns};
-      const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+      const Hdf5Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
       H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
       is_written = is_written && H5Dwrite(dataset, type, in_memory, in_file, H5P_DEFAULT,
                                           from == 0 ? values.data() : received.data()) >= 0;
     }
-    const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
-    const Handle attribute(
+    const Hdf5Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
+    const Hdf5Handle attribute(
         H5Acreate2(dataset, checksum_name, H5T_NATIVE_UINT64, scalar, H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);
     is_written = is_written && attribute >= 0 && H5Awrite(attribute, H5T_NATIVE_UINT64, &sum) >= 0;
@@ -320,11 +297,11 @@ namespace tombolo
     if (!values.empty())
     {
       const hsize_t start[2] = {first_row, 0}, count[2] = {n_rows, n_columns};
-      const Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
-      const Handle type(H5Dget_type(dataset), H5Tclose);
+      const Hdf5Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
+      const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
       is_of_this_kind = H5Tequal(type, type_of(values.data())) > 0;
-      const Handle in_file(H5Dget_space(dataset), H5Sclose);
-      const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+      const Hdf5Handle in_file(H5Dget_space(dataset), H5Sclose);
+      const Hdf5Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
       H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
       is_read = H5Dread(dataset, type_of(values.data()), in_memory, in_file, H5P_DEFAULT,
                         values.data()) >= 0;
@@ -350,10 +327,10 @@ namespace tombolo
     {
       std::uint64_t stored = 0, sum = 0;
       bool is_readable = false;
-      const Handle dataset(H5Dopen2(file.handle, table.c_str(), H5P_DEFAULT), H5Dclose);
-      const Handle attribute(H5Aopen(dataset, checksum_name, H5P_DEFAULT), H5Aclose);
-      const Handle space(H5Dget_space(dataset), H5Sclose);
-      const Handle type(H5Dget_type(dataset), H5Tclose);
+      const Hdf5Handle dataset(H5Dopen2(file.handle, table.c_str(), H5P_DEFAULT), H5Dclose);
+      const Hdf5Handle attribute(H5Aopen(dataset, checksum_name, H5P_DEFAULT), H5Aclose);
+      const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+      const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
       hsize_t dimensions[2] = {0, 0};
       if (dataset >= 0 && attribute >= 0 && H5Aread(attribute, H5T_NATIVE_UINT64, &stored) >= 0 &&
           H5Sget_simple_extent_ndims(space) == 2 &&
@@ -367,7 +344,7 @@ namespace tombolo
         is_readable = true;
         if (n > 0)
         {
-          const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+          const Hdf5Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
           H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
           is_readable = H5Dread(dataset, type, in_memory, space, H5P_DEFAULT, bytes.data()) >= 0;
         }
