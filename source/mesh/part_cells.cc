@@ -2,14 +2,14 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/registry.h>
 #include <tombolo/mesh/communicator_of.h>
+#include <tombolo/mesh/named_ids.h>
 #include <tombolo/mesh/part_cells.h>
 
 #include <algorithm>
 #include <set>
-#include <sstream>
 
 namespace tombolo
 {
@@ -58,49 +58,20 @@ namespace tombolo
       return dealii::Utilities::trim(text.substr(keyword.size()));
     }
 
-    std::string quoted_list(const std::vector<std::string> &names)
-    {
-      std::string result;
-      for (const auto &name : names)
-        result += (result.empty() ? "\"" : ", \"") + name + "\"";
-      return result;
-    }
-
     /** The material ids of a group of cells. Throws InputError where the mesh has no such group. */
     template <int dim>
     std::set<dealii::types::material_id> group_ids(const Mesh<dim> &mesh, const Section &section,
                                                    const std::string &name)
     {
-      const auto found = mesh.group_names.find(name);
-      if (found != mesh.group_names.end())
-        return {found->second};
-      const auto joint = mesh.joint_groups.find(name);
-      if (joint != mesh.joint_groups.end())
-        return joint->second;
-
-      std::vector<std::string> names;
-      for (const auto &group : mesh.group_names)
-        names.push_back(group.first);
-      for (const auto &group : mesh.joint_groups)
-        names.push_back(group.first);
-      if (names.empty())
+      if (mesh.group_names.empty() && mesh.joint_groups.empty())
         section.fail(entry, "The mesh has no groups of cells. Allowed are a predicate of the "
                             "cell's centre, \"material N\", \"all\" and \"otherwise\".");
-      const std::string nearest = nearest_name(name, names);
-      section.fail(entry, "The mesh has no group \"" + name + "\"." +
-                              (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
-                              " Its groups are " + quoted_list(names) + ".");
-    }
-
-    template <int dim>
-    std::string location_text(const dealii::Point<dim> &point)
-    {
-      std::ostringstream text;
-      text << '(';
-      for (int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << point[d];
-      text << ')';
-      return text.str();
+      std::string problem;
+      const auto ids =
+          ids_of_name(mesh.group_names, mesh.joint_groups, name, "group", "groups", problem);
+      if (ids.empty())
+        section.fail(entry, problem);
+      return ids;
     }
 
     /** A cell that breaks the rules. Ordered by the cell's number, which does not depend on the
@@ -321,12 +292,12 @@ namespace tombolo
     if (survey.n_without_part + survey.n_with_two == 0)
       return;
     if (worst.first_part == rules.size())
-      sections.back().fail(entry, "The cell at " + location_text(worst.center) +
-                                      " is in no part (" + std::to_string(survey.n_without_part) +
+      sections.back().fail(entry, "The cell at " + place_text(worst.center) + " is in no part (" +
+                                      std::to_string(survey.n_without_part) +
                                       " cells in all). Give it to a part, or let the last part "
                                       "take the rest with \"otherwise\".");
     sections[worst.second_part].fail(
-        entry, "The cell at " + location_text(worst.center) + " is in two parts, \"" +
+        entry, "The cell at " + place_text(worst.center) + " is in two parts, \"" +
                    sections[worst.first_part].name() + "\" and \"" +
                    sections[worst.second_part].name() + "\" (" + std::to_string(survey.n_with_two) +
                    " cells in all). Each cell must be in one: correct one of them, or use "
