@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/as_text.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <sstream>
 
 namespace tombolo
 {
@@ -102,19 +102,15 @@ namespace tombolo
           1e-12 * std::max({std::abs(axis.begin), std::abs(axis.end), axis.end - axis.begin});
       if (std::abs(segment.end - axis.end) <= tolerance)
         segment.end = axis.end;
-      std::ostringstream message;
       if (!(segment.end > from + tolerance))
-        message << "The segment \"" << part << "\"" << along << " ends at " << segment.end
-                << " and begins at " << from << ". Ends must increase.";
-      else if (segment.end > axis.end)
-        message << "The segment \"" << part << "\"" << along << " ends at " << segment.end
-                << ", outside the " << axis.whole << ", which ends at " << axis.end << ".";
-      else if (is_last && segment.end != axis.end)
-        message << "The segments" << along << " end at " << segment.end << ", and the "
-                << axis.whole << " at " << axis.end
-                << ". The last segment must end there, or leave its end out.";
-      if (!message.str().empty())
-        fail(message.str());
+        fail(as_text("The segment \"", part, "\"", along, " ends at ", segment.end,
+                     " and begins at ", from, ". Ends must increase."));
+      if (segment.end > axis.end)
+        fail(as_text("The segment \"", part, "\"", along, " ends at ", segment.end,
+                     ", outside the ", axis.whole, ", which ends at ", axis.end, "."));
+      if (is_last && segment.end != axis.end)
+        fail(as_text("The segments", along, " end at ", segment.end, ", and the ", axis.whole,
+                     " at ", axis.end, ". The last segment must end there, or leave its end out."));
       from = segment.end;
       result.push_back(segment);
     }
@@ -132,13 +128,12 @@ namespace tombolo
   void refuse_too_many_cells(const Section &section, const std::string &entry,
                              const std::string &whole, const double n_all)
   {
-    if (!(n_all > static_cast<double>(most_coarse_cells)))
-      return;
-    std::ostringstream message;
-    message << "The " << whole << " would have " << n_all
-            << " cells, all of them coarse, of about 2 kB each on every rank; at most "
-            << most_coarse_cells << " are allowed.";
-    section.fail(entry, message.str());
+    if (n_all > static_cast<double>(most_coarse_cells))
+      section.fail(entry,
+                   as_text("The ", whole, " would have ", n_all,
+                           " cells, all of them coarse, of about 2 kB each on every rank; at "
+                           "most ",
+                           most_coarse_cells, " are allowed."));
   }
 
   std::vector<dealii::CellData<3>>

@@ -4,6 +4,7 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
+#include <tombolo/base/as_text.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <sstream>
 
 namespace tombolo
 {
@@ -56,13 +56,20 @@ namespace tombolo
       return result;
     }
 
-    template <int dim>
-    std::string list_of(const double value)
+    /** The place, along each axis, of a vertex of the lattice of these coordinates; with one less
+     * along each axis, of a cell. */
+    template <std::size_t dim>
+    std::array<std::size_t, dim>
+    place_in_lattice(std::size_t number, const std::array<std::vector<double>, dim> &coordinates,
+                     const std::size_t n_less)
     {
-      std::ostringstream text;
-      for (int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << value;
-      return text.str();
+      std::array<std::size_t, dim> place;
+      for (std::size_t d = 0; d < dim; ++d)
+      {
+        place[d] = number % (coordinates[d].size() - n_less);
+        number /= coordinates[d].size() - n_less;
+      }
+      return place;
     }
   } // namespace
 
@@ -70,7 +77,7 @@ namespace tombolo
   Box<dim>::Box(const Entries &e) : section(e.section())
   {
     const std::vector<double> lower =
-        e.numbers("Lower corner", list_of<dim>(0), dim, "",
+        e.numbers("Lower corner", dim == 2 ? "0, 0" : "0, 0, 0", dim, "",
                   "The corner with the smallest coordinates. Units: length");
     const std::vector<double> upper =
         e.numbers("Upper corner", mandatory, dim, "",
@@ -104,16 +111,13 @@ namespace tombolo
     if (e.declares())
       return;
     for (int d = 0; d < dim; ++d)
-    {
       if (!(upper[d] > lower[d]))
-      {
-        std::ostringstream message;
-        message << "The extent along " << axis_names[d] << " is " << upper[d] - lower[d]
-                << ". It must be positive: the upper corner must be larger than the lower one, "
-                << lower[d] << ".";
-        section.fail("Upper corner", message.str());
-      }
-    }
+        section.fail(
+            "Upper corner",
+            as_text("The extent along ", axis_names[d], " is ", upper[d] - lower[d],
+                    ". It must be positive: the upper corner must be larger than the lower "
+                    "one, ",
+                    lower[d], "."));
 
     const bool has_segments = text.find_first_of(";|") != std::string::npos;
     const auto axes = dealii::Utilities::split_string_list(text, has_segments ? ';' : ',');
@@ -160,20 +164,19 @@ namespace tombolo
     double n_vertices = 1;
     for (const auto &axis : segments)
       n_vertices *= static_cast<double>(tombolo::n_cells(axis)) + 1;
-    std::ostringstream message;
-    if (n_vertices > std::numeric_limits<dealii::types::global_dof_index>::max() - 1.)
-      message << "The box would have " << n_vertices << " nodes. At most "
-              << std::numeric_limits<dealii::types::global_dof_index>::max() - 1
-              << " are possible with this deal.II.";
-    else if (n_coarse_cells > static_cast<double>(most_coarse_cells))
-      message << "The box would have " << n_coarse_cells
-              << " coarse cells of about 2 kB each on every rank; at most " << most_coarse_cells
-              << " are allowed. "
-              << (disorder > 0 ? "A mesh with disorder is not refined: choose fewer cells."
+    constexpr auto most_vertices = std::numeric_limits<dealii::types::global_dof_index>::max() - 1;
+    if (n_vertices > static_cast<double>(most_vertices))
+      section.fail("Cells", as_text("The box would have ", n_vertices, " nodes. At most ",
+                                    most_vertices, " are possible with this deal.II."));
+    if (n_coarse_cells > static_cast<double>(most_coarse_cells))
+      section.fail("Cells",
+                   as_text("The box would have ", n_coarse_cells,
+                           " coarse cells of about 2 kB each on every rank; at most ",
+                           most_coarse_cells, " are allowed. ",
+                           disorder > 0
+                               ? "A mesh with disorder is not refined: choose fewer cells."
                                : "Choose counts that are all multiples of a larger power of two, "
-                                 "so that the mesh is refined from fewer cells.");
-    if (!message.str().empty())
-      section.fail("Cells", message.str());
+                                 "so that the mesh is refined from fewer cells."));
   }
 
   template <int dim>
@@ -207,17 +210,12 @@ namespace tombolo
   void Box<dim>::displace(const std::array<std::vector<double>, dim> &coordinates,
                           std::vector<dealii::Point<dim>> &vertices) const
   {
-    std::array<std::size_t, dim> place = {};
     for (std::size_t v = 0; v < vertices.size(); ++v)
     {
-      std::size_t rest = v;
+      const auto place = place_in_lattice(v, coordinates, 0);
       bool on_surface = false;
       for (int d = 0; d < dim; ++d)
-      {
-        place[d] = rest % coordinates[d].size();
-        rest /= coordinates[d].size();
         on_surface = on_surface || place[d] == 0 || place[d] + 1 == coordinates[d].size();
-      }
       if (on_surface && !surface_nodes_slide)
         continue;
       for (int d = 0; d < dim; ++d)
@@ -249,12 +247,9 @@ namespace tombolo
     std::vector<dealii::Point<dim>> vertices(n_vertices);
     for (std::size_t v = 0; v < n_vertices; ++v)
     {
-      std::size_t rest = v;
+      const auto place = place_in_lattice(v, coordinates, 0);
       for (int d = 0; d < dim; ++d)
-      {
-        vertices[v][d] = coordinates[d][rest % coordinates[d].size()];
-        rest /= coordinates[d].size();
-      }
+        vertices[v][d] = coordinates[d][place[d]];
     }
     if (disorder > 0)
       displace(coordinates, vertices);
@@ -263,13 +258,7 @@ namespace tombolo
     std::vector<dealii::CellData<dim>> cells(n_cells, dealii::CellData<dim>(n_corners));
     for (std::size_t c = 0; c < n_cells; ++c)
     {
-      std::array<std::size_t, dim> place;
-      std::size_t rest = c;
-      for (int d = 0; d < dim; ++d)
-      {
-        place[d] = rest % (coordinates[d].size() - 1);
-        rest /= coordinates[d].size() - 1;
-      }
+      const auto place = place_in_lattice(c, coordinates, 1);
       CellVertices<dim> corners;
       for (unsigned int corner = 0; corner < n_corners; ++corner)
       {
@@ -281,13 +270,11 @@ namespace tombolo
       }
       cells[c].material_id = 0;
       if (disorder > 0 && smallest_corner<dim>(corners) < smallest_usable_corner)
-      {
-        std::ostringstream message;
-        message << "The cell around " << corners[0]
-                << " is turned inside out by this disorder. Choose a smaller one (below "
-                << 1. / (2 * dim) << " no cell of equal spacings can be), or another `Seed`.";
-        section.fail("Disorder", message.str());
-      }
+        section.fail("Disorder",
+                     as_text("The cell around ", corners[0],
+                             " is turned inside out by this disorder. Choose a smaller one (below ",
+                             1. / (2 * dim),
+                             " no cell of equal spacings can be), or another `Seed`."));
     }
 
     for (auto &vertex : vertices)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/as_text.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/axis_segments.h>
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -220,12 +220,9 @@ namespace tombolo
     const double n = n_core_cells;
     const double n_in_section = n * n + 4 * n * static_cast<double>(n_cells(rings));
     if (n_in_section > static_cast<double>(most_coarse_cells))
-    {
-      std::ostringstream message;
-      message << "Each section of the " << whole << " would have " << n_in_section
-              << " cells; at most " << most_coarse_cells << " are allowed.";
-      section.fail("Core cells", message.str());
-    }
+      section.fail("Core cells",
+                   as_text("Each section of the ", whole, " would have ", n_in_section,
+                           " cells; at most ", most_coarse_cells, " are allowed."));
     make_full_section();
     keep_positive_sides();
   }
@@ -239,13 +236,11 @@ namespace tombolo
       core_radius =
           first_circle / (1 + 2. * rings.front().n_cells / (n_core_cells * std::sqrt(2.))) / corner;
     if (!(core_radius > 0 && core_radius * corner < first_circle))
-    {
-      std::ostringstream message;
-      message << "The corners of the core would be at the radius " << core_radius * corner
-              << ". They must be inside of the first circle of the " << whole << ", which has "
-              << first_circle << ": give less than " << first_circle / corner << ", or 0.";
-      section.fail("Core radius", message.str());
-    }
+      section.fail("Core radius",
+                   as_text("The corners of the core would be at the radius ", core_radius * corner,
+                           ". They must be inside of the first circle of the ", whole,
+                           ", which has ", first_circle, ": give less than ", first_circle / corner,
+                           ", or 0."));
     rings.front().begin = core_radius;
   }
 

@@ -3,6 +3,7 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
+#include <tombolo/base/as_text.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/axis_segments.h>
@@ -14,7 +15,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <sstream>
 #include <vector>
 
 namespace tombolo
@@ -49,9 +49,8 @@ namespace tombolo
   {
     const double inner = e.number("Inner radius", mandatory, positive(0.), "", "Units: length");
     const double outer = e.number("Outer radius", mandatory, positive(0.), "", "Units: length");
-    std::ostringstream message;
-    message << "It must be larger than the inner radius, " << inner << ".";
-    e.refuse(!(outer > inner), "Outer radius", message.str());
+    e.refuse(!(outer > inner), "Outer radius",
+             as_text("It must be larger than the inner radius, ", inner, "."));
     const unsigned int n_edge_cells =
         e.integer("Cells along edge", mandatory, at_least(2),
                   "The number of cells along each of the three edges of the octant's inner and "

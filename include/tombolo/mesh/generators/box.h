@@ -30,12 +30,6 @@ namespace tombolo
 
     void create(Mesh<dim> &mesh) const override;
 
-    /** How often the coarse box is refined. */
-    unsigned int n_refinements() const
-    {
-      return refinements;
-    }
-
   private:
     double number_of_coarse_cells() const;
     void check_counts() const;
