@@ -104,7 +104,7 @@ namespace tombolo
   } // namespace
 
   SpecimenShape::SpecimenShape(const Entries &e)
-      : History<3>("specimen.csv", 1), section(e.section())
+      : History<3>(e, "specimen.csv", {"Steps", "20", "Interval"}), section(e.section())
   {
     axis = static_cast<unsigned int>(
         e.choice("Axis", "z", "x|y|z", "The direction of the axis of the specimen.")[0] - 'x');
@@ -143,12 +143,10 @@ namespace tombolo
     for (unsigned int i = 0; i < 3; ++i)
       e.refuse(has_test && test_dimensions[i] == 0, test_entries[i],
                "the mean error is that of three dimensions: give this one, too, or none of them");
-    average_from = e.number(
-        "Average from", "-1", any_number(), "T",
-        "From this time to the end the dimensions are averaged over time. Negative: no averages.");
-    steps_between = e.integer("Steps", "20", at_least(1),
-                              "The number of steps between rows of specimen.csv, which also "
-                              "averages are taken over. Each output has a row besides.");
+    average_from =
+        e.number("Average from", "-1", any_number(), "T",
+                 "From this time to the end the dimensions are averaged over time, by the rows of "
+                 "specimen.csv, of which each output has one besides. Negative: no averages.");
     const auto all_of = [](Dimensions &dimensions)
     {
       std::vector<double *> result;
@@ -337,7 +335,7 @@ namespace tombolo
     return sum / 3;
   }
 
-  bool SpecimenShape::has_row(const OutputView<3> &view)
+  bool SpecimenShape::has_row(const OutputView<3> &view) const
   {
     return History<3>::has_row(view) && !is_sampled(view);
   }

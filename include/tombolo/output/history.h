@@ -51,7 +51,7 @@ namespace tombolo
     virtual void check_columns(const OutputDirectory & /*directory*/, const UnitLabels &) {}
 
     /** Whether the step that has ended has a row. */
-    bool has_row(const OutputView<dim> &view) const;
+    virtual bool has_row(const OutputView<dim> &view) const;
 
     /** The row was written. */
     virtual void end_row(const OutputView<dim> & /*view*/) {}

@@ -59,7 +59,7 @@ namespace tombolo
       return has_present && step_of_present == view.step;
     }
 
-    bool has_row(const OutputView<3> &view) override;
+    bool has_row(const OutputView<3> &view) const override;
     void add_columns(const OutputView<3> &view) override;
     void end_row(const OutputView<3> &view) override;
     std::string text_of(const Dimensions &dimensions) const;
