@@ -252,6 +252,7 @@ namespace tombolo
     if (bulge_height >= initial.length)
       section.fail("Bulge height", "the specimen is not so high: its initial length is " +
                                        format_number(initial.length));
+    History<3>::check(view);
   }
 
   SpecimenShape::Dimensions SpecimenShape::measure(const OutputView<3> &view) const
