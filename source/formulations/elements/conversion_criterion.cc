@@ -47,17 +47,16 @@ namespace tombolo
                           "the surface of the `Conversion contact`: neither the tool nor strong "
                           "gradients meet elements. Empty: not by nearness.");
     if (e.when(smallest_gap.has_value()))
-      contact_name = e.text(contact_entry, mandatory, "",
-                            "The name of the contact, one of `Contacts`, for `Conversion gap`.");
+      contact = e.text(contact_entry, mandatory, "",
+                       "The name of the contact, one of `Contacts`, for `Conversion gap`.");
     if (!e.when(!largest_means.empty() || smallest_jacobian || smallest_time_step || smallest_gap))
       return;
     section = e.section();
     layers = e.integer(
         layers_entry, "1", between(0, 100),
         "With a cell that becomes particles go so many layers of cells of the part around it.");
-    steps_between_looks =
-        e.integer(interval_entry, "20", between(1, 1000000),
-                  "Cells are compared with the limits of conversion every so many steps.");
+    interval = e.integer(interval_entry, "20", between(1, 1000000),
+                         "Cells are compared with the limits of conversion every so many steps.");
   }
 
   void ConversionCriterion::refuse(const std::string &message) const

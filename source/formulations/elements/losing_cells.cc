@@ -85,7 +85,7 @@ namespace tombolo
                      std::vector<bool> &converts)
   {
     CellVertices<dim> vertices;
-    for (unsigned int place = 0; place < converts.size() && criterion.scaled_jacobian(); ++place)
+    for (unsigned int place = 0; place < converts.size() && criterion.smallest_jacobian; ++place)
     {
       const unsigned int *const nodes = cells.nodes(place / n_lanes);
       for (unsigned int corner = 0; corner < vertices.size(); ++corner)
@@ -97,7 +97,7 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           vertices[corner][d] = x[d];
       }
-      if (!(smallest_corner<dim>(vertices) >= *criterion.scaled_jacobian()))
+      if (!(smallest_corner<dim>(vertices) >= *criterion.smallest_jacobian))
         converts[place] = true;
     }
   }

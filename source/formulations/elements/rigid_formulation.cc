@@ -148,7 +148,7 @@ namespace tombolo
       part_points.initialize(setup.material, setup.heat, false);
       cell_points.take_cells(setup, p, RigidCell<dim, p>::lumping, false);
       moments = moments_of(cell_points.cells(), p, setup.material->density(), setup.communicator);
-      cell_points.release_initial_node_positions();
+      cell_points.cells().release_initial_positions();
       if (!(moments.smallest_jacobian > 0.))
         throw InputError("The part \"" + setup.name +
                          "\" cannot be made of this mesh: a cell is turned inside out.");

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 
-#include <tombolo/approximation/row_deformation.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
 #include <sstream>
@@ -48,6 +46,26 @@ namespace tombolo
         if (!of_rank.empty())
           return of_rank;
       return {};
+    }
+
+    template <int dim>
+    void check_conversion(const PartSetup<dim> &of_part, const RefillSettings<dim> &refill,
+                          const ConversionCriterion &conversion)
+    {
+      if (refill.fills_cells)
+        conversion.refuse(
+            "refills fill and empty cells of the part (`Refill void cells`), and none "
+            "is lost; allowed is one of both.");
+      if (refill.is_on() && refill.motion())
+        conversion.refuse(
+            "the mesh of the part moves (`Refill motion`), and particles would not go "
+            "with it; allowed is one of both.");
+      if (refill.is_on() && !refill.is_conservative())
+        conversion.refuse("values at new places (`Refill remap`) say nothing of cells that have "
+                          "become particles; allowed with it is conservative.");
+      if (has_cells_with_further_nodes(of_part))
+        conversion.refuse("the part has cells beside cells of half their size (`Refine where`); "
+                          "allowed are parts without such faces.");
     }
   } // namespace
 
@@ -91,90 +109,53 @@ namespace tombolo
   }
 
   template <int dim>
-  void RefilledCells<dim>::prepare_conversion(const PartSetup<dim> &of_part,
-                                              const ConversionCriterion &conversion)
+  PartSetup<dim> with_void_cells(const PartSetup<dim> &of_part, const RefillSettings<dim> &refill,
+                                 const ConversionCriterion &conversion, VoidCells<dim> &voids)
   {
-    if (refill_settings.fills_cells())
-      conversion.refuse("refills fill and empty cells of the part (`Refill void cells`), and none "
-                        "is lost; allowed is one of both.");
-    if (refill_settings.is_on() && refill_settings.template motion<dim>())
-      conversion.refuse("the mesh of the part moves (`Refill motion`), and particles would not go "
-                        "with it; allowed is one of both.");
-    if (refill_settings.is_on() && !refill_settings.is_conservative())
-      conversion.refuse("values at new places (`Refill remap`) say nothing of cells that have "
-                        "become particles; allowed with it is conservative.");
-    if (has_cells_with_further_nodes(of_part))
-      conversion.refuse("the part has cells beside cells of half their size (`Refine where`); "
-                        "allowed are parts without such faces.");
-    voids.initialize(of_part);
-    part_setup.void_cells = &voids;
-  }
-
-  template <int dim>
-  const PartSetup<dim> &RefilledCells<dim>::initialize(const PartSetup<dim> &of_part,
-                                                       const ConversionCriterion &conversion)
-  {
-    part_setup = of_part;
+    PartSetup<dim> result = of_part;
     if (conversion.is_on())
-      prepare_conversion(of_part, conversion);
-    if (!refill_settings.is_on())
-      return part_setup;
+    {
+      check_conversion(of_part, refill, conversion);
+      voids.initialize(of_part);
+      result.void_cells = &voids;
+    }
+    if (!refill.is_on())
+      return result;
     if (!of_part.has_mechanics)
-      refill_settings.refuse("the scene has no mechanics, since its materials have no stresses; "
-                             "nothing is deformed.");
-    if (refill_settings.template motion<dim>() && has_cells_with_further_nodes(of_part))
-      refill_settings.refuse_motion("the part has cells beside cells of half their size (`Refine "
-                                    "where`), whose nodes stay; allowed is one of both.");
-    const auto is_void = refill_settings.template void_cells<dim>();
+      refill.refuse("the scene has no mechanics, since its materials have no stresses; "
+                    "nothing is deformed.");
+    if (refill.motion() && has_cells_with_further_nodes(of_part))
+      refill.refuse("the part has cells beside cells of half their size (`Refine where`), "
+                    "whose nodes stay; allowed is one of both.",
+                    "Refill motion");
+    const auto is_void = refill.void_cells();
     if (!is_void)
-      return part_setup;
+      return result;
     if (!of_part.nodes->images()->empty())
-      refill_settings.refuse_void_cells("the scene has " + Images::words(false) +
-                                        ", at which cells are "
-                                        "neither filled nor emptied; allowed is the whole body.");
+      refill.refuse("the scene has " + Images::words(false) +
+                        ", at which cells are neither filled nor emptied; allowed is the "
+                        "whole body.",
+                    "Refill void cells");
     voids.initialize(of_part, *is_void);
-    part_setup.void_cells = &voids;
-    if (const std::string place = cell_at_smaller_void_ones(part_setup); !place.empty())
-      refill_settings.refuse_void_cells("smaller cells beside the full cell around " + place +
-                                        " are void; allowed are void cells beside full ones of "
-                                        "their own size, or of half of it.");
+    result.void_cells = &voids;
+    if (const std::string place = cell_at_smaller_void_ones(result); !place.empty())
+      refill.refuse("smaller cells beside the full cell around " + place +
+                        " are void; allowed are void cells beside full ones of their own "
+                        "size, or of half of it.",
+                    "Refill void cells");
     const auto &flags = voids.of_cells();
     const bool has_full = std::find(flags.begin(), flags.end(), false) != flags.end();
     if (Utilities::MPI::max(has_full ? 1 : 0, of_part.communicator) == 0)
-      refill_settings.refuse_void_cells("all cells of the part are void; allowed is a predicate "
-                                        "that is false at the centre of some.");
-    return part_setup;
-  }
-
-  template <int dim>
-  void RefilledCells<dim>::take_masses(CellBatches<dim> &cells) const
-  {
-    std::vector<double> masses;
-    for (unsigned int cell = 0; cell < cells.n_cells(); ++cell)
-      for (unsigned int k = 0; k < cells.n_nodes_per_cell(); ++k)
-        masses.push_back(voids.of_cells()[cell] ? 0. : cells.mass_of_node(cell, k));
-    cells.set_masses(masses);
-  }
-
-  template <int dim>
-  bool RefilledCells<dim>::is_distorted(const Stencils &rows,
-                                        const std::vector<unsigned int> &points,
-                                        const NodalVector &position) const
-  {
-    constexpr double smallest_ratio = 0.2; // of the volume to that at the last refill
-    const double limit = refill_settings.stretch() * refill_settings.stretch();
-    return std::any_of(points.begin(), points.end(),
-                       [&](const unsigned int point)
-                       {
-                         const Tensor<2, dim> f = row_deformation<dim>(rows, point, position);
-                         const auto squares = eigenvalues(symmetrize(transpose(f) * f)); // falling
-                         return determinant(f) <= smallest_ratio ||
-                                squares[0] > limit * squares[dim - 1];
-                       });
+      refill.refuse("all cells of the part are void; allowed is a predicate that is false "
+                    "at the centre of some.",
+                    "Refill void cells");
+    return result;
   }
 
   template class VoidCells<2>;
   template class VoidCells<3>;
-  template class RefilledCells<2>;
-  template class RefilledCells<3>;
+  template PartSetup<2> with_void_cells(const PartSetup<2> &, const RefillSettings<2> &,
+                                        const ConversionCriterion &, VoidCells<2> &);
+  template PartSetup<3> with_void_cells(const PartSetup<3> &, const RefillSettings<3> &,
+                                        const ConversionCriterion &, VoidCells<3> &);
 } // namespace tombolo

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 
+#include <tombolo/approximation/row_deformation.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/step_cost.h>
 #include <tombolo/state/records.h>
+
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <algorithm>
 
 namespace tombolo
 {
@@ -16,12 +21,13 @@ namespace tombolo
   {
     declare<SmoothedGradients<dim>>(handler);
     declare<PartPoints>(handler, StrainMeasure::logarithmic);
-    RefillSettings::declare_parameters<dim>(handler);
+    declare<RefillSettings<dim>>(handler);
     declare<ConversionCriterion>(handler);
   }
 
   template <int dim>
-  SmoothedCells<dim>::SmoothedCells(const Section &section) : Base(section), refilled(section)
+  SmoothedCells<dim>::SmoothedCells(const Section &section)
+      : Base(section), refill_settings(section)
   {}
 
   template <int dim>
@@ -33,15 +39,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedCells<dim>::initialize(const PartSetup<dim> &setup)
+  void SmoothedCells<dim>::initialize(const PartSetup<dim> &of_part)
   {
+    setup = with_void_cells(of_part, refill_settings, criterion, voids);
     part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
     cell_points.take_cells(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
-    const PartSetup<dim> &with_void = refilled.initialize(setup, criterion);
-    further_masses.initialize(with_void);
+    further_masses.initialize(setup);
     if (refill().is_on())
       rows.prepare_positions();
-    rows.initialize(with_void);
+    rows.initialize(setup);
     CellBatches<dim> &cells = cell_points.cells();
     if (setup.has_mechanics)
       cell_points.create_points(rows.corner_shares(), void_cells().is_on()
@@ -50,11 +56,11 @@ namespace tombolo
     if (void_cells().is_on())
     {
       cell_points.remove(void_cells().of_cells(), this->points());
-      refilled.take_masses(cells);
+      take_masses_of_void_cells();
     }
     integration.create_points();
     criterion.initialize(this->points(), setup.has_mechanics);
-    cell_points.release_initial_node_positions();
+    cell_points.cells().release_initial_positions();
   }
 
   template <int dim>
@@ -129,40 +135,47 @@ namespace tombolo
   template <int dim>
   std::vector<unsigned int> SmoothedCells<dim>::distorted_cells(const NodalVector &position) const
   {
-    std::vector<unsigned int> result, points(this->n_points_per_cell());
+    constexpr double smallest_ratio = 0.2; // of the volume to that at the last refill
+    const double limit = refill().stretch * refill().stretch;
+    const auto is_distorted = [&](const unsigned int point)
+    {
+      const Tensor<2, dim> f = row_deformation<dim>(rows.stencils(), point, position);
+      const auto squares = eigenvalues(symmetrize(transpose(f) * f)); // falling
+      return determinant(f) <= smallest_ratio || squares[0] > limit * squares[dim - 1];
+    };
+    std::vector<unsigned int> result;
     for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
     {
-      if (is_removed(cell))
-        continue;
-      for (unsigned int q = 0; q < points.size(); ++q)
-        points[q] = this->point_of_cell(cell, q);
-      if (refilled.is_distorted(rows.stencils(), points, position))
+      bool is_found = false;
+      for (unsigned int q = 0; q < this->n_points_per_cell() && !is_removed(cell); ++q)
+        is_found = is_found || is_distorted(this->point_of_cell(cell, q));
+      if (is_found)
         result.push_back(cell);
     }
     return result;
   }
 
   template <int dim>
-  void SmoothedCells<dim>::set_void_cells(const std::vector<bool> &is_void)
+  void SmoothedCells<dim>::take_masses_of_void_cells()
   {
-    refilled.set_void_cells(is_void);
-    cell_points.remove(is_void, this->points());
+    std::vector<double> masses = masses_of_cells();
+    for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
+      if (is_removed(cell))
+        std::fill_n(masses.begin() + std::ptrdiff_t(cell) * n_corners, n_corners, 0.);
+    set_masses(masses);
   }
 
   template <int dim>
-  std::vector<double> SmoothedCells<dim>::masses_of_cells() const
+  void SmoothedCells<dim>::set_void_cells(const std::vector<bool> &is_void)
   {
-    std::vector<double> result;
-    for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
-      for (unsigned int k = 0; k < n_corners; ++k)
-        result.push_back(cell_points.cells().mass_of_node(cell, k));
-    return result;
+    voids.set(is_void);
+    cell_points.remove(is_void, this->points());
   }
 
   template <int dim>
   void SmoothedCells<dim>::renew_reference(const NodalVector &position)
   {
-    rows.initialize(refilled.setup(), &position);
+    rows.initialize(setup, &position);
     if (criterion.is_on())
       reference = position.copy();
   }
@@ -172,9 +185,9 @@ namespace tombolo
   {
     lost_cells.convert(converted, this->n_cells());
     set_void_cells(lost_cells.flags());
-    refilled.take_masses(cell_points.cells());
+    take_masses_of_void_cells();
     // Functions of the cells that are left end where those are that have become particles.
-    rows.initialize(refilled.setup(), reference.partition() != nullptr ? &reference : nullptr);
+    rows.initialize(setup, reference.partition() != nullptr ? &reference : nullptr);
   }
 
   template <int dim>

@@ -50,7 +50,7 @@ namespace tombolo
     void check_contact(const Parameters &parameters, const ConversionCriterion &criterion)
     {
       const std::vector<std::string> names = parameters.raw_list("Contacts");
-      if (std::find(names.begin(), names.end(), criterion.contact()) != names.end())
+      if (std::find(names.begin(), names.end(), criterion.contact) != names.end())
         return;
       std::string list;
       for (const std::string &name : names)
@@ -59,7 +59,7 @@ namespace tombolo
                            ? "nearness is that to the surface of a contact, and the scene has no "
                              "`Contacts`."
                            : "allowed is one of `Contacts`: " + list + "." +
-                                 did_you_mean(criterion.contact(), names));
+                                 did_you_mean(criterion.contact, names));
     }
 
     template <int dim>
@@ -80,7 +80,7 @@ namespace tombolo
           cells->conversion().refuse("no part takes the cells of part \"" + parts[p].name +
                                      "\": add one of particles with `Cells = from " +
                                      parts[p].name + "`.");
-        if (cells->conversion().gap())
+        if (cells->conversion().smallest_gap)
           check_contact(parameters, cells->conversion());
       }
     }

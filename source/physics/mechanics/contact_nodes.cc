@@ -26,7 +26,7 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
       {
         const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
-        const bool fills = cells != nullptr && cells->refill().fills_cells();
+        const bool fills = cells != nullptr && cells->refill().fills_cells;
         of_parts.push_back(fills ? &cells->void_cells() : nullptr);
         any = any || fills;
       }

@@ -54,13 +54,13 @@ namespace tombolo
         if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
         {
           parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time),
-                           cells->refill().interval(), false});
+                           cells->refill().interval, false});
           for (unsigned int c = 0; c < cells->n_cells(); ++c)
             if (cells->is_removed(c))
               void_cells.push_back(cells->nodes_of_cell(c));
         }
       if (std::any_of(parts.begin(), parts.end(),
-                      [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
+                      [](const Refilled &part) { return part.refill->settings.fills_cells; }))
         model.remove_faces(void_cells);
       this->structure.archived(
           [this, &model](StateArchive &archive)
@@ -99,12 +99,12 @@ namespace tombolo
             model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
         const double power = internal_power(model, clock.previous_step);
         NodalVector places;
-        if (part.refill->settings.surface_slides())
+        if (part.refill->settings.surface_slides)
           places = model.state.position.copy();
         if (!part.refill->refill(model, clock))
           continue;
         const double given =
-            part.refill->settings.surface_slides() ? place_nodes(model, clock, places) : 0.;
+            part.refill->settings.surface_slides ? place_nodes(model, clock, places) : 0.;
         if (is_conservative)
           restore_angular_momentum(model, part.refill->moved_nodes(), before);
         model.bridge->smooth_velocity(model.state);
@@ -127,7 +127,7 @@ namespace tombolo
         }
         else if (model.heat)
           book_heat(model, heat_before);
-        if (model.heat && part.refill->settings.fills_cells())
+        if (model.heat && part.refill->settings.fills_cells)
           carry_heat(model, part.refill->touched_nodes());
         ++model.revisions.stencils;
         change.cells = change.stencils = change.masses = true;
@@ -148,7 +148,7 @@ namespace tombolo
     {
       massless.clear();
       if (std::any_of(parts.begin(), parts.end(),
-                      [](const Refilled &part) { return part.refill->settings.fills_cells(); }))
+                      [](const Refilled &part) { return part.refill->settings.fills_cells; }))
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
           if (*model.state.mass.node(i) == 0.)
             massless.push_back(i);
@@ -156,9 +156,10 @@ namespace tombolo
                                       [](const auto &process)
                                       { return process->roles.placed_nodes == ProcessRole::acts; });
       for (const Refilled &part : parts)
-        if (part.refill->settings.surface_slides() && !follow)
-          part.refill->settings.refuse_sliding(
-              "a contact between parts does not follow nodes that slide; allowed with it is held.");
+        if (part.refill->settings.surface_slides && !follow)
+          part.refill->settings.refuse(
+              "a contact between parts does not follow nodes that slide; allowed with it is held.",
+              "Refill surface");
     }
 
     /** Over all parts. */
@@ -220,7 +221,7 @@ namespace tombolo
             for (Refilled &part : parts)
             {
               if (occasion != Process<dim>::Occasion::row || part.has_reached_end ||
-                  !part.refill->settings.fills_cells())
+                  !part.refill->settings.fills_cells)
                 continue;
               const auto end = part.refill->reached_end(model.communicator);
               if (!end)

@@ -94,6 +94,12 @@ namespace tombolo
       return cell_mass[std::size_t(cell) * node_count + k];
     }
 
+    /** Those of all cells, by cell and node [M]. */
+    const std::vector<double> &masses() const
+    {
+      return cell_mass;
+    }
+
     /** Other lumped masses, by cell and node; only where cells can be removed [M]. */
     void set_masses(const std::vector<double> &of_cells);
 

@@ -324,7 +324,7 @@ namespace tombolo
     criterion.initialize(points(), setup.has_mechanics);
     if (setup.has_mechanics)
       integration.set_initial_state();
-    cell_points.release_initial_node_positions();
+    cell_points.cells().release_initial_positions();
     if (!setup.has_mechanics)
       return;
 

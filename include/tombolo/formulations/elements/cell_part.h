@@ -258,7 +258,7 @@ namespace tombolo
     }
     void set_partition(const NodePartition &partition) override
     {
-      cell_points.set_partition(partition);
+      cell_points.cells().set_partition(partition);
     }
     void add_mass(NodalVector &mass) const override
     {

@@ -38,17 +38,6 @@ namespace tombolo
     void create_points(const std::vector<std::vector<double>> &shape_values,
                        unsigned int n_batches);
 
-    /** To be called when initial positions of nodes are needed no more. */
-    void release_initial_node_positions()
-    {
-      batches.release_initial_positions();
-    }
-
-    void set_partition(const NodePartition &partition)
-    {
-      batches.set_partition(partition);
-    }
-
     /** Takes away the cells, by their number, that @p is_removed names. @p points, where they are
      * made, go with their cells: those of unused lanes repeat the last cell, and these and those of
      * removed cells have no volume. */

@@ -136,16 +136,16 @@ namespace tombolo
       std::vector<bool> converts;
       for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
         converts.push_back(
-            criterion.means().are_reached(this->points(), place, this->n_points_per_cell()));
+            criterion.largest_means.are_reached(this->points(), place, this->n_points_per_cell()));
       mark_by_shape(criterion, cells, this->degree(), position, converts);
       std::vector<double> time_steps;
-      if (criterion.time_step())
+      if (criterion.smallest_time_step)
         this->courant_limits(position, time_steps);
       std::vector<unsigned int> result;
       for (unsigned int place = 0; place < converts.size(); ++place)
         if (const unsigned int cell = cells.cell_at(place);
             converts[place] ||
-            (criterion.time_step() && !(time_steps[cell] >= *criterion.time_step())))
+            (criterion.smallest_time_step && !(time_steps[cell] >= *criterion.smallest_time_step)))
           result.push_back(cell);
       return result;
     }

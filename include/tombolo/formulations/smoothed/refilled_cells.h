@@ -57,53 +57,10 @@ namespace tombolo
     std::vector<bool> flags; // by the index of active cells
   };
 
-  /** What a part of smoothed cells needs to know of its refills: when they are due, of which mesh
-   * it is made, and which of the cells are void. Must stay where it is. */
+  /** @p of_part with void cells: those that its refills begin with, and those that become particles
+   * by @p conversion. They are kept in @p voids. Throws InputError where a part cannot be refilled,
+   * or its cells cannot become particles. Collective. */
   template <int dim>
-  class RefilledCells
-  {
-  public:
-    /** Throws InputError. */
-    explicit RefilledCells(const Section &section) : refill_settings(section) {}
-
-    const RefillSettings &settings() const
-    {
-      return refill_settings;
-    }
-
-    const VoidCells<dim> &void_cells() const
-    {
-      return voids;
-    }
-    void set_void_cells(const std::vector<bool> &is_void)
-    {
-      voids.set(is_void);
-    }
-
-    /** Refuses parts that cannot be refilled, or whose cells cannot become particles by @p
-     * conversion. Returns @p of_part with void cells, which those are that have become particles.
-     * Throws InputError. Collective. */
-    const PartSetup<dim> &initialize(const PartSetup<dim> &of_part,
-                                     const ConversionCriterion &conversion);
-
-    const PartSetup<dim> &setup() const
-    {
-      return part_setup;
-    }
-
-    /** Takes the masses of void cells away. */
-    void take_masses(CellBatches<dim> &cells) const;
-
-    /** Whether one of the points that have these rows has reached a limit. */
-    bool is_distorted(const Stencils &rows, const std::vector<unsigned int> &points,
-                      const NodalVector &position) const;
-
-  private:
-    /** Lets cells become void that become particles. Throws InputError. Collective. */
-    void prepare_conversion(const PartSetup<dim> &of_part, const ConversionCriterion &conversion);
-
-    RefillSettings refill_settings;
-    PartSetup<dim> part_setup;
-    VoidCells<dim> voids;
-  };
+  PartSetup<dim> with_void_cells(const PartSetup<dim> &of_part, const RefillSettings<dim> &refill,
+                                 const ConversionCriterion &conversion, VoidCells<dim> &voids);
 } // namespace tombolo

@@ -39,7 +39,7 @@ namespace tombolo
       return MiddleNodes::free;
     }
     double cost_per_cell(const Material &material, double box_ratio) const override;
-    void initialize(const PartSetup<dim> &setup) override;
+    void initialize(const PartSetup<dim> &of_part) override;
     dealii::IndexSet required_nodes() const override;
     void set_partition(const NodePartition &partition) override;
     void add_mass(NodalVector &mass) const override;
@@ -81,9 +81,9 @@ namespace tombolo
      * The reference configuration of the functions becomes a later one, with nodes at other places.
      * Points and masses are given by whoever does it. */
     ///@{
-    const RefillSettings &refill() const
+    const RefillSettings<dim> &refill() const
     {
-      return refilled.settings();
+      return refill_settings;
     }
 
     /** The cells of this rank that have reached a limit of refill(). */
@@ -91,7 +91,7 @@ namespace tombolo
 
     const VoidCells<dim> &void_cells() const
     {
-      return refilled.void_cells();
+      return voids;
     }
 
     /** Fills and empties cells: points get other numbers, and renew_reference() must follow. Only
@@ -99,7 +99,10 @@ namespace tombolo
     void set_void_cells(const std::vector<bool> &is_void);
 
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
-    std::vector<double> masses_of_cells() const;
+    const std::vector<double> &masses_of_cells() const
+    {
+      return cell_points.cells().masses();
+    }
     /** Adds what further nodes have of cells beside them, and corners less (see FurtherMasses). */
     void add_further_masses(NodalVector &mass) const
     {
@@ -122,6 +125,8 @@ namespace tombolo
     ///@}
 
   private:
+    void take_masses_of_void_cells();
+
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
     using Base = LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>;
     using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
@@ -129,7 +134,9 @@ namespace tombolo
 
     SmoothedGradients<dim> &rows = integration.rows;
     FurtherMasses<dim> further_masses;
-    RefilledCells<dim> refilled;
+    const RefillSettings<dim> refill_settings;
+    PartSetup<dim> setup; // with void cells
+    VoidCells<dim> voids;
     NodalVector reference; // of the rows; empty: the initial positions, or nothing needs it
   };
 } // namespace tombolo

@@ -88,7 +88,7 @@ namespace tombolo
           is_chosen[cell] = true;
         if (criterion.gap())
           add_near_cells(model, criterion, nodes, clock.time, is_chosen);
-        for (unsigned int layer = 0; layer < criterion.n_layers(); ++layer)
+        for (unsigned int layer = 0; layer < criterion.layers; ++layer)
           is_chosen = CellMarks::cells_marked(
               nodes, CellMarks::nodes_of(model.state.partition(), nodes, is_chosen));
         cells.clear();
@@ -185,15 +185,15 @@ namespace tombolo
       const auto contacts = shown_by_processes(model).contacts;
       const auto contact =
           std::find_if(contacts.begin(), contacts.end(),
-                       [&](const auto *one) { return one->name() == criterion.contact(); });
+                       [&](const auto *one) { return one->name() == criterion.contact; });
       if (contact == contacts.end())
         criterion.refuse("there is no such contact.");
-      (*contact)->require_gaps(*criterion.gap());
+      (*contact)->require_gaps(*criterion.smallest_gap);
       std::vector<double> gaps(nodes.size(), std::numeric_limits<double>::max());
       (*contact)->contact_surface().evaluate_gaps(model.state.position, nodes, time, gaps);
       std::vector<bool> is_near(model.state.partition()->n_local(), false);
       for (std::size_t k = 0; k < nodes.size(); ++k)
-        is_near[nodes[k]] = gaps[k] < *criterion.gap();
+        is_near[nodes[k]] = gaps[k] < *criterion.smallest_gap;
       for (std::size_t cell = 0; cell < of_cells.size(); ++cell)
         for (const unsigned int node : of_cells[cell])
           is_chosen[cell] = is_chosen[cell] || is_near[node];

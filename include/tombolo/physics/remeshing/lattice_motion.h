@@ -32,8 +32,8 @@ namespace tombolo
   {
   public:
     /** Throws InputError. Collective. */
-    explicit LatticeMotion(const RefillSettings &settings)
-        : settings(settings), displacement(settings.template motion<dim>())
+    explicit LatticeMotion(const RefillSettings<dim> &settings)
+        : settings(settings), displacement(settings.motion())
     {}
 
     /** Whether the mesh moves. */
@@ -76,7 +76,7 @@ namespace tombolo
       }
       for (const std::string &of_rank : texts_of_ranks(communicator, problem))
         if (!of_rank.empty())
-          settings.refuse_motion(of_rank);
+          settings.refuse(of_rank, "Refill motion");
       return result;
     }
 
@@ -168,7 +168,7 @@ namespace tombolo
       return result;
     }
 
-    const RefillSettings &settings;
+    const RefillSettings<dim> &settings;
     std::optional<Expression<dim>> displacement;
   };
 } // namespace tombolo

@@ -35,7 +35,7 @@ namespace tombolo
                const double end_time)
         : part(part), settings(cells.refill()), cells(cells), places(model, part, cells, end_time),
           rule(cells.point_state().gradients().integration_rule()),
-          by_values(settings.template value_remap<dim>())
+          by_values(settings.value_remap())
     {
       if (settings.is_conservative())
         return;
@@ -58,7 +58,7 @@ namespace tombolo
       std::vector<unsigned int> distorted = cells.distorted_cells(model.state.position);
       places.motion.add_moved_cells(places.lattice(), clock.time, model.communicator, distorted);
       places.set_partition(*model.state.partition());
-      if (settings.fills_cells())
+      if (settings.fills_cells)
         places.filled()->add_cells_at_void(
             model, settled.partition() != nullptr ? settled : model.state.initial_position,
             distorted);
@@ -77,7 +77,7 @@ namespace tombolo
       places.motion.time_of_last = clock.time;
       model.begin_change();
       remap(model, after, clock, remapped, points);
-      if (settings.fills_cells())
+      if (settings.fills_cells)
         places.filled()->take_void_cells(model);
       ++count;
       return true;
@@ -121,7 +121,7 @@ namespace tombolo
       archive.nodal("reference position", dim, reference);
       archive.set_rows(model.persistent_ids_of_points(part));
       archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
-      if (settings.fills_cells())
+      if (settings.fills_cells)
       {
         if (archive.is_reading())
           settled.reinit_like(reference);
@@ -138,13 +138,13 @@ namespace tombolo
       if (!archive.is_reading())
         return true;
       cells.renew_reference(reference);
-      if (settings.fills_cells())
+      if (settings.fills_cells)
         places.filled()->take_void_cells(model);
       return true;
     }
 
     const unsigned int part;
-    const RefillSettings &settings;
+    const RefillSettings<dim> &settings;
 
   private:
     using Corners = typename SubCells<dim>::Corners;
@@ -155,7 +155,7 @@ namespace tombolo
     {
       const NodalVector &before = model.state.position;
       NodalVector near_surface;
-      if (settings.fills_cells())
+      if (settings.fills_cells)
         near_surface = places.filled()->nodes_near_surface(model);
       Cells result;
       for (const auto &nodes : places.nodes())
@@ -166,13 +166,13 @@ namespace tombolo
         cell.after = corners_at<dim>(nodes, after);
         for (unsigned int k = 0; k < nodes.size(); ++k)
           cell.is_cut = cell.is_cut ||
-                        (settings.fills_cells() ? *near_surface.node(nodes[k]) > 0.
+                        (settings.fills_cells ? *near_surface.node(nodes[k]) > 0.
                                                 : *places.sliding_nodes().node(nodes[k]) > 0. &&
                                                       cell.before[k] != cell.after[k]);
         const auto number = static_cast<unsigned int>(result.size());
         cell.is_void_before = cells.is_removed(number);
         cell.is_void_after =
-            settings.fills_cells() ? places.filled()->next_void()[number] : cell.is_void_before;
+            settings.fills_cells ? places.filled()->next_void()[number] : cell.is_void_before;
         if (!bodies.empty())
           cell.body = bodies[result.size()];
         result.push_back(cell);
@@ -197,7 +197,7 @@ namespace tombolo
       const SmoothedPointState<dim> state = cells.point_state();
       const double *const ratio = cells.points().component(MaterialPoints::volume_ratio, 0);
       const unsigned int n_points = cells.n_points_per_cell();
-      for (unsigned int c = 0; c < cells.n_cells() && settings.fills_cells(); ++c)
+      for (unsigned int c = 0; c < cells.n_cells() && settings.fills_cells; ++c)
       {
         result.push_back(0.);
         for (unsigned int q = 0; q < n_points && !cells.is_removed(c); ++q)
@@ -217,13 +217,13 @@ namespace tombolo
       const std::vector<bool> void_before = cells.void_cells().of_cells();
       try
       {
-        if (settings.fills_cells())
+        if (settings.fills_cells)
           cells.set_void_cells(places.filled()->next_void());
         cells.renew_reference(after);
       }
       catch (const InputError &) // on all ranks
       {
-        if (settings.fills_cells())
+        if (settings.fills_cells)
           cells.set_void_cells(void_before);
         return false;
       }
@@ -271,7 +271,7 @@ namespace tombolo
       SmoothedPointState<dim> state = cells.point_state();
       const unsigned int n_points = cells.n_points_per_cell();
       const double *values = points.values.data();
-      if (settings.fills_cells())
+      if (settings.fills_cells)
         state.clear();
       for (unsigned int c = 0; c < remapped.size(); ++c)
         for (unsigned int q = 0; q < n_points; ++q, values += points.n_components)
@@ -337,7 +337,7 @@ namespace tombolo
       if (state.unsmoothed_position.partition() != nullptr)
         state.unsmoothed_position.fill(moved, [&](const std::size_t k, double *const place)
                                        { std::copy_n(after.node(moved[k]), dim, place); });
-      if (settings.fills_cells())
+      if (settings.fills_cells)
         settle(model, after);
       state.position.copy_from(after);
       reference = after.copy();

@@ -45,12 +45,12 @@ namespace tombolo
           cells(smoothed_cells_of(mesh_of_part(model, number)))
     {
       motion.corners(cells, end_time, model.communicator);
-      if (settings.fills_cells())
+      if (settings.fills_cells)
       {
         set_partition(*model.state.partition());
         with_void = std::make_unique<FilledPlaces<dim>>(model, number, of_part, local_nodes);
       }
-      else if (settings.surface_slides())
+      else if (settings.surface_slides)
         surface = std::make_unique<SurfaceSlide<dim>>(model, cells, local_nodes);
     }
 
@@ -116,7 +116,7 @@ namespace tombolo
       for (const unsigned int cell : distorted)
         is_in_patch[cell] = true;
       in_patch = CellMarks::nodes_of(partition, local_nodes, is_in_patch);
-      for (unsigned int layer = 0; layer < settings.n_layers(); ++layer)
+      for (unsigned int layer = 0; layer < settings.layers; ++layer)
       {
         is_in_patch = CellMarks::cells_marked(local_nodes, in_patch);
         in_patch = CellMarks::nodes_of(partition, local_nodes, is_in_patch);
@@ -301,7 +301,7 @@ namespace tombolo
     }
 
     const SmoothedCells<dim> &part;
-    const RefillSettings &settings;
+    const RefillSettings<dim> &settings;
     std::vector<SmoothedCell<dim>> cells;
     CellNodes local_nodes;
     std::unique_ptr<SurfaceSlide<dim>> surface;   // null: nodes of the boundary do not slide by it
