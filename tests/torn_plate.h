@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
@@ -146,7 +147,7 @@ namespace tombolo
 
       BondCounts counts()
       {
-        BondCounts result = part().particles->bond_counts();
+        BondCounts result = part().particles->breaking_bonds()->counts();
         result.n_broken = Utilities::MPI::sum(result.n_broken, MPI_COMM_WORLD);
         result.n_debris = Utilities::MPI::sum(result.n_debris, MPI_COMM_WORLD);
         return result;

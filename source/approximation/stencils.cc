@@ -31,47 +31,36 @@ namespace tombolo
     }
   } // namespace
 
-  void LeavingParticles::add(const unsigned int of_row, const Stencils::Row &former)
-  {
-    if (row_start.empty())
-      row_start.push_back(0);
-    row.push_back(of_row);
-    neighbour.insert(neighbour.end(), former.neighbour, former.neighbour + former.size);
-    value.insert(value.end(), former.value, former.value + former.size);
-    row_start.push_back(neighbour.size());
-  }
-
   void FormerRows::remember(const Stencils &shape)
   {
     if (is_kept)
       return;
     is_kept = true;
-    row_start = shape.row_start;
-    coefficient_start = shape.coefficient_start;
-    neighbour = shape.neighbour;
-    rank_deficient_rows = shape.rank_deficient_rows;
-    value = shape.value;
+    former.row_start = shape.row_start;
+    former.coefficient_start = shape.coefficient_start;
+    former.neighbour = shape.neighbour;
+    former.rank_deficient_rows = shape.rank_deficient_rows;
+    former.value = shape.value;
   }
 
-  Stencils::Row FormerRows::former_row(const unsigned int i) const
+  std::vector<LeavingParticle> FormerRows::leaving(const Stencils &shape,
+                                                   const std::vector<unsigned int> &candidates)
   {
-    return {static_cast<unsigned int>(row_start[i + 1] - row_start[i]),
-            neighbour.data() + row_start[i], value.data() + coefficient_start[i], nullptr};
-  }
-
-  LeavingParticles FormerRows::leaving(const Stencils &shape,
-                                       const std::vector<unsigned int> &candidates)
-  {
-    LeavingParticles result;
-    if (!is_kept)
+    std::vector<LeavingParticle> result;
+    if (!std::exchange(is_kept, false))
       return result;
-    is_kept = false;
     for (const unsigned int row : candidates)
     {
-      const Stencils::Row former = former_row(row);
-      if (!std::binary_search(rank_deficient_rows.begin(), rank_deficient_rows.end(), row) ||
-          n_neighbours(shape.row(row)) < n_neighbours(former))
-        result.add(row, former);
+      LeavingParticle particle{row, {}};
+      const double *value = former.value.data() + former.coefficient_start[row];
+      std::ptrdiff_t n_before = 0;
+      for (std::size_t k = former.row_start[row]; k < former.row_start[row + 1]; ++k, ++value)
+      {
+        particle.entries.emplace_back(former.neighbour[k], *value);
+        n_before += *value != 0. ? 1 : 0;
+      }
+      if (!former.is_rigid(row) || n_neighbours(shape.row(row)) < n_before)
+        result.push_back(std::move(particle));
     }
     return result;
   }

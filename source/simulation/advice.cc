@@ -336,7 +336,7 @@ namespace tombolo
         const std::string material = "Material: " + section.get("Material");
         if (!at_rest && smoothing.is_active && !smoothing.affine && smoothing.gamma == 0. &&
             parameters.section(material).get("Model") == "elastic" &&
-            part.particles->bond_counts().criterion.empty())
+            part.particles->breaking_bonds() == nullptr)
           log.print(
               "Advice: `Smoothing = affine`" + of_part +
               "`paper` damps waves and holds them back. The error of a rod's stress is 0.161 "

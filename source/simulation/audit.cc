@@ -2,6 +2,8 @@
 #include <tombolo/simulation/audit.h>
 
 #include <tombolo/base/memory.h>
+#include <tombolo/formulations/failure/bonds.h>
+#include <tombolo/formulations/particles/self_contact.h>
 #include <tombolo/mesh/extent.h>
 #include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
@@ -84,7 +86,7 @@ namespace tombolo
     /** Neighbours, bonds, fragments and patch test of the @p n_own particles of this rank.
      * Collective. */
     template <int dim>
-    void print_particles(const ParticleFormulation<dim> &particles, const unsigned long n_own,
+    void print_particles(ParticleFormulation<dim> &particles, const unsigned long n_own,
                          const unsigned long n_points, const NodalVector &initial_position,
                          const MPI_Comm communicator, std::ostream &text)
     {
@@ -99,13 +101,13 @@ namespace tombolo
            << " (min / mean / max)";
       if (const std::string functions = particles.shape_functions(); !functions.empty())
         text << ", " << functions;
-      if (const BondCounts bonds = particles.bond_counts(); !bonds.criterion.empty())
-        text << ", bonds break by " << bonds.criterion << " ("
-             << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
-             << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
-      if (const FragmentCounts fragments = particles.fragment_counts(); fragments.has_contact)
+      if (const Bonds<dim> *const bonds = particles.breaking_bonds())
+        text << ", bonds break by " << bonds->counts().criterion << " ("
+             << Utilities::MPI::sum(bonds->counts().n_broken, communicator) << " broken, "
+             << Utilities::MPI::sum(bonds->counts().n_debris, communicator) << " debris)";
+      if (const SelfContact<dim> *const contact = particles.fragment_contact())
         text << ", fragments feel each other ("
-             << Utilities::MPI::sum(fragments.n_fragments, communicator) << " now)";
+             << Utilities::MPI::sum(contact->counts().n_fragments, communicator) << " now)";
       const PatchTest test = particles.patch_test(initial_position);
       if (test.is_known)
         text << ", patch-test defect " << test.defect;
@@ -321,7 +323,7 @@ namespace tombolo
           const auto body = bodies.body_of(cell_nodes.front());
           const bool has_contact =
               touching.count(body) > 0 ||
-              (part.particles != nullptr && (part.particles->fragment_counts().has_contact ||
+              (part.particles != nullptr && (part.particles->fragment_contact() != nullptr ||
                                              part.particles->sees_other_bodies()));
           found.insert({has_contact ? numbers::invalid_dof_index : body, part.name});
         }

@@ -7,6 +7,7 @@
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -114,16 +115,12 @@ namespace tombolo
     void remove_negative_values(unsigned int i);
   };
 
-  /** Particles that have lost what carried them, and their rows of φ before. */
-  struct LeavingParticles
+  /** A particle that has lost what carried it, and its row of φ before. */
+  struct LeavingParticle
   {
-    std::vector<unsigned int> row;       ///< of the shape functions, ascending
-    std::vector<std::size_t> row_start;  ///< of each and of what is behind the last one
-    std::vector<unsigned int> neighbour; ///< local nodes of the partition in force before
-    std::vector<double> value;           ///< φ
-
-    /** Adds one behind the others. */
-    void add(unsigned int row, const Stencils::Row &former);
+    unsigned int row; ///< of the shape functions
+    /** Local nodes of the partition in force before, and φ. */
+    std::vector<std::pair<unsigned int, double>> entries;
   };
 
   /** The shape functions of one part as they were before they changed. */
@@ -135,15 +132,11 @@ namespace tombolo
 
     /** Which of the ascending @p candidates, rows of @p shape, were not rigid or had more
      * neighbours with φ ≠ 0 before. Forgets the copy; without one, none. */
-    LeavingParticles leaving(const Stencils &shape, const std::vector<unsigned int> &candidates);
+    std::vector<LeavingParticle> leaving(const Stencils &shape,
+                                         const std::vector<unsigned int> &candidates);
 
   private:
-    /** As it was, without ∇φ. */
-    Stencils::Row former_row(unsigned int i) const;
-
     bool is_kept = false;
-    std::vector<std::size_t> row_start, coefficient_start;
-    std::vector<unsigned int> neighbour, rank_deficient_rows;
-    dealii::AlignedVector<double> value;
+    Stencils former; // as it was, without ∇φ
   };
 } // namespace tombolo

@@ -180,7 +180,7 @@ namespace tombolo
     const auto &nodes = rows.neighbourhoods().global_nodes();
     const auto &images = rows.neighbourhoods().images();
     const unsigned int place = rows.neighbourhoods().places()[entry];
-    const BondPartner partner = partners.partner(place);
+    const BondPartner partner = partners[place].partner;
     // The mirror image of the bond of I to an image of J is that of J to the image of I.
     if (broken.add(row, partner))
       messages.push_back({place < nodes.size() ? nodes[place] : images[place - nodes.size()].source,
@@ -208,7 +208,7 @@ namespace tombolo
     add_pairs(
         [&](const unsigned int i, const unsigned int place, const std::size_t entry)
         {
-          return is_damaged(i, place) && !broken.has(i, partners.partner(place)) &&
+          return is_damaged(i, place) && !broken.has(i, partners[place].partner) &&
                  !shape.row(i).is_within_support(
                      static_cast<unsigned int>(entry - shape.row_start[i]));
         },
@@ -227,8 +227,8 @@ namespace tombolo
       partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
     rows.neighbourhoods().remove_neighbours(
         [&](const unsigned int row, const unsigned int place) {
-          return broken.has(row, partners.partner(place)) ||
-                 refused.has(row, partners.partner(place));
+          return broken.has(row, partners[place].partner) ||
+                 refused.has(row, partners[place].partner);
         },
         rows.stencils());
   }
@@ -242,7 +242,7 @@ namespace tombolo
       for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
         if (const unsigned int place = rows.neighbourhoods().places()[entry];
             is_such(i, place, entry))
-          lists.add(i, partners.partner(place));
+          lists.add(i, partners[place].partner);
   }
 
   template <int dim>
@@ -269,7 +269,7 @@ namespace tombolo
       previous.resize(own_ids.size());
       refused.reset(own_ids.size());
       add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
-                { return is_refused(i, place) && !broken.has(i, partners.partner(place)); },
+                { return is_refused(i, place) && !broken.has(i, partners[place].partner); },
                 refused);
       previous.reset(0);
       remove_broken(partition);
@@ -290,9 +290,9 @@ namespace tombolo
   template <int dim>
   bool Bonds<dim>::is_refused(const unsigned int row, const unsigned int place) const
   {
-    if (place == row || !is_damaged(row, place) || previous.has(row, partners.partner(place)))
+    if (place == row || !is_damaged(row, place) || previous.has(row, partners[place].partner))
       return false;
-    const ParticleGrowth a = partners.growth(row), b = partners.growth(place);
+    const ParticleGrowth a = partners[row].growth, b = partners[place].growth;
     return a == ParticleGrowth::none || b == ParticleGrowth::none ||
            (a != ParticleGrowth::is_new && b != ParticleGrowth::is_new);
   }
@@ -360,7 +360,7 @@ namespace tombolo
     partners.find(partition, neighbourhoods, own_ids, broken, growth);
     neighbourhoods.remove_neighbours(
         [&](const unsigned int row, const unsigned int place)
-        { return broken.has(row, partners.partner(place)) || is_refused(row, place); },
+        { return broken.has(row, partners[place].partner) || is_refused(row, place); },
         shape);
     partners.forget();
   }

@@ -35,15 +35,12 @@ namespace tombolo
                                            tag[3] =
                                                growth.empty() ? 0. : static_cast<double>(growth[i]);
                                          });
-    partners.clear();
-    damaged.clear();
-    growths.clear();
+    neighbours.clear();
     const auto add = [&](const types::global_dof_index node, const unsigned int mirrors)
     {
       const double *const tag = tags.node(partition->local_index(node));
-      partners.push_back({joined(tag[0], tag[1]), mirrors});
-      damaged.push_back(tag[2] > 0.);
-      growths.push_back(static_cast<ParticleGrowth>(tag[3]));
+      neighbours.push_back(
+          {{joined(tag[0], tag[1]), mirrors}, tag[2] > 0., static_cast<ParticleGrowth>(tag[3])});
     };
     for (const types::global_dof_index node : nodes)
       add(node, 0);

@@ -206,7 +206,7 @@ namespace tombolo
       return of_rows;
     if (of_rows != NeighbourhoodChange::none)
       self_contact->forget_fragments();
-    if (!self_contact->update(position, has_broken_bonds()))
+    if (!self_contact->update(position, bonds.any()))
       return of_rows;
     return of_rows == NeighbourhoodChange::none ? NeighbourhoodChange::ghosts
                                                 : NeighbourhoodChange::neighbours;

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -22,9 +23,10 @@ namespace tombolo
   BondCounts bond_counts(const Model<dim> &model)
   {
     BondCounts sum;
-    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+    for (ParticleFormulation<dim> *const particles : model.particle_parts())
     {
-      const BondCounts counts = particles->bond_counts();
+      const Bonds<dim> *const bonds = particles->breaking_bonds();
+      const BondCounts counts = bonds != nullptr ? bonds->counts() : BondCounts();
       if (sum.criterion.empty())
         sum.criterion = counts.criterion;
       sum.n_broken += counts.n_broken;
@@ -40,6 +42,12 @@ namespace tombolo
     // As many neighbours as the basis has functions make φ the unit vector of the particle itself,
     // and the others then have 1e-17 of either sign.
     constexpr double negligible_share = 1e-10;
+
+    template <int dim>
+    Bonds<dim> *breaking_bonds(const Part<dim> &part)
+    {
+      return part.particles == nullptr ? nullptr : part.particles->breaking_bonds();
+    }
   } // namespace
 
   /**
@@ -79,8 +87,8 @@ namespace tombolo
       {
         for (const unsigned int node : node_of_row[p])
           ++n_rows[node];
-        if (!node_of_row[p].empty())
-          for (const unsigned int row : model.parts[p].particles->debris())
+        if (const Bonds<dim> *const bonds = breaking_bonds(model.parts[p]))
+          for (const unsigned int row : bonds->debris())
             ++n_of_debris[node_of_row[p][row]];
       }
       const auto has_left = [&](const unsigned int node)
@@ -89,26 +97,23 @@ namespace tombolo
                *model.element_mass.node(node) == 0.;
       };
 
-      leaving = LeavingParticles();
+      leaving.clear();
       std::vector<bool> is_taken(partition->n_owned(), false); // a node can have two rows
       for (std::size_t p = 0; p < model.parts.size(); ++p)
       {
-        if (model.parts[p].particles == nullptr)
+        Bonds<dim> *const bonds = breaking_bonds(model.parts[p]);
+        if (bonds == nullptr)
           continue;
-        const LeavingParticles of_part = model.parts[p].particles->take_leaving_particles();
-        for (std::size_t k = 0; k < of_part.row.size(); ++k)
+        for (LeavingParticle &particle : bonds->take_leaving_particles())
         {
-          const unsigned int node = node_of_row[p][of_part.row[k]];
-          const std::size_t begin = of_part.row_start[k];
+          const unsigned int node = node_of_row[p][particle.row];
           if (!has_left(node) || is_taken[node])
             continue;
           is_taken[node] = true;
-          leaving.add(node,
-                      {static_cast<unsigned int>(of_part.row_start[k + 1] - begin),
-                       of_part.neighbour.data() + begin, of_part.value.data() + begin, nullptr});
+          leaving.push_back({node, std::move(particle.entries)});
         }
       }
-      if (Utilities::MPI::max(leaving.row.empty() ? 0 : 1, partition->communicator()) == 0)
+      if (Utilities::MPI::max(leaving.empty() ? 0 : 1, partition->communicator()) == 0)
         return;
       is_debris = scalar_field(partition,
                                [&](const unsigned int node) { return has_left(node) ? 1. : 0.; });
@@ -138,7 +143,7 @@ namespace tombolo
           only = &part;
           ++n_parts;
         }
-      if (n_parts == 1 && !only->particles->has_broken_bonds())
+      if (n_parts == 1 && !(breaking_bonds(*only) != nullptr && breaking_bonds(*only)->any()))
         return;
       is_prepared = true;
       // Where rows change their neighbours, particles get other local numbers for a while.
@@ -161,10 +166,10 @@ namespace tombolo
 
       NodalVector &v_hat = model.state.unsmoothed_velocity;
       const NodalVector before = v_hat.copy();
-      std::vector<double> given(leaving.row.size() * node_stride, 0.);
-      for (std::size_t k = 0; k < leaving.row.size(); ++k)
+      std::vector<double> given(leaving.size() * node_stride, 0.);
+      for (std::size_t k = 0; k < leaving.size(); ++k)
       {
-        const unsigned int node = leaving.row[k];
+        const unsigned int node = leaving[k].row;
         for (unsigned int c = 0; c < dim; ++c)
         {
           if (!can_give(k, c))
@@ -173,10 +178,8 @@ namespace tombolo
           if (smoothing.affine)
             smoothed = model.state.velocity.node(node)[c]; // it moves with S v̂, not with Φ S v̂
           else
-            for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1];
-                 ++entry)
-              smoothed +=
-                  leaving.value[entry] * model.state.velocity.node(leaving.neighbour[entry])[c];
+            for (const auto &[neighbour, value] : leaving[k].entries)
+              smoothed += value * model.state.velocity.node(neighbour)[c];
           given[k * node_stride + c] = *mass.node(node) * (v_hat.node(node)[c] - smoothed);
           v_hat.node(node)[c] = smoothed;
         }
@@ -217,10 +220,10 @@ namespace tombolo
     void hand_over_heat(const NodalVector &field, NodalVector &unsmoothed, NodalVector &enthalpy)
     {
       const NodalEnthalpy &of_temperature = model.heat->nodal_enthalpy;
-      std::vector<double> given(leaving.row.size() * node_stride, 0.);
-      for (std::size_t k = 0; k < leaving.row.size(); ++k)
+      std::vector<double> given(leaving.size() * node_stride, 0.);
+      for (std::size_t k = 0; k < leaving.size(); ++k)
       {
-        const unsigned int node = leaving.row[k];
+        const unsigned int node = leaving[k].row;
         if (!can_give(k, 0))
           continue;
         *unsmoothed.node(node) = *field.node(node);
@@ -258,7 +261,7 @@ namespace tombolo
     /** Whether any node would take component @p c of what leaving particle @p k gives. */
     bool can_give(const std::size_t k, const unsigned int c) const
     {
-      return weight.node(leaving.row[k])[c] > 0. && sum_of_receivable(k, c, false) > 0.;
+      return weight.node(leaving[k].row)[c] > 0. && sum_of_receivable(k, c, false) > 0.;
     }
 
     /** Gives @p given, node_stride for each leaving particle, to the nodes of its row: @p received,
@@ -267,7 +270,7 @@ namespace tombolo
     {
       const auto add = [&](NodalVector &received)
       {
-        for (std::size_t k = 0; k < leaving.row.size(); ++k)
+        for (std::size_t k = 0; k < leaving.size(); ++k)
           for (unsigned int c = 0; c < node_stride; ++c)
           {
             const double amount = given[k * node_stride + c];
@@ -277,30 +280,28 @@ namespace tombolo
             const bool only_bonded = sum > 0.;
             if (!only_bonded)
               sum = sum_of_receivable(k, c, false);
-            for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1];
-                 ++entry)
-              received.node(leaving.neighbour[entry])[c] +=
-                  amount * (receivable(entry, c, only_bonded) / sum);
+            for (const auto &entry : leaving[k].entries)
+              received.node(entry.first)[c] += amount * (receivable(entry, c, only_bonded) / sum);
           }
       };
       return sums_at_owners(model.state.partition(), quantity, add);
     }
 
-    /** The part of component @p c that goes to entry @p entry of the row of @p k is
+    /** The part of component @p c that goes to @p entry of the row of a leaving particle is
      * receivable(...) over its sum. */
-    double receivable(const std::size_t entry, const unsigned int c, const bool only_bonded) const
+    double receivable(const std::pair<unsigned int, double> &entry, const unsigned int c,
+                      const bool only_bonded) const
     {
-      const unsigned int node = leaving.neighbour[entry];
-      const bool takes =
-          leaving.value[entry] > negligible_share && (!only_bonded || *is_debris.node(node) == 0.);
-      return takes ? leaving.value[entry] * weight.node(node)[c] : 0.;
+      const auto [node, value] = entry;
+      const bool takes = value > negligible_share && (!only_bonded || *is_debris.node(node) == 0.);
+      return takes ? value * weight.node(node)[c] : 0.;
     }
 
     double sum_of_receivable(const std::size_t k, const unsigned int c,
                              const bool only_bonded) const
     {
       double sum = 0;
-      for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1]; ++entry)
+      for (const auto &entry : leaving[k].entries)
         sum += receivable(entry, c, only_bonded);
       return sum;
     }
@@ -310,8 +311,8 @@ namespace tombolo
     std::vector<std::vector<unsigned int>> node_of_row; // by part; empty: not one of particles
 
     // While complete() works.
-    LeavingParticles leaving; // of all parts; rows are owned nodes
-    NodalVector is_debris;    // scalar: 1 or 0
+    std::vector<LeavingParticle> leaving; // of all parts; rows are owned nodes
+    NodalVector is_debris;                // scalar: 1 or 0
     NodalVector weight;
   };
 
@@ -349,7 +350,7 @@ namespace tombolo
     {
       const auto particles = model.particle_parts();
       if (std::none_of(particles.begin(), particles.end(),
-                       [](const auto *part) { return !part->bond_counts().criterion.empty(); }))
+                       [](auto *part) { return part->breaking_bonds() != nullptr; }))
         return nullptr;
       return std::make_unique<BondFailureProcess>(model);
     }

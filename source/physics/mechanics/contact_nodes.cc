@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/contact_nodes.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/mass_of_part.h>
 
@@ -121,14 +122,16 @@ namespace tombolo
     if (std::none_of(contacts.begin(), contacts.end(),
                      [](const auto &contact) { return contact->has_areas(); }) ||
         std::none_of(particles.begin(), particles.end(),
-                     [](const auto *part) { return part->has_broken_bonds(); }))
+                     [](auto *part)
+                     { return part->breaking_bonds() && part->breaking_bonds()->any(); }))
       return;
     std::vector<unsigned int> isolated;
-    for (const ParticleFormulation<dim> *const part : particles)
-      for (const unsigned int row : part->debris())
-        if (const unsigned int node = part->stencils().particle_node[row];
-            *model.element_mass.node(node) == 0.)
-          isolated.push_back(node);
+    for (ParticleFormulation<dim> *const part : particles)
+      if (const Bonds<dim> *const bonds = part->breaking_bonds())
+        for (const unsigned int row : bonds->debris())
+          if (const unsigned int node = part->stencils().particle_node[row];
+              *model.element_mass.node(node) == 0.)
+            isolated.push_back(node);
     for (const auto &contact : contacts)
       if (OutwardAreas<dim> *const faces = contact->faces())
         faces->set_isolated_nodes(isolated);

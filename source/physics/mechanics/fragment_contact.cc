@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/fragment_contact.h>
 
+#include <tombolo/formulations/particles/self_contact.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <vector>
 
 namespace tombolo
 {
@@ -16,16 +18,26 @@ namespace tombolo
 
   namespace
   {
+    /** Of the parts whose fragments feel each other. */
+    template <int dim>
+    std::vector<SelfContact<dim> *> contacts_of(const Model<dim> &model)
+    {
+      std::vector<SelfContact<dim> *> result;
+      for (ParticleFormulation<dim> *const particles : model.particle_parts())
+        if (SelfContact<dim> *const contact = particles->fragment_contact())
+          result.push_back(contact);
+      return result;
+    }
+
     /** The sum over parts and ranks. Collective. */
     template <int dim>
     FragmentCounts sum_of_counts(const Model<dim> &model)
     {
       FragmentCounts sum;
-      for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      for (const SelfContact<dim> *const contact : contacts_of(model))
       {
-        const FragmentCounts counts = particles->fragment_counts();
-        sum.n_fragments += counts.n_fragments;
-        sum.n_touching += counts.n_touching;
+        sum.n_fragments += contact->counts().n_fragments;
+        sum.n_touching += contact->counts().n_touching;
       }
       sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, model.communicator);
       sum.n_touching = Utilities::MPI::sum(sum.n_touching, model.communicator);
@@ -33,19 +45,11 @@ namespace tombolo
     }
 
     template <int dim>
-    bool has_contact(const Model<dim> &model)
-    {
-      const auto particles = model.particle_parts();
-      return std::any_of(particles.begin(), particles.end(),
-                         [](const auto *part) { return part->fragment_counts().has_contact; });
-    }
-
-    template <int dim>
     bool has_friction(const Model<dim> &model)
     {
-      const auto particles = model.particle_parts();
-      return std::any_of(particles.begin(), particles.end(),
-                         [](const auto *part) { return part->fragment_counts().rubs; });
+      const auto contacts = contacts_of(model);
+      return std::any_of(contacts.begin(), contacts.end(),
+                         [](const auto *contact) { return contact->rubs(); });
     }
   } // namespace
 
@@ -59,8 +63,8 @@ namespace tombolo
     this->observed.step_limits.connect(
         [&](const double stable_step, double &fraction)
         {
-          for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-            fraction = std::min(fraction, particles->stable_fraction(stable_step));
+          for (const SelfContact<dim> *const contact : contacts_of(model))
+            fraction = std::min(fraction, contact->stable_fraction(stable_step));
         });
     this->observed.column("fragments", "1",
                           [&] { return static_cast<double>(sum_of_counts(model).n_fragments); });
@@ -83,12 +87,13 @@ namespace tombolo
                   &model.heat->state.pending, heat};
     NodalVector &loads = rubs ? forces.at_all_nodes() : forces.at_touched_nodes();
     for (ParticleFormulation<dim> *const particles : model.particle_parts())
-    {
-      if (revision_of_cells != model.revisions.cells)
-        particles->forget_fragments();
-      particles->add_self_contact(input, model.element_mass, loads, forces.touched_nodes(),
-                                  of_nodes);
-    }
+      if (SelfContact<dim> *const contact = particles->fragment_contact())
+      {
+        if (revision_of_cells != model.revisions.cells)
+          contact->forget_fragments();
+        contact->add_forces(input, model.element_mass, particles->stencils(), particles->points(),
+                            loads, forces.touched_nodes(), of_nodes);
+      }
     revision_of_cells = model.revisions.cells;
   }
 
@@ -107,7 +112,7 @@ namespace tombolo
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
       {
-        return has_contact(model) ? std::make_unique<FragmentContact<dim>>(model) : nullptr;
+        return contacts_of(model).empty() ? nullptr : std::make_unique<FragmentContact<dim>>(model);
       }
     };
   } // namespace

@@ -372,7 +372,7 @@ namespace tombolo
         for (unsigned int p = 0; p < model.parts.size(); ++p)
         {
           const Part<dim> &part = model.parts[p];
-          if (part.particles == nullptr || !part.particles->fragment_counts().has_contact)
+          if (part.particles == nullptr || part.particles->fragment_contact() == nullptr)
             continue;
           const Section section = parameters.section("Part: " + part.name);
           const Section law = section.subsection(section.get("Formulation"));

@@ -93,7 +93,7 @@ namespace tombolo
         {
           const Section section = parameters.section("Part: " + part.name);
           const Section method = section.subsection(section.get("Formulation"));
-          breaks = breaks || !part.particles->bond_counts().criterion.empty();
+          breaks = breaks || part.particles->breaking_bonds() != nullptr;
           renews = renews || (method.is_declared("Configuration") &&
                               method.get("Configuration") == "updated Lagrangian");
         }

@@ -17,6 +17,14 @@ namespace tombolo
 {
   class Records;
 
+  /** Bonds between particles that have failed. */
+  struct BondCounts
+  {
+    std::string criterion;      ///< empty: bonds do not break
+    double n_broken = 0;        ///< one of ½ for each end
+    unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
+  };
+
   /**
    * The bonds of the particles of one part that have broken, for good. A bond is between a particle
    * and a neighbour, or the image of one in planes of symmetry; it belongs to both of its ends,
@@ -115,7 +123,9 @@ namespace tombolo
 
     /** Rigid rows with broken bonds, ascending. */
     std::vector<unsigned int> debris() const;
-    LeavingParticles take_leaving_particles()
+    /** Of the debris() of the last update those that it made, and those that it took further
+     * neighbours from. */
+    std::vector<LeavingParticle> take_leaving_particles()
     {
       return former_rows.leaving(rows.stencils(), debris());
     }
@@ -154,7 +164,7 @@ namespace tombolo
     void add_pairs(const IsSuch &is_such, PartnerLists &lists) const;
     bool is_damaged(const unsigned int row, const unsigned int place) const
     {
-      return !broken[row].empty() || partners.is_damaged(place);
+      return !broken[row].empty() || partners[place].is_damaged;
     }
     /** Whether a pair of a search, of which neither bond nor break is known, is no bond: one of its
      * ends is damaged. */

@@ -107,6 +107,14 @@ namespace tombolo
     is_new
   };
 
+  /** The particle that a neighbour in a row is, whether it has broken bonds, and how it grew. */
+  struct BondNeighbour
+  {
+    BondPartner partner;
+    bool is_damaged;
+    ParticleGrowth growth;
+  };
+
   /** Which particles, of this rank and others, the neighbours in the rows are, by the places of
    * Neighbourhoods; whether they have broken bonds, and how they grew. */
   template <int dim>
@@ -129,23 +137,14 @@ namespace tombolo
       is_found = false;
     }
 
-    const BondPartner &partner(const unsigned int place) const
+    /** At a place. */
+    const BondNeighbour &operator[](const unsigned int place) const
     {
-      return partners[place];
-    }
-    bool is_damaged(const unsigned int place) const
-    {
-      return damaged[place];
-    }
-    ParticleGrowth growth(const unsigned int place) const
-    {
-      return growths[place];
+      return neighbours[place];
     }
 
   private:
-    std::vector<BondPartner> partners;
-    std::vector<bool> damaged;
-    std::vector<ParticleGrowth> growths;
+    std::vector<BondNeighbour> neighbours;
     bool is_found = false;
   };
 } // namespace tombolo

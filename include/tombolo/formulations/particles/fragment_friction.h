@@ -18,15 +18,6 @@ namespace tombolo
 {
   class StateArchive;
 
-  /** Contact between fragments of a part. */
-  struct FragmentCounts
-  {
-    bool has_contact = false;      ///< whether fragments feel each other
-    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
-    unsigned long n_touching = 0;  ///< particles that others push
-    bool rubs = false;             ///< whether they rub or conduct
-  };
-
   /** What contact between fragments sees of the heat of a scene: null pointers without heat. */
   struct FragmentHeat
   {

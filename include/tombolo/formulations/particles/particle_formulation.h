@@ -5,7 +5,6 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/particles/fragment_friction.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test.h>
 
@@ -32,7 +31,13 @@ namespace tombolo
   std::vector<SurfaceFibre> find_surface_fibres(const PartSetup<dim> &setup);
 
   template <int dim>
+  class Bonds;
+
+  template <int dim>
   class PairInteractions;
+
+  template <int dim>
+  class SelfContact;
 
   /** How often and how widely the particles of a part see each other, for the audit. */
   struct NeighbourCounts
@@ -40,14 +45,6 @@ namespace tombolo
     unsigned int minimum = 0;
     double mean = 0;
     unsigned int maximum = 0;
-  };
-
-  /** Bonds between particles that have failed. */
-  struct BondCounts
-  {
-    std::string criterion;      ///< empty: bonds do not break
-    double n_broken = 0;        ///< one of ½ for each end
-    unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
   };
 
   /**
@@ -159,55 +156,16 @@ namespace tombolo
       return false;
     }
 
-    /** Over this rank's particles. */
-    virtual BondCounts bond_counts() const
+    /** Its bonds; null: none can break. */
+    virtual Bonds<dim> *breaking_bonds()
     {
-      return {};
+      return nullptr;
     }
 
-    /** Over this rank's particles. */
-    virtual FragmentCounts fragment_counts() const
+    /** Contact between its fragments; null: they do not feel each other. */
+    virtual SelfContact<dim> *fragment_contact()
     {
-      return {};
-    }
-
-    /** Adds what fragments do to each other at t_n to @p loads, forces at positions, and the nodes
-     * that get some, owned ones, to @p loaded_nodes; where they rub, further nodes, ghosts among
-     * them, have loads. @p element_mass is that of elements at owned nodes. Their heat is added to
-     * that of @p heat. Only where fragment_counts() has contact. Collective. */
-    virtual void add_self_contact(const MechanicalInput & /*input*/,
-                                  const NodalVector & /*element_mass*/, NodalVector & /*loads*/,
-                                  std::vector<unsigned int> & /*loaded_nodes*/,
-                                  const FragmentHeat & /*heat*/)
-    {}
-
-    /** To be called where elements around the particles have gone. */
-    virtual void forget_fragments() {}
-
-    /** The share of @p stable_step, the limit of the step, that contact between fragments leaves.
-     */
-    virtual double stable_fraction(double /*stable_step*/) const
-    {
-      return 1.;
-    }
-
-    /** Whether any bond is broken on any rank. */
-    virtual bool has_broken_bonds() const
-    {
-      return false;
-    }
-
-    /** Rows of debris: particles with broken bonds and without a basis, ascending. */
-    virtual std::vector<unsigned int> debris() const
-    {
-      return {};
-    }
-
-    /** Of the debris() of the last update_neighbourhoods() those that it made, and those that it
-     * took further neighbours from. */
-    virtual LeavingParticles take_leaving_particles()
-    {
-      return {};
+      return nullptr;
     }
 
     /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */

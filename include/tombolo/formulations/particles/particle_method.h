@@ -60,31 +60,16 @@ namespace tombolo
     {
       return fibres;
     }
-    BondCounts bond_counts() const override
+    Bonds<dim> *breaking_bonds() override
     {
-      return bonds.counts();
+      return bonds.is_on() ? &bonds : nullptr;
     }
-    FragmentCounts fragment_counts() const override
+
+    SelfContact<dim> *fragment_contact() override
     {
-      return self_contact ? self_contact->counts() : FragmentCounts();
+      return self_contact.get();
     }
-    void forget_fragments() override
-    {
-      if (self_contact)
-        self_contact->forget_fragments();
-    }
-    void add_self_contact(const MechanicalInput &input, const NodalVector &element_mass,
-                          NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
-                          const FragmentHeat &heat) override
-    {
-      if (self_contact)
-        self_contact->add_forces(input, element_mass, rows->stencils(), this->points(), loads,
-                                 loaded_nodes, heat);
-    }
-    double stable_fraction(const double stable_step) const override
-    {
-      return self_contact ? self_contact->stable_fraction(stable_step) : 1.;
-    }
+
     void add_particles(const CellSelection<dim> &is_taken, const NodalVector &position,
                        const StateTransfer *state, const NodalVector *volumes) override;
     bool can_add_particles() const override
@@ -94,18 +79,6 @@ namespace tombolo
     bool sees_other_bodies() const override
     {
       return rows->sees_other_bodies();
-    }
-    bool has_broken_bonds() const override
-    {
-      return bonds.any();
-    }
-    std::vector<unsigned int> debris() const override
-    {
-      return bonds.debris();
-    }
-    LeavingParticles take_leaving_particles() override
-    {
-      return bonds.take_leaving_particles();
     }
     void set_before_change(const std::function<void()> &before_change) override
     {

@@ -17,6 +17,13 @@ namespace tombolo
 {
   class Records;
 
+  /** Fragments of a part in contact. */
+  struct FragmentCounts
+  {
+    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
+    unsigned long n_touching = 0;  ///< particles that others push
+  };
+
   /** The particles of a part on this rank, as self-contact knows them; in the order of rows. */
   struct ContactParticles
   {
@@ -108,7 +115,13 @@ namespace tombolo
     /** As last looked for, over this rank; each fragment is counted where its label is. */
     FragmentCounts counts() const
     {
-      return {true, n_fragments, n_touching, friction != nullptr};
+      return {n_fragments, n_touching};
+    }
+
+    /** Whether fragments rub or conduct. */
+    bool rubs() const
+    {
+      return friction != nullptr;
     }
 
     /** Beside points. */

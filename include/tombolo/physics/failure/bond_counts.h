@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/particles/particle_formulation.h>
+#include <tombolo/formulations/failure/bonds.h>
 
 namespace tombolo
 {

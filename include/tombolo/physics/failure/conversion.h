@@ -77,16 +77,16 @@ namespace tombolo
         const ConvertingCells<dim> &source = *pairs[k].cells;
         const ConversionCriterion &criterion = source.conversion();
         std::vector<unsigned int> &cells = converting_cells[k];
-        if (clock.step % criterion.interval() != 0)
+        if (clock.step % criterion.interval != 0)
           continue;
         cells = source.find_converting_cells(model.state.position);
-        if (!criterion.gap() && !is_on_any_rank(cells, communicator))
+        if (!criterion.smallest_gap && !is_on_any_rank(cells, communicator))
           continue;
         const LocalNodes nodes = nodes_of_cells(source, model, pairs[k].source);
         std::vector<bool> is_chosen(nodes.size(), false);
         for (const unsigned int cell : cells)
           is_chosen[cell] = true;
-        if (criterion.gap())
+        if (criterion.smallest_gap)
           add_near_cells(model, criterion, nodes, clock.time, is_chosen);
         for (unsigned int layer = 0; layer < criterion.layers; ++layer)
           is_chosen = CellMarks::cells_marked(

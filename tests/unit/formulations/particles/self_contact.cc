@@ -7,6 +7,7 @@
 #include "torn_plate.h"
 
 #include <tombolo/formulations/particles/fragments.h>
+#include <tombolo/formulations/particles/self_contact.h>
 #include <tombolo/physics/mechanics/fragment_contact.h>
 
 #include <algorithm>
@@ -77,8 +78,10 @@ namespace
         std::copy_n(given_velocity->node(i), node_stride, velocity.node(i));
     velocity.update_ghosts();
     std::vector<unsigned int> nodes;
-    body.part().particles->add_self_contact({&state.position, &velocity, 0.1},
-                                            body.model->element_mass, loads, nodes, {});
+    ParticleFormulation<2> &particles = *body.part().particles;
+    particles.fragment_contact()->add_forces({&state.position, &velocity, 0.1},
+                                             body.model->element_mass, particles.stencils(),
+                                             particles.points(), loads, nodes, {});
     const std::vector<std::uint64_t> label = labels(body);
     std::vector<Particle> own;
     for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
@@ -222,9 +225,9 @@ TEST(SelfContact, is_absent_where_it_is_not_wanted_and_rests_where_nothing_is_ap
   body.stretch(0.5, 0.5);
   for (const Particle &particle : forces(body))
     EXPECT_EQ(std::hypot(particle.force[0], particle.force[1]), 0.);
-  EXPECT_EQ(
-      Utilities::MPI::sum(body.part().particles->fragment_counts().n_fragments, MPI_COMM_WORLD),
-      1u);
+  EXPECT_EQ(Utilities::MPI::sum(body.part().particles->fragment_contact()->counts().n_fragments,
+                                MPI_COMM_WORLD),
+            1u);
 }
 
 TEST(SelfContact, is_the_sum_over_all_pairs_of_different_fragments)
@@ -302,9 +305,9 @@ TEST(SelfContact, begins_without_a_force_where_fragments_overlap_when_they_come_
     return result;
   };
   EXPECT_NEAR(largest(0.7), 0., 1e-15);
-  EXPECT_EQ(
-      Utilities::MPI::sum(body.part().particles->fragment_counts().n_fragments, MPI_COMM_WORLD),
-      2u);
+  EXPECT_EQ(Utilities::MPI::sum(body.part().particles->fragment_contact()->counts().n_fragments,
+                                MPI_COMM_WORLD),
+            2u);
   EXPECT_EQ(largest(0.71), 0.);
   EXPECT_GT(largest(0.68), 1e-3);
 }
@@ -335,9 +338,9 @@ TEST(SelfContact, stays_as_it_is_where_a_chip_takes_the_label_of_its_body_away)
           return place == Body::Place{{chip, 0}} ? 10. : 0.;
         });
     const std::vector<Particle> after = press(0.7, 1.);
-    EXPECT_EQ(
-        Utilities::MPI::sum(body.part().particles->fragment_counts().n_fragments, MPI_COMM_WORLD),
-        chip == 7 ? 3u : 4u);
+    EXPECT_EQ(Utilities::MPI::sum(body.part().particles->fragment_contact()->counts().n_fragments,
+                                  MPI_COMM_WORLD),
+              chip == 7 ? 3u : 4u);
     double largest = 0;
     for (std::size_t i = 0; i < before.size(); ++i)
       for (unsigned int c = 0; c < 2; ++c)
@@ -395,10 +398,10 @@ TEST(SelfContact, takes_more_of_the_step_the_stiffer_it_is)
 {
   Body soft(plate_with_contact());
   const auto fraction = [](Body &body, const double step)
-  { return body.part().particles->stable_fraction(step); };
+  { return body.part().particles->fragment_contact()->stable_fraction(step); };
   EXPECT_NEAR(fraction(soft, 1e-9), 1., 1e-8);
   EXPECT_LT(fraction(soft, 1.), fraction(soft, 0.5));
   EXPECT_LT(fraction(soft, 0.5), 1.);
   Body without;
-  EXPECT_EQ(fraction(without, 1.), 1.);
+  EXPECT_EQ(without.part().particles->fragment_contact(), nullptr);
 }
