@@ -157,29 +157,10 @@ namespace tombolo
   }
 
   template <int dim>
-  typename ConvexApproximation<dim>::Result
-  ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums)
-  {
-    constexpr double tolerance = 1e-13, sufficient = 1e-11;
-    constexpr MostSteps most{100, 50};
-    Result result;
-    if (active.empty())
-      return result;
-    result.n_iterations = minimize_convex(
-        most, [this](const Tensor<1, dim> &trial) { return sums_at(trial); },
-        [](const Sums &of_trial)
-        { return -1. * solve_shifted(of_trial.hessian, of_trial.gradient); },
-        [](const Sums &of_trial) { return of_trial.size() < tolerance; }, multiplier, sums);
-    result.is_inside = sums.gradient.norm() < sufficient * sums.total;
-    return result;
-  }
-
-  template <int dim>
   void ConvexApproximation<dim>::find_gradients(const Tensor<1, dim> &multiplier, const Sums &sums,
                                                 const double mean_support,
                                                 Tensor<1, dim> *const gradient)
   {
-    find_basis(multiplier);
     for (unsigned int axis = 0; axis < dim; ++axis)
     {
       Tensor<1, dim> right_hand_side;
@@ -211,16 +192,33 @@ namespace tombolo
 
   template <int dim>
   typename ConvexApproximation<dim>::Result
-  ConvexApproximation<dim>::find_values(const unsigned int n, Tensor<1, dim> &multiplier,
-                                        Sums &sums, double *const value)
+  ConvexApproximation<dim>::solve(const unsigned int n, const double size, double *const value,
+                                  Tensor<1, dim> *const gradient)
   {
-    const Result result = minimize(multiplier, sums);
+    constexpr double tolerance = 1e-13, sufficient = 1e-11;
+    constexpr MostSteps most{100, 50};
+    Result result;
     std::fill_n(value, n, 0.);
+    if (active.empty())
+      return result;
+    Tensor<1, dim> multiplier;
+    Sums sums;
+    result.n_iterations = minimize_convex(
+        most, [this](const Tensor<1, dim> &trial) { return sums_at(trial); },
+        [](const Sums &of_trial)
+        { return -1. * solve_shifted(of_trial.hessian, of_trial.gradient); },
+        [](const Sums &of_trial) { return of_trial.size() < tolerance; }, multiplier, sums);
+    result.is_inside = sums.gradient.norm() < sufficient * sums.total;
     if (!result.is_inside)
       return result;
     find_basis(multiplier);
     for (std::size_t k = 0; k < active.size(); ++k)
       value[active[k]] = weight[k] * basis_value[k] / sums.total;
+    if (gradient != nullptr)
+    {
+      std::fill_n(gradient, n, Tensor<1, dim>());
+      find_gradients(multiplier, sums, size, gradient);
+    }
     return result;
   }
 
@@ -231,15 +229,7 @@ namespace tombolo
                                      double *const value, Tensor<1, dim> *const gradient)
   {
     const double mean_support = find_weights(x, n, position, support, gradient != nullptr);
-    Tensor<1, dim> multiplier;
-    Sums sums;
-    const Result result = find_values(n, multiplier, sums, value);
-    if (result.is_inside && gradient != nullptr)
-    {
-      std::fill_n(gradient, n, Tensor<1, dim>());
-      find_gradients(multiplier, sums, mean_support, gradient);
-    }
-    return result;
+    return solve(n, mean_support, value, gradient);
   }
 
   template <int dim>
@@ -259,17 +249,9 @@ namespace tombolo
     for (std::vector<double> &component : offset)
       for (std::size_t k = 0; k < active.size(); ++k)
         component[k] /= sum;
-    Tensor<1, dim> multiplier;
-    Sums sums;
-    const Result result = find_values(n, multiplier, sums, value);
-    if (result.is_inside && gradient != nullptr)
-    {
-      for (Tensor<1, dim> &of_weight : weight_gradient)
-        of_weight = of_weight * inverse;
-      std::fill_n(gradient, n, Tensor<1, dim>());
-      find_gradients(multiplier, sums, sum, gradient);
-    }
-    return result;
+    for (Tensor<1, dim> &of_weight : weight_gradient)
+      of_weight = of_weight * inverse;
+    return solve(n, sum, value, gradient);
   }
 
   template class ConvexApproximation<2>;

@@ -132,12 +132,9 @@ namespace tombolo
     /** exp(λ·ξ) of all active neighbours. */
     void find_basis(const dealii::Tensor<1, dim> &multiplier);
 
-    /** minimize(), and Ψ_J to @p value. */
-    Result find_values(unsigned int n, dealii::Tensor<1, dim> &multiplier, Sums &sums,
-                       double *value);
-
-    /** Newton's method from λ = 0. */
-    Result minimize(dealii::Tensor<1, dim> &multiplier, Sums &sums);
+    /** Newton's method from λ = 0; Ψ_J to @p value and, unless it is null, ∇Ψ_J to @p gradient.
+     * Offsets are over @p size. */
+    Result solve(unsigned int n, double size, double *value, dealii::Tensor<1, dim> *gradient);
 
     void find_gradients(const dealii::Tensor<1, dim> &multiplier, const Sums &sums,
                         double mean_support, dealii::Tensor<1, dim> *gradient);

@@ -9,25 +9,21 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void OnePointHexahedron<dim>::declare_parameters(const Entries &e)
+  OnePointHexahedron<dim>::OnePointHexahedron(const Entries &e)
   {
-    e.number("Hourglass stiffness", "0.05", between(0., 1.), "1",
-             "Modes without strain at the one point are resisted by an elastic force that turns "
-             "with the material (Flanagan and Belytschko 1981): its coefficient, of the modulus of "
-             "plane waves, at most of four shear moduli; 0.03 to 0.05 is usual.");
-    e.number("Hourglass limit", "0.5", between(0., 1000.), "",
-             "The elastic hourglass force of a cell that flows plastically is at most this "
-             "multiple of the one that belongs to its flow stress; 0 is no limit.");
+    coefficient = e.number(
+        "Hourglass stiffness", "0.05", between(0., 1.), "1",
+        "Modes without strain at the one point are resisted by an elastic force that turns "
+        "with the material (Flanagan and Belytschko 1981): its coefficient, of the modulus of "
+        "plane waves, at most of four shear moduli; 0.03 to 0.05 is usual.");
+    hourglass_limit =
+        e.number("Hourglass limit", "0.5", between(0., 1000.), "",
+                 "The elastic hourglass force of a cell that flows plastically is at most this "
+                 "multiple of the one that belongs to its flow stress; 0 is no limit.");
   }
 
   template <int dim>
   OnePointHexahedron<dim>::OnePointHexahedron(const double coefficient) : coefficient(coefficient)
-  {}
-
-  template <int dim>
-  OnePointHexahedron<dim>::OnePointHexahedron(const Section &section)
-      : coefficient(section.get_double("Hourglass stiffness")),
-        hourglass_limit(section.get_double("Hourglass limit"))
   {}
 
   template <int dim>

@@ -146,11 +146,7 @@ namespace tombolo
   {
     const double *const initial =
         particles.initial_supports().data() + std::size_t(i) * node_stride;
-    double row_major[dim * dim];
-    for (unsigned int a = 0; a < dim; ++a)
-      for (unsigned int b = 0; b < dim; ++b)
-        row_major[a * dim + b] = total[a][b];
-    SupportSize::stretch<dim>(row_major, initial, half_width);
+    SupportSize::stretch<dim>(total.begin_raw(), initial, half_width);
     if (stretch_limit > 0.)
       for (unsigned int d = 0; d < dim; ++d)
         half_width[d] =
@@ -211,18 +207,14 @@ namespace tombolo
   {
     std::vector<double> entries;
     for (const Tensor<2, dim> &of_particle : reference_deformation)
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          entries.push_back(of_particle[a][b]);
+      entries.insert(entries.end(), of_particle.begin_raw(), of_particle.end_raw());
     archive.rows("position at rebuild", node_stride, reference_position);
     archive.rows("support at rebuild", node_stride, half_widths);
     archive.rows("deformation at rebuild", dim * dim, entries);
     if (!archive.is_reading())
       return;
     for (std::size_t i = 0; i < reference_deformation.size(); ++i)
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          reference_deformation[i][a][b] = entries[i * dim * dim + a * dim + b];
+      std::copy_n(&entries[i * dim * dim], dim * dim, reference_deformation[i].begin_raw());
   }
 
   template class KernelConfiguration<2>;

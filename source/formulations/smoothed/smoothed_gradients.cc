@@ -407,11 +407,14 @@ namespace tombolo
     e.refuse(!(dilation >= 1.05 && dilation <= 2.), "Dilation",
              "allowed is a number from 1.05 to 2; below, cells have points that no support "
              "reaches, and above, weak modes appear");
-    rule = smoothed_integration_rule(
+    rule =
         e.choice("Integration", "smoothed", "smoothed|one point",
                  "smoothed: four sub-cells a cell, with gradients from the functions on their "
                  "facets, which pass the patch test in every mesh; one point: the gradients at the "
-                 "middle of the cell, as in Wu et al. 2015, which are exact on lattices only."));
+                 "middle of the cell, as in Wu et al. 2015, which are exact on lattices only.") ==
+                "smoothed"
+            ? SmoothedIntegrationRule::smoothed
+            : SmoothedIntegrationRule::one_point;
     shares_of_points = corner_shares_of_points<dim>(rule);
   }
 

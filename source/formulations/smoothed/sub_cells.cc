@@ -201,12 +201,6 @@ namespace tombolo
     return result;
   }
 
-  SmoothedIntegrationRule smoothed_integration_rule(const std::string &name)
-  {
-    return name == "smoothed" ? SmoothedIntegrationRule::smoothed
-                              : SmoothedIntegrationRule::one_point;
-  }
-
   template <int dim>
   PointOfCell<dim>::PointOfCell(const typename SubCells<dim>::Corners &corners)
   {

@@ -46,8 +46,12 @@ namespace tombolo
       Lanes inverse_volume;
     };
 
-    static void declare_parameters(const Entries &e);
-    explicit OnePointHexahedron(const Section &section);
+    static void declare_parameters(const Entries &e)
+    {
+      declare<OnePointHexahedron>(e);
+    }
+
+    explicit OnePointHexahedron(const Entries &e);
     /** Without a limit. */
     explicit OnePointHexahedron(double coefficient);
 

@@ -94,9 +94,6 @@ namespace tombolo
     one_point
   };
 
-  /** That of the value @p name of `Integration`. */
-  SmoothedIntegrationRule smoothed_integration_rule(const std::string &name);
-
   /** The middle of a cell, and the derivative of places by those in the unit cell there, whose
    * determinant is the volume of the point. */
   template <int dim>
