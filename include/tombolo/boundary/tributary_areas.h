@@ -7,6 +7,9 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <algorithm>
+#include <map>
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -21,30 +24,127 @@ namespace tombolo
   class TributaryAreas
   {
   public:
-    TributaryAreas(unsigned int n_groups, const Nodes<dim> &nodes);
+    TributaryAreas(const unsigned int n_groups, const Nodes<dim> &nodes)
+        : groups(n_groups), all_nodes(nodes.owned().size()),
+          shapes(nodes.degree(), nodes.degree() + 1)
+    {}
 
     /** Adds a face with its nodes in the order of Nodes::face_places(). Each face is given by one
      * rank. @p orientation is 1 or -1 where the group has outward areas, see orientation(). */
     void add_face(unsigned int group, const std::vector<dealii::types::global_dof_index> &nodes,
-                  double orientation = 0.);
+                  double orientation = 0.)
+    {
+      AssertIndexRange(group, groups.size());
+      AssertDimension(nodes.size(), shapes.n_nodes);
+      faces.push_back({group, nodes, {}, {}, orientation});
+      for (const dealii::types::global_dof_index node : nodes)
+        all_nodes.add_index(node);
+    }
 
     /** 1 where the normal that the nodes of a face at these places span leads away from @p inside,
      * a place in the body next to it, and -1 where it leads there. */
     double orientation(const std::vector<dealii::Point<dim>> &nodes,
-                       const dealii::Point<dim> &inside) const;
+                       const dealii::Point<dim> &inside) const
+    {
+      dealii::Tensor<1, dim> normal, centre;
+      for (const dealii::Point<dim> &node : nodes)
+        centre += node / static_cast<double>(nodes.size());
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+        normal +=
+            shapes.weights[q] * shapes.normal(q, [&](const unsigned int k) { return nodes[k]; });
+      return normal * (centre - inside) > 0. ? 1. : -1.;
+    }
 
     /** Removes the faces of these cells, each given by its nodes; set_partition() must follow. */
-    void remove_faces_of(
-        const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
+    void
+    remove_faces_of(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells)
+    {
+      std::multimap<dealii::types::global_dof_index,
+                    const std::vector<dealii::types::global_dof_index> *>
+          cell_of;
+      for (const auto &cell : nodes_of_cells)
+        for (const dealii::types::global_dof_index node : cell)
+          cell_of.emplace(node, &cell);
+      const auto is_of_cell =
+          [](const Face &face, const std::vector<dealii::types::global_dof_index> &cell)
+      {
+        return std::all_of(face.global_nodes.begin(), face.global_nodes.end(),
+                           [&](const dealii::types::global_dof_index node)
+                           { return std::find(cell.begin(), cell.end(), node) != cell.end(); });
+      };
+      const auto is_removed = [&](const Face &face)
+      {
+        const auto candidates = cell_of.equal_range(face.global_nodes.front());
+        return std::any_of(candidates.first, candidates.second,
+                           [&](const auto &entry) { return is_of_cell(face, *entry.second); });
+      };
+      faces.erase(std::remove_if(faces.begin(), faces.end(), is_removed), faces.end());
+    }
 
     /** All nodes of the faces that this rank has or had. */
-    dealii::IndexSet required_nodes() const;
+    dealii::IndexSet required_nodes() const
+    {
+      dealii::IndexSet result = all_nodes;
+      result.compress();
+      return result;
+    }
 
     /** Translates node numbers to those of @p partition; areas are zero then. */
-    void set_partition(const NodePartition &partition);
+    void set_partition(const NodePartition &partition)
+    {
+      std::vector<std::map<unsigned int, unsigned int>> place_of_node(groups.size());
+      for (Group &group : groups)
+        group.nodes.clear();
+      for (Face &face : faces)
+      {
+        face.nodes.clear();
+        face.places.clear();
+        Group &group = groups[face.group];
+        for (const dealii::types::global_dof_index global_node : face.global_nodes)
+        {
+          const unsigned int node = partition.local_index(global_node);
+          const auto [place, is_new] = place_of_node[face.group].try_emplace(
+              node, static_cast<unsigned int>(group.nodes.size()));
+          if (is_new)
+            group.nodes.push_back(node);
+          face.nodes.push_back(node);
+          face.places.push_back(place->second);
+        }
+      }
+      for (Group &group : groups)
+      {
+        group.areas.assign(group.nodes.size(), 0.);
+        group.outward_areas.assign(group.nodes.size(), dealii::Tensor<1, dim>());
+      }
+    }
 
     /** Finds the areas in these positions (ghosts current). */
-    void update(const NodalVector &position);
+    void update(const NodalVector &position)
+    {
+      for (Group &group : groups)
+      {
+        std::fill(group.areas.begin(), group.areas.end(), 0.);
+        std::fill(group.outward_areas.begin(), group.outward_areas.end(), dealii::Tensor<1, dim>());
+      }
+      for (const Face &face : faces)
+      {
+        std::vector<double> &areas = groups[face.group].areas;
+        std::vector<dealii::Tensor<1, dim>> &outward_areas = groups[face.group].outward_areas;
+        for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+        {
+          const dealii::Tensor<1, dim> normal =
+              shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });
+          const double area = shapes.weights[q] * normal.norm();
+          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          {
+            areas[face.places[k]] += area * shapes.value(q, k);
+            if (face.orientation != 0.)
+              outward_areas[face.places[k]] +=
+                  face.orientation * shapes.weights[q] * shapes.value(q, k) * normal;
+          }
+        }
+      }
+    }
 
     /** Nodes of this rank's faces of a group, each once (local numbers, ghosts too). */
     const std::vector<unsigned int> &nodes(const unsigned int group) const
@@ -66,7 +166,15 @@ namespace tombolo
 
     /** Owned nodes of the faces of all groups and ranks, ascending. Collective. */
     std::vector<unsigned int>
-    owned_nodes(const std::shared_ptr<const NodePartition> &partition) const;
+    owned_nodes(const std::shared_ptr<const NodePartition> &partition) const
+    {
+      return owned_marked_nodes(partition,
+                                [&](const auto &mark)
+                                {
+                                  for (const Group &group : groups)
+                                    std::for_each(group.nodes.begin(), group.nodes.end(), mark);
+                                });
+    }
 
   private:
     struct Face

@@ -7,10 +7,14 @@
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,7 +26,26 @@ namespace tombolo
   class BondCheck
   {
   public:
-    explicit BondCheck(const Entries &e);
+    explicit BondCheck(const Entries &e)
+    {
+      criterion =
+          e.plugin<BondFailure>("Bond failure", "none",
+                                "When bonds between particles break, for good: a criterion with a "
+                                "section of its own, or `none`. Broken bonds leave the supports of "
+                                "both particles; mass, momentum and stress stay.",
+                                "none");
+      name = e.given("Bond failure");
+      interval = e.integer("Steps between bond checks", "5", between(1, 1000000),
+                           "Bond failure: bonds are checked every so many steps.");
+      e.plugins<BondFailure>();
+      isolates_without_broken =
+          e.choice(
+              "Isolate distorted", "with broken bonds", "with broken bonds|all",
+              "Bond failure: which particles lose all their bonds where they are turned inside "
+              "out, or where their gradients grow to three times those of the start: `with "
+              "broken bonds`, or `all`, in flows that tear the neighbours of a particle away. A "
+              "particle that is turned inside out otherwise ends the run.") == "all";
+    }
 
     const std::string &criterion_name() const
     {
@@ -40,24 +63,88 @@ namespace tombolo
     }
 
     /** Begins to count steps. Throws InputError where @p points cannot be judged. */
-    void start(const MaterialPoints &points);
+    void start(const MaterialPoints &points)
+    {
+      criterion->check(points);
+      steps_since_check = 0;
+    }
 
     /** Counts a step; whether its bonds are checked. */
-    bool is_due();
+    bool is_due()
+    {
+      if (++steps_since_check < interval)
+        return false;
+      steps_since_check = 0;
+      return true;
+    }
 
     /** Computes the measure of each particle; whether any on any rank reaches the threshold, so
      * that find_breaking() is due. @p deformation as in BondFailure. Collective. */
     bool measure(const MaterialPoints &points, const std::vector<dealii::Tensor<2, 3>> &deformation,
-                 MPI_Comm communicator);
+                 const MPI_Comm communicator)
+    {
+      criterion->measure(points, deformation, measures);
+      double largest = std::numeric_limits<double>::lowest();
+      for (const double value : measures)
+        largest = std::max(largest, value);
+      return !(dealii::Utilities::MPI::max(largest, communicator) < criterion->threshold());
+    }
 
     /** Shows the measures to other ranks, and where the particles began. Collective. */
     void exchange(const std::shared_ptr<const NodePartition> &partition,
-                  const std::vector<dealii::Point<dim>> &initial_positions, const Stencils &shape);
+                  const std::vector<dealii::Point<dim>> &initial_positions, const Stencils &shape)
+    {
+      pair_data.fit_to(partition, Quantity::position);
+      pair_data.fill(shape.particle_node,
+                     [&](const std::size_t i, double *const data)
+                     {
+                       std::copy_n(initial_positions[i].begin_raw(), dim, data);
+                       data[node_stride - 1] = measures[i];
+                     });
+    }
 
     /** Entries of row @p i (from its first one) whose bonds break at @p position, with current
      * ghosts on the partition of exchange(). */
-    const std::vector<unsigned int> &find_breaking(unsigned int i, const NodalVector &position,
-                                                   const Stencils &shape);
+    const std::vector<unsigned int> &
+    find_breaking(const unsigned int i, const NodalVector &position, const Stencils &shape)
+    {
+      const double threshold = criterion->threshold();
+      const unsigned int own = shape.particle_node[i];
+      const double *const own_data = pair_data.node(own), *const own_position = position.node(own);
+      const Stencils::Row row = shape.row(i);
+      entries.clear();
+      mean.clear();
+      stretch.clear();
+      breaking.clear();
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        if (!row.is_within_support(k) || row.neighbour[k] == own)
+          continue;
+        const double *const data = pair_data.node(row.neighbour[k]);
+        const double of_pair = 0.5 * (own_data[node_stride - 1] + data[node_stride - 1]);
+        if (of_pair < threshold)
+          continue;
+        const double *const other_position = position.node(row.neighbour[k]);
+        double now = 0, before = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          now += (other_position[d] - own_position[d]) * (other_position[d] - own_position[d]);
+          before += (data[d] - own_data[d]) * (data[d] - own_data[d]);
+        }
+        entries.push_back(k);
+        mean.push_back(of_pair);
+        stretch.push_back(std::sqrt(now / before));
+      }
+      if (entries.empty())
+        return breaking;
+      verdict.resize(entries.size());
+      criterion->judge(static_cast<unsigned int>(entries.size()), mean.data(), stretch.data(),
+                       verdict.data());
+      for (std::size_t n = 0; n < entries.size(); ++n)
+        if (verdict[n] != 0)
+          breaking.push_back(entries[n]);
+      return breaking;
+    }
 
     void list(Records &records)
     {

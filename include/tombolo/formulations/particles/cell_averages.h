@@ -2,21 +2,66 @@
 #pragma once
 
 #include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/approximation/row_sharing.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/mesh/nodes.h>
 
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
+  namespace internal
+  {
+    /** Π_k (1 ± s ξ_k) / 2 of the corner @p corner at @p point of the unit cell. */
+    template <int dim>
+    double weight_of_corner(const double sharpness, const unsigned int corner,
+                            const dealii::Point<dim> &point)
+    {
+      double result = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double side = ((corner >> d) & 1u) != 0 ? 1. : -1.;
+        result *= 0.5 * (1. + side * sharpness * (2. * point[d] - 1.));
+      }
+      return result;
+    }
+
+    /** Whether nodes on which nodes of the part depend do so themselves. Collective. */
+    template <int dim>
+    bool has_cells_of_three_sizes(const PartSetup<dim> &setup)
+    {
+      if (!setup.nodes->has_dependent_nodes())
+        return false;
+      std::vector<dealii::types::global_dof_index> of_rank;
+      for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned() && setup.part_cells->part_of(cell) == setup.index)
+          for (const unsigned int v : cell->vertex_indices())
+            if (const DependentNode *const row =
+                    setup.nodes->dependent_node(cell->vertex_dof_index(v, 0)))
+              for (const auto &weight : row->weights)
+                of_rank.push_back(weight.first);
+      bool has_some = false;
+      for (const auto &all : dealii::Utilities::MPI::all_gather(setup.communicator, of_rank))
+        for (const dealii::types::global_dof_index node : all)
+          has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
+      return dealii::Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
+    }
+  } // namespace internal
+
   /** What a cell gives to the averages around its nodes I, with the functions N_J of its nodes J
    * (see CellAverages). */
   template <int dim>
@@ -28,16 +73,78 @@ namespace tombolo
     static constexpr double value_sharpness = 1.5;   ///< of ψ
 
     /** All zero. */
-    CellIntegrals(const std::vector<Node> &nodes, const std::vector<dealii::Point<dim>> &points);
+    CellIntegrals(const std::vector<Node> &nodes, const std::vector<dealii::Point<dim>> &points)
+        : nodes(nodes), points(points), volume(nodes.size()), weight(nodes.size()),
+          moment(nodes.size()), value(nodes.size() * nodes.size()),
+          gradient(nodes.size() * nodes.size())
+    {}
 
     /** Integrates over a cell whose corners are the nodes; @p hierarchic are their numbers in
      * @p fe_values. */
-    void add(const dealii::FEValues<dim> &fe_values, const std::vector<unsigned int> &hierarchic);
+    void add(const dealii::FEValues<dim> &fe_values, const std::vector<unsigned int> &hierarchic)
+    {
+      constexpr unsigned int n = dealii::GeometryInfo<dim>::vertices_per_cell;
+      for (const unsigned int q : fe_values.quadrature_point_indices())
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          const dealii::Point<dim> &place = fe_values.get_quadrature().point(q);
+          const double of_gradient =
+              internal::weight_of_corner<dim>(gradient_sharpness, i, place) * fe_values.JxW(q);
+          const double of_value =
+              internal::weight_of_corner<dim>(value_sharpness, i, place) * fe_values.JxW(q);
+          volume[i] += of_gradient;
+          weight[i] += of_value;
+          moment[i] += of_value * (fe_values.quadrature_point(q) - points[i]);
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            value[i * n + j] += of_value * fe_values.shape_value(hierarchic[j], q);
+            gradient[i * n + j] += of_gradient * fe_values.shape_grad(hierarchic[j], q);
+          }
+        }
+    }
 
     /** The same of the corners, or in the place of those that depend on others, of the others.
      * @p places are those of Nodes::points_depended_on(). */
     CellIntegrals of_nodes_that_move(const Nodes<dim> &of_mesh,
-                                     const std::map<Node, dealii::Point<dim>> &places) const;
+                                     const std::map<Node, dealii::Point<dim>> &places) const
+    {
+      const std::size_t n_corners = nodes.size();
+      std::vector<Node> others;
+      std::vector<dealii::Point<dim>> points_of_others;
+      std::vector<std::vector<std::pair<std::size_t, double>>> shares(n_corners);
+      const auto share = [&](const std::size_t corner, const Node node,
+                             const dealii::Point<dim> &point, const double share_of_node)
+      {
+        const auto found = std::find(others.begin(), others.end(), node);
+        shares[corner].emplace_back(found - others.begin(), share_of_node);
+        if (found != others.end())
+          return;
+        others.push_back(node);
+        points_of_others.push_back(point);
+      };
+      for (std::size_t i = 0; i < n_corners; ++i)
+        if (const DependentNode *const row = of_mesh.dependent_node(nodes[i]))
+          for (const auto &[node, share_of_node] : row->weights)
+            share(i, node, places.at(node), share_of_node);
+        else
+          share(i, nodes[i], points[i], 1.);
+      CellIntegrals result(others, points_of_others);
+      const std::size_t n = others.size();
+      for (std::size_t i = 0; i < n_corners; ++i)
+        for (const auto &[a, of_a] : shares[i])
+        {
+          result.volume[a] += of_a * volume[i];
+          result.weight[a] += of_a * weight[i];
+          result.moment[a] += of_a * (moment[i] + weight[i] * (points[i] - points_of_others[a]));
+          for (std::size_t j = 0; j < n_corners; ++j)
+            for (const auto &[b, of_b] : shares[j])
+            {
+              result.value[a * n + b] += of_a * of_b * value[i * n_corners + j];
+              result.gradient[a * n + b] += of_a * of_b * gradient[i * n_corners + j];
+            }
+        }
+      return result;
+    }
 
     std::vector<Node> nodes;
     std::vector<dealii::Point<dim>> points;
@@ -76,29 +183,186 @@ namespace tombolo
   {
   public:
     CellAverages() = default;
-    explicit CellAverages(const Entries &e);
+    explicit CellAverages(const Entries &e) : section(e.section())
+    {
+      wanted = e.choice(
+          "Shape functions", "automatic", "automatic|cell averages|moving least squares",
+          "`moving least squares` on boxes along the axes (`Kernel`, `Dilation`), which can be "
+          "renewed, or `cell averages` of the initial cells around a particle: these pass the "
+          "patch test in any mesh, do not depend on the direction of the axes, and bend as the "
+          "body does. They are there for the smoothings affine and none, a total Lagrangian "
+          "configuration without bonds that fail, the bridge of the paper and cells that stay "
+          "what they are. `automatic` chooses them where they are there and something moves.");
+    }
 
     /** Decides whether the particles of this part have these functions. Throws the InputError of
      * what they do not have, where they are asked for. */
-    void choose(const PartSetup<dim> &setup);
+    void choose(const PartSetup<dim> &setup)
+    {
+      reason = wanted == "moving least squares" ? std::string() : obstacle(setup);
+      if (wanted == "cell averages" && !reason.empty())
+        section.fail("Shape functions", "`cell averages` are not there with " + reason +
+                                            "; allowed is `moving least squares`, or `automatic`");
+      // Heated faces of a lattice are a third of a percent nearer with moving least squares.
+      is_chosen = reason.empty() &&
+                  (wanted == "cell averages" || (wanted == "automatic" && setup.has_mechanics));
+      nodes = setup.nodes;
+      part_cells = setup.part_cells;
+      part = setup.index;
+    }
     /** Why the part cannot have these functions; empty if it can. */
-    std::string obstacle(const PartSetup<dim> &setup) const;
+    std::string obstacle(const PartSetup<dim> &setup) const
+    {
+      const auto is_not = [&](const std::string &entry, const std::string &value)
+      { return section.get(entry) != value ? "`" + entry + " = " + section.get(entry) + "`" : ""; };
+      if (const std::string smoothing = section.get("Smoothing");
+          smoothing != "affine" && smoothing != "none")
+        return is_not("Smoothing", "affine");
+      for (const auto &[entry, value] : {std::pair{"Configuration", "total Lagrangian"},
+                                         std::pair{"Kernels across gaps", "false"}})
+        if (const std::string other = is_not(entry, value); !other.empty())
+          return other;
+      if (section.get("Bond failure") != "none")
+        return "`Bond failure`";
+      if (setup.trace_bridge)
+        return "the trace bridge";
+      if (setup.source || setup.cells_can_leave)
+        return "cells that become particles or are removed while the run goes on";
+      if (internal::has_cells_of_three_sizes(setup))
+        return "cells of three sizes side by side";
+      return setup.nodes->degree() > 1 ? "cells of a degree above 1" : "";
+    }
     bool is_on() const
     {
       return is_chosen;
     }
     /** What the functions are and, where they could be others, why they are not, for the audit. */
-    std::string description() const;
+    std::string description() const
+    {
+      if (is_chosen)
+        return "cell averages";
+      return "moving least squares" + (reason.empty()
+                                           ? std::string()
+                                           : " (cell averages are not there with " + reason + ")");
+    }
 
     /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
      * the volumes V_I, and supports that reach all in whose rows they are. Collective. */
-    void establish(ParticleSet<dim> &particles);
+    void establish(ParticleSet<dim> &particles)
+    {
+      accelerated_share = find_accelerated_shares(particles);
+      std::vector<Sums> sums(particles.size());
+      const dealii::QGauss<dim> quadrature(2);
+      dealii::FEValues<dim> fe_values(nodes->dof_handler().get_fe(), quadrature,
+                                      dealii::update_values | dealii::update_gradients |
+                                          dealii::update_quadrature_points |
+                                          dealii::update_JxW_values);
+      const auto sums_of = [&](const Node node)
+      {
+        const std::vector<Node> &numbers = particles.nodes();
+        const auto particle = std::lower_bound(numbers.begin(), numbers.end(), node);
+        return particle != numbers.end() && *particle == node
+                   ? &sums[std::size_t(particle - numbers.begin())]
+                   : nullptr;
+      };
+      // The owner of a particle sees all cells around it, but not those around nodes that follow
+      // it.
+      const std::map<Node, dealii::Point<dim>> places = nodes->points_depended_on();
+      std::map<Node, Sums> of_rank;
+      std::vector<Node> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
+      std::vector<dealii::Point<dim>> points;
+      std::vector<unsigned int> hierarchic;
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial() || part_cells->part_of(cell) != part)
+          continue;
+        nodes->cell_nodes(cell, cell_nodes);
+        const bool follows =
+            std::any_of(cell_nodes.begin(), cell_nodes.end(),
+                        [&](const Node node) { return nodes->dependent_node(node) != nullptr; });
+        if (follows && !cell->is_locally_owned())
+          continue;
+        nodes->cell_points(cell, points);
+        cell->get_dof_indices(cell_dofs);
+        hierarchic.clear();
+        for (const Node node : cell_nodes)
+          hierarchic.push_back(static_cast<unsigned int>(
+              std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
+        fe_values.reinit(cell);
+        CellIntegrals<dim> integrals(cell_nodes, points);
+        integrals.add(fe_values, hierarchic);
+        if (follows)
+          add_cell(integrals.of_nodes_that_move(*nodes, places),
+                   [&](const Node node) { return &of_rank[node]; });
+        else
+          add_cell(integrals, sums_of);
+      }
+      if (nodes->has_dependent_nodes())
+        add_from_ranks(of_rank, sums_of);
+
+      std::vector<double> volumes;
+      rows.clear();
+      for (Sums &sum : sums)
+      {
+        volumes.push_back(sum.volume);
+        for (Entry &entry : sum.entries)
+        {
+          entry.value /= sum.weight;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            entry.gradient[d] /= sum.image_volume;
+            entry.value -= sum.moment[d] / sum.weight * entry.gradient[d];
+          }
+        }
+        rows.push_back(std::move(sum.entries));
+      }
+      particles.set_initial_volumes(volumes);
+      widen_supports(particles);
+    }
 
     /** Leaves in the rows of @p found those that have functions. */
-    void restrict(Neighbourhoods<dim> &found, Stencils &stencils) const;
+    void restrict(Neighbourhoods<dim> &found, Stencils &stencils) const
+    {
+      found.remove_neighbours([&](const unsigned int row, const unsigned int place)
+                              { return find(found, row, place) == nullptr; },
+                              stencils);
+      for (unsigned int row = 0; row < rows.size(); ++row)
+        AssertThrow(stencils.row_start[row + 1] - stencils.row_start[row] == rows[row].size(),
+                    dealii::ExcInternalError());
+    }
 
     /** Fills the rows of @p stencils; with @p share_rows, those that are the same are kept once. */
-    void fill(const Neighbourhoods<dim> &found, bool share_rows, Stencils &stencils) const;
+    void fill(const Neighbourhoods<dim> &found, const bool share_rows, Stencils &stencils) const
+    {
+      const std::size_t n_entries = found.places().size();
+      stencils.is_lumped = true;
+      stencils.accelerated_share = accelerated_share;
+      stencils.value.resize_fast(n_entries);
+      stencils.gradient.resize_fast(Stencils::n_gradient * n_entries + 1);
+      stencils.gradient.back() = 0.;
+      stencils.coefficient_start.assign(stencils.row_start.begin(), stencils.row_start.end() - 1);
+      for (unsigned int row = 0; row < rows.size(); ++row)
+        for (std::size_t k = stencils.row_start[row]; k < stencils.row_start[row + 1]; ++k)
+        {
+          const Entry &entry = *find(found, row, found.places()[k]);
+          stencils.value[k] = entry.value;
+          std::copy_n(entry.gradient, Stencils::n_gradient,
+                      stencils.gradient.data() + Stencils::n_gradient * k);
+        }
+      if (!share_rows)
+        return;
+      RowSharing kept;
+      std::vector<std::size_t> start;
+      for (unsigned int row = 0; row < rows.size(); ++row)
+      {
+        const Stencils::Row of_row = stencils.row(row);
+        start.push_back(kept.add(of_row.size, of_row.value, of_row.gradient));
+        if (2 * kept.size() > n_entries)
+          return;
+      }
+      stencils.coefficient_start = start;
+      kept.store(stencils);
+    }
 
   private:
     struct Entry
@@ -108,27 +372,182 @@ namespace tombolo
       double gradient[3] = {};
     };
     /** What the cells around a particle have summed up; all but volume with images of cells. */
-    struct Sums
+    struct Totals
     {
-      Entry &at(const ImageNode &node);
-
-      std::vector<Entry> entries; // by node
       double volume = 0, image_volume = 0, weight = 0;
       double moment[dim] = {};
     };
+    struct Sums : Totals
+    {
+      Entry &at(const ImageNode &node)
+      {
+        const auto place =
+            std::lower_bound(entries.begin(), entries.end(), node,
+                             [](const Entry &a, const ImageNode &b) { return a.node < b; });
+        if (place != entries.end() && place->node == node)
+          return *place;
+        Entry entry;
+        entry.node = node;
+        return *entries.insert(place, entry);
+      }
+
+      std::vector<Entry> entries; // by node
+    };
     using Node = dealii::types::global_dof_index;
     /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
-    std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const;
+    std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const
+    {
+      // S_A is 1 + κ h² ∂² on long waves, with κ the value of φ at the next node of a lattice. The
+      // energy of v̂ is that of v but for its gradient in the bulk and, where this ends within the
+      // body, v ∂v there: a layer of mass κ h in the wrong place.
+      constexpr double kappa = 0.25 - CellIntegrals<dim>::value_sharpness / 12.;
+      NodalVector shift(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
+      const NodePartition &partition = *shift.partition();
+      std::vector<dealii::types::global_dof_index> cell_nodes;
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+      {
+        if (!cell->is_locally_owned() || part_cells->part_of(cell) != part)
+          continue;
+        nodes->cell_nodes(cell, cell_nodes);
+        const double volume = kappa * cell->measure() / (1u << (dim - 1));
+        for (const unsigned int face : cell->face_indices())
+          if (!cell->at_boundary(face) && part_cells->part_beyond(cell, face) != part)
+            for (const unsigned int place : nodes->face_places(face))
+            {
+              const unsigned int opposite = place ^ (1u << (face / 2));
+              *shift.node(partition.local_index(cell_nodes[place])) += volume;
+              *shift.node(partition.local_index(cell_nodes[opposite])) -= volume;
+            }
+      }
+      shift.collect();
+      std::vector<double> shares;
+      for (unsigned int i = 0; i < particles.size(); ++i)
+        shares.push_back(1. + *shift.node(partition.local_index(particles.nodes()[i])) /
+                                  particles.initial_volumes()[i]);
+      return shares;
+    }
     /** Adds the integrals of a cell to the sums of its nodes, where @p sums_of has some. */
     void add_cell(const CellIntegrals<dim> &integrals,
-                  const std::function<Sums *(Node)> &sums_of) const;
+                  const std::function<Sums *(Node)> &sums_of) const
+    {
+      const auto n = static_cast<unsigned int>(integrals.nodes.size());
+      const double tolerance = 1e-6 * integrals.points.front().distance(integrals.points.back());
+      const Images &images = *nodes->images();
+      std::vector<unsigned int> mirrors;
+      for (const dealii::Point<dim> &point : integrals.points)
+        mirrors.push_back(images.at(point, tolerance));
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        Sums *const sum = sums_of(integrals.nodes[i]);
+        if (sum == nullptr)
+          continue;
+        sum->volume += integrals.volume[i];
+        // With the images of the cell in all combinations of the mirrors of the particle.
+        for (unsigned int through = 0; through <= mirrors[i]; ++through)
+        {
+          if ((through & ~mirrors[i]) != 0)
+            continue;
+          const Images::Map map = images.map(through);
+          sum->image_volume += integrals.volume[i];
+          sum->weight += integrals.weight[i];
+          for (unsigned int d = 0; d < dim; ++d)
+            sum->moment[d] += map.sign[d] * integrals.moment[i][d];
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            Entry &target = sum->at({integrals.nodes[j], through & ~mirrors[j]});
+            target.value += integrals.value[i * n + j];
+            for (unsigned int d = 0; d < dim; ++d)
+              target.gradient[d] += map.sign[d] * integrals.gradient[i * n + j][d];
+          }
+        }
+      }
+    }
     /** Adds what all ranks have for particles. Collective. */
     void add_from_ranks(const std::map<Node, Sums> &of_rank,
-                        const std::function<Sums *(Node)> &sums_of) const;
+                        const std::function<Sums *(Node)> &sums_of) const
+    {
+      struct TotalsOfNode
+      {
+        Node node;
+        Totals totals;
+      };
+      struct EntryOfNode
+      {
+        Node node;
+        Entry entry;
+      };
+      std::vector<TotalsOfNode> totals_of_rank;
+      std::vector<EntryOfNode> entries_of_rank;
+      for (const auto &[node, sum] : of_rank)
+      {
+        totals_of_rank.push_back({node, sum});
+        for (const Entry &entry : sum.entries)
+          entries_of_rank.push_back({node, entry});
+      }
+      for (const auto &[node, totals] : of_all_ranks(totals_of_rank, nodes->communicator()))
+        if (Sums *const sum = sums_of(node))
+        {
+          sum->volume += totals.volume;
+          sum->image_volume += totals.image_volume;
+          sum->weight += totals.weight;
+          for (unsigned int d = 0; d < dim; ++d)
+            sum->moment[d] += totals.moment[d];
+        }
+      for (const auto &[node, entry] : of_all_ranks(entries_of_rank, nodes->communicator()))
+        if (Sums *const sum = sums_of(node))
+        {
+          Entry &target = sum->at(entry.node);
+          target.value += entry.value;
+          for (unsigned int d = 0; d < dim; ++d)
+            target.gradient[d] += entry.gradient[d];
+        }
+    }
     /** Widens supports of @p particles where they do not reach rows that they are in. Collective.
      */
-    void widen_supports(ParticleSet<dim> &particles) const;
-    const Entry *find(const Neighbourhoods<dim> &found, unsigned int row, unsigned int place) const;
+    void widen_supports(ParticleSet<dim> &particles) const
+    {
+      if (!nodes->has_dependent_nodes())
+        return;
+      dealii::IndexSet sources(particles.owned_nodes().size());
+      for (const std::vector<Entry> &row : rows)
+        for (const Entry &entry : row)
+          sources.add_index(entry.node.source);
+      const auto partition = particles.partition(sources, {});
+      std::vector<unsigned int> local;
+      for (const dealii::types::global_dof_index node : particles.nodes())
+        local.push_back(partition->local_index(node));
+      const NodalVector position =
+          nodal_field(partition, Quantity::scalars, local,
+                      [&](const std::size_t i, double *const place)
+                      { std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place); });
+      // A particle is in the rows of those that are in its own.
+      constexpr double beyond = 1.01;
+      std::vector<double> supports = particles.initial_supports();
+      for (unsigned int i = 0; i < particles.size(); ++i)
+        for (const Entry &entry : rows[i])
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const Images::Map map = nodes->images()->map(entry.node.mirrors);
+            const double other =
+                map.sign[d] * position.node(partition->local_index(entry.node.source))[d] +
+                map.offset[d];
+            double &support = supports[std::size_t(i) * node_stride + d];
+            support =
+                std::max(support, beyond * std::abs(other - particles.initial_positions()[i][d]));
+          }
+      particles.set_initial_supports(supports);
+    }
+    const Entry *find(const Neighbourhoods<dim> &found, const unsigned int row,
+                      const unsigned int place) const
+    {
+      const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
+      const ImageNode node = place < n_nodes ? ImageNode{found.global_nodes()[place], 0}
+                                             : found.images()[place - n_nodes];
+      const auto entry =
+          std::lower_bound(rows[row].begin(), rows[row].end(), node,
+                           [](const Entry &a, const ImageNode &b) { return a.node < b; });
+      return entry != rows[row].end() && entry->node == node ? &*entry : nullptr;
+    }
 
     Section section;
     std::string wanted, reason;

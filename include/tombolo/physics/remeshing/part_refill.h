@@ -165,10 +165,10 @@ namespace tombolo
         cell.before = corners_at<dim>(nodes, before);
         cell.after = corners_at<dim>(nodes, after);
         for (unsigned int k = 0; k < nodes.size(); ++k)
-          cell.is_cut = cell.is_cut ||
-                        (settings.fills_cells ? *near_surface.node(nodes[k]) > 0.
-                                                : *places.sliding_nodes().node(nodes[k]) > 0. &&
-                                                      cell.before[k] != cell.after[k]);
+          cell.is_cut =
+              cell.is_cut || (settings.fills_cells ? *near_surface.node(nodes[k]) > 0.
+                                                   : *places.sliding_nodes().node(nodes[k]) > 0. &&
+                                                         cell.before[k] != cell.after[k]);
         const auto number = static_cast<unsigned int>(result.size());
         cell.is_void_before = cells.is_removed(number);
         cell.is_void_after =
