@@ -5,6 +5,7 @@ import argparse
 import json
 import multiprocessing
 import os
+import signal
 import sys
 import tempfile
 import time
@@ -12,6 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from tombolo.errors import TomboloError
+from tombolo.log import Log
 from tombolo.parameter_file import InputError, ParameterFile
 from . import tables
 from .burst import send_burst
@@ -30,17 +32,6 @@ def parse_arguments():
     return parser.parse_args()
 
 
-class Log:
-    def __init__(self):
-        self.file = None
-
-    def __call__(self, text):
-        print(text, flush=True)
-        if self.file:
-            self.file.write(text + "\n")
-            self.file.flush()
-
-
 read_operators = lru_cache(maxsize=2)(StripOperators)
 
 
@@ -55,9 +46,14 @@ def compute(task):
     return result, time.monotonic() - start
 
 
+def ignore_interrupts():
+    """In processes that end with the one that started them."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 class Study:
     def __init__(self, settings, n_processes):
-        self.settings, self.n_processes = settings, n_processes
+        self.settings, self.n_processes = settings, max(1, n_processes)
         self.strips = [Strip(row.case) for group in settings.groups for row in group.rows]
 
     def probe(self, directory, validates=False):
@@ -83,7 +79,7 @@ class Study:
     def run(self, log):
         """Computes all cases, and prints each group as soon as it is complete."""
         with tempfile.TemporaryDirectory() as directory, \
-                multiprocessing.Pool(self.n_processes) as pool:
+                multiprocessing.Pool(self.n_processes, ignore_interrupts) as pool:
             probes = self.probe(directory)
             self.refuse_failures(probes)
             cases = (row.case for group in self.settings.groups for row in group.rows)
@@ -119,9 +115,12 @@ def main():
         log(f"{arguments.file}: nothing wrong was found.")
         return
     directory = Path(settings.output)
-    directory.mkdir(parents=True, exist_ok=True)
-    (directory / "summary.json").unlink(missing_ok=True)
-    (directory / "parameters.prm").write_text(settings.listing(documents=False), "utf-8")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        (directory / "summary.json").unlink(missing_ok=True)
+        (directory / "parameters.prm").write_text(settings.listing(documents=False), "utf-8")
+    except OSError as error:
+        settings.fail("Output directory", f"nothing can be written there: {error.strerror}")
     with open(directory / "log.txt", "w", encoding="utf-8") as log.file:
         log(f"Reflection study: {settings.title}")
         study.run(log)

@@ -7,6 +7,7 @@ import signal
 import sys
 from pathlib import Path
 
+from tombolo.log import Log
 from tombolo.parameter_file import InputError, ParameterFile
 from .least import find_minimize
 from .report import StudyReport
@@ -32,17 +33,6 @@ def program_of(study):
     if not program:
         raise InputError("There is no program that makes the runs: build it by scripts/build, or name it by the entry \"Program\".")
     return program
-
-
-class Log:
-    def __init__(self):
-        self.file = None
-
-    def __call__(self, text):
-        print(text, flush=True)
-        if self.file:
-            self.file.write(text + "\n")
-            self.file.flush()
 
 
 def run_study(study, runs, is_anew, log):

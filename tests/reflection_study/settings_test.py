@@ -82,6 +82,11 @@ class Settings(unittest.TestCase):
                 self.assertIn(part, result.stderr)
             self.assertEqual(list(self.path.parent.rglob("reflection.csv")), [])
 
+    def test_a_directory_that_cannot_be_made_is_refused(self):
+        result = self.study("set Pairs = FE-FE\n", "--set", "Output directory = study.prm/below")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn('entry "Output directory" = "study.prm/below": nothing can be', result.stderr)
+
     def test_the_entries_are_printed_as_a_file_that_can_be_read(self):
         result = self.study("set Pairs = FE-FE\n", "--print-parameters", "--set",
                             "Group: one/Waves = S")

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a script says, on the screen and in a file."""
+
+
+class Log:
+    """Prints lines, and writes them into `file` where that is set."""
+
+    def __init__(self):
+        self.file = None
+
+    def __call__(self, text):
+        print(text, flush=True)
+        if self.file:
+            self.file.write(text + "\n")
+            self.file.flush()
