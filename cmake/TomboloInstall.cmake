@@ -21,6 +21,11 @@ install(FILES
 # README.md leads to doc/.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
+# The plug-ins that the pages for authors walk through, each a project of its own.
+foreach(plugin plugin_process plugin_formulation plugin_material)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/${plugin} DESTINATION ${data_directory}/plugins
+    FILES_MATCHING PATTERN "*.cc" PATTERN "*.h" PATTERN "CMakeLists.txt" PATTERN "*.prm")
+endforeach()
 # Scripts that work on results and input, each as the command tombolo-NAME.
 set(installed_scripts plot report reflection_study plot_reflection import study submit)
 foreach(script ${installed_scripts})

@@ -31,7 +31,7 @@ namespace tombolo
   template <int dim>
   void History<dim>::check(const OutputView<dim> &view)
   {
-    if (!table.has_choice())
+    if (!table.has_choice() || table.is_open())
       return;
     begin(view);
     table.begin_row(view.time, view.step);

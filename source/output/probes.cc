@@ -35,6 +35,7 @@ namespace tombolo
   Probes<dim>::Probes(const Entries &e)
       : History<dim>(e, probes_file, {"Steps", "1", "Interval"}), section(e.section())
   {
+    this->records.value("places of nodes", places).optional();
     const std::string locations = e.text(
         "Locations", "", "L",
         "Nodes whose motion is written to probes.csv, by initial coordinates, to which the nearest "
@@ -81,54 +82,40 @@ namespace tombolo
   }
 
   template <int dim>
-  void Probes<dim>::find_node(Probe &probe, const OutputView<dim> &view,
-                              const double largest_distance)
+  void Probes<dim>::check(const OutputView<dim> &view)
   {
-    const MPI_Comm communicator = view.nodes->communicator();
-    const NodalVector &initial = view.state->initial_position;
-    const auto distance = [&](const unsigned int node)
-    {
-      double square = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-        square += std::pow(initial.node(node)[d] - probe.location[d], 2);
-      return std::sqrt(square);
-    };
-    const unsigned int n_owned = initial.partition()->n_owned();
-    double nearest = std::numeric_limits<double>::max();
-    for (unsigned int node = 0; node < n_owned; ++node)
-      nearest = std::min(nearest, distance(node));
-    nearest = Utilities::MPI::min(nearest, communicator);
-    if (nearest > largest_distance)
-      section.fail("Locations",
-                   "the nearest node is " + format_number(nearest) + " away from " +
-                       text_of(probe.location) + ", more than the largest cell measures (" +
-                       format_number(largest_distance) + "): this place is outside of the body");
-
-    // Nodes on a lattice are often equally far but for rounding.
-    const double tolerance = 1e-9 * largest_distance;
-    std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
-    const std::vector<std::uint64_t> &ids = view.nodes->persistent_ids();
-    for (unsigned int node = 0; node < n_owned; ++node)
-      if (distance(node) <= nearest + tolerance && ids[node] < id)
-      {
-        id = ids[node];
-        probe.owned_index = node;
-      }
-    // Gathered, since Open MPI 4.1 compares unsigned 64-bit numbers in MPI_MIN as signed ones.
-    const std::vector<std::uint64_t> id_of_rank = Utilities::MPI::all_gather(communicator, id);
-    probe.id = *std::min_element(id_of_rank.begin(), id_of_rank.end());
-    probe.is_owned = probe.id == id;
+    find_nodes(view);
+    History<dim>::check(view);
   }
 
   template <int dim>
-  void Probes<dim>::check(const OutputView<dim> &view)
+  void Probes<dim>::begin(const OutputView<dim> &view)
+  {
+    find_nodes(view);
+  }
+
+  template <int dim>
+  void Probes<dim>::find_nodes(const OutputView<dim> &view)
   {
     const double largest_cell = Utilities::MPI::max(
         GridTools::maximal_cell_diameter(view.nodes->dof_handler().get_triangulation()),
         view.nodes->communicator());
-    for (Probe &probe : probes)
-      find_node(probe, view, largest_cell);
-    History<dim>::check(view);
+    const bool are_known = places.size() == dim * probes.size();
+    places.resize(dim * probes.size());
+    for (std::size_t p = 0; p < probes.size(); ++p)
+    {
+      BodyPoint<dim> &node = probes[p].node;
+      Tensor<1, dim> location = probes[p].location;
+      for (unsigned int d = 0; d < dim && are_known; ++d)
+        location[d] = places[dim * p + d];
+      node.find(*view.nodes, *view.state, location, largest_cell);
+      if (const double nearest = node.distance_at_start(); nearest > largest_cell)
+        section.fail("Locations",
+                     "the nearest node is " + format_number(nearest) + " away from " +
+                         text_of(probes[p].location) + ", more than the largest cell measures (" +
+                         format_number(largest_cell) + "): this place is outside of the body");
+      std::copy_n(node.place_at_start().begin_raw(), dim, places.data() + dim * p);
+    }
   }
 
   template <int dim>
@@ -147,9 +134,9 @@ namespace tombolo
     constexpr unsigned int n_values = 10; // position, displacement, velocity, temperature
     std::vector<double> values(probes.size() * n_values, 0.);
     for (std::size_t p = 0; p < probes.size(); ++p)
-      if (probes[p].is_owned)
+      if (probes[p].node.is_here())
       {
-        const unsigned int node = probes[p].owned_index;
+        const unsigned int node = probes[p].node.node();
         double *const value = values.data() + p * n_values;
         for (unsigned int d = 0; d < dim && view.has_mechanics; ++d)
         {
@@ -185,7 +172,7 @@ namespace tombolo
   {
     std::vector<std::uint64_t> result;
     for (const Probe &probe : probes)
-      result.push_back(probe.id);
+      result.push_back(probe.node.persistent_id());
     return result;
   }
 

@@ -5,14 +5,13 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/state/body_point.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <string>
-#include <utility>
 
 namespace tombolo
 {
@@ -58,19 +57,14 @@ namespace tombolo
                   .comes_from_outside();
       this->observed.columns.connect(
           [this, &model](TimeTable &table)
-          {
-            const double time = table.present("time");
-            const double here = is_here ? (end_at(time) - position(model)).norm() : 0.;
-            table.add("length of " + name, "L",
-                      dealii::Utilities::MPI::sum(here, model.communicator));
-          });
+          { table.add("length of " + name, "L", pull_at(model, table.present("time")).norm()); });
       // By the largest frequency of the bodies, 2 over the step, and of the spring.
       this->observed.step_limits.connect(
           [this](const double step, double &fraction) {
             fraction =
                 std::min(fraction, 1. / std::sqrt(1. + 0.25 * step * step * stiffness / lightest));
           });
-      find_node(model);
+      end_of_spring.find(*model.nodes, model.state, point, this->records.group("point of " + name));
       // A node between others gives its force to them; none is lighter than the lightest.
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (const double mass = *model.bridge->mass().node(i); mass > 0.)
@@ -80,51 +74,24 @@ namespace tombolo
 
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
     {
-      if (is_here)
-        pull->add_force(node, stiffness * (end_at(clock.time) - position(model)));
+      const auto force = stiffness * pull_at(model, clock.time);
+      if (end_of_spring.is_here())
+        pull->add_force(end_of_spring.node(), force);
     }
 
     void linearize(const Model<dim> &, const Clock &, Tangent<dim> &tangent) override
     {
-      if (is_here)
-        tangent.add_spring(node, stiffness);
+      if (end_of_spring.is_here())
+        tangent.add_spring(end_of_spring.node(), stiffness);
     }
 
   private:
-    /** The node next to the point; of several, the one with the least number of the mesh. */
-    void find_node(const Model<dim> &model)
+    /** From the body to the other end of the spring. Collective. */
+    dealii::Tensor<1, dim> pull_at(const Model<dim> &model, const double time) const
     {
-      std::pair<double, std::uint64_t> least(std::numeric_limits<double>::max(), 0);
-      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      {
-        double square = 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          square += std::pow(model.state.initial_position.node(i)[d] - point[d], 2);
-        const std::pair<double, std::uint64_t> here(square, model.nodes->persistent_ids()[i]);
-        if (here < least)
-        {
-          least = here;
-          node = i;
-        }
-      }
-      is_here = true;
-      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, least))
-        is_here = is_here && !(of_rank < least);
-    }
-
-    dealii::Tensor<1, dim> position(const Model<dim> &model) const
-    {
-      dealii::Tensor<1, dim> result;
+      dealii::Tensor<1, dim> result = -end_of_spring.value(model.state.position);
       for (unsigned int d = 0; d < dim; ++d)
-        result[d] = model.state.position.node(node)[d];
-      return result;
-    }
-
-    dealii::Tensor<1, dim> end_at(const double time) const
-    {
-      dealii::Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = end.value(dealii::Point<dim>(), time, d);
+        result[d] += end.value(dealii::Point<dim>(), time, d);
       return result;
     }
 
@@ -133,8 +100,7 @@ namespace tombolo
     Expression<dim> end;
     std::string name;
     Action *pull = nullptr;
-    unsigned int node = 0; // owned
-    bool is_here = false;  // whether this rank owns it
+    BodyPoint<dim> end_of_spring;
     double lightest = std::numeric_limits<double>::max();
   };
 

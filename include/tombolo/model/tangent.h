@@ -4,6 +4,7 @@
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <cmath>
 #include <vector>
 
 namespace tombolo
@@ -28,21 +29,36 @@ namespace tombolo
     double factor = 0;
     NodalVector *force = nullptr;
 
-    /** A spring between an owned node and a place outside of the bodies: -∂f/∂x is @p stiffness in
-     * all directions [M/T^2]. */
-    void add_spring(const unsigned int node, const double stiffness)
+    /** A spring between an owned node and a place outside of the bodies: -∂f/∂x is the symmetric
+     * @p stiffness [M/T^2], which is not zero, but may be so in some directions, as across a cord:
+     * then it holds a body along the others only. */
+    void add_spring(const unsigned int node, const dealii::Tensor<2, dim> &stiffness)
     {
       if (springs == nullptr)
         return;
       ContactStiffness<dim> spring;
       spring.node = node;
       spring.entries.push_back({bound->partition()->global_index(node), {}, 1.});
+      spring.along = stiffness;
+      spring.is_tied = determinant(stiffness) > 0.;
+      unsigned int stiffest = 0;
       for (unsigned int d = 0; d < dim; ++d)
-        spring.along[d][d] = stiffness;
-      spring.direction[0] = 1.;
-      spring.is_tied = true;
+      {
+        stiffest = stiffness[d][d] > stiffness[stiffest][stiffest] ? d : stiffest;
+        for (unsigned int e = 0; e < dim; ++e)
+          bound->node(node)[d] += std::abs(stiffness[d][e]);
+      }
+      spring.direction = stiffness[stiffest] / stiffness[stiffest].norm();
       springs->push_back(spring);
-      add_bound(node, stiffness);
+    }
+
+    /** The same with @p stiffness in all directions. */
+    void add_spring(const unsigned int node, const double stiffness)
+    {
+      dealii::Tensor<2, dim> in_all_directions;
+      for (unsigned int d = 0; d < dim; ++d)
+        in_all_directions[d][d] = stiffness;
+      add_spring(node, in_all_directions);
     }
 
     void add_bound(const unsigned int node, const double stiffness)

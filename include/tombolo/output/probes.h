@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/output/history.h>
+#include <tombolo/state/body_point.h>
 
 #include <string>
 #include <vector>
@@ -35,17 +36,19 @@ namespace tombolo
     {
       std::string name;
       dealii::Point<dim> location;
-      std::uint64_t id = 0;         ///< persistent id of the nearest node
-      unsigned int owned_index = 0; ///< its local number on the rank that owns it
-      bool is_owned = false;
+      BodyPoint<dim> node;
     };
 
     void read_location(const std::string &text);
-    void find_node(Probe &probe, const OutputView<dim> &view, double largest_distance);
+    /** The nodes next to the locations, at the start of the run; afterwards they stay the same ones
+     * where cells are divided. Throws InputError. Collective. */
+    void find_nodes(const OutputView<dim> &view);
+    void begin(const OutputView<dim> &view) override;
     void add_columns(const OutputView<dim> &view) override;
     void check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels) override;
 
     Section section;
     std::vector<Probe> probes;
+    std::vector<double> places; ///< initial coordinates of the nodes, one after the other
   };
 } // namespace tombolo

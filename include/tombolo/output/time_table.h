@@ -45,6 +45,11 @@ namespace tombolo
       chosen = names;
     }
 
+    bool is_open() const
+    {
+      return directory != nullptr;
+    }
+
     bool has_choice() const
     {
       return !chosen.empty();

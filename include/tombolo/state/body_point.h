@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/tensor.h>
+#include <deal.II/grid/grid_tools.h>
+
+#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_state.h>
+#include <tombolo/state/records.h>
+
+#include <cstdint>
+#include <limits>
+
+namespace tombolo
+{
+  /**
+   * A point of a body that is watched or pulled: the node that is nearest to a place at the start,
+   * of several the one with the smallest persistent id, whatever the number of ranks. One rank owns
+   * it; where it is all ranks can ask.
+   */
+  template <int dim>
+  class BodyPoint
+  {
+  public:
+    using Vector = dealii::Tensor<1, dim>;
+
+    /** Finds the node nearest to initial coordinates @p wanted. Nodes that are equally far but for
+     * a billionth of the @p largest_cell (its diameter) are alike. Collective. */
+    void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
+              const double largest_cell)
+    {
+      struct Candidate
+      {
+        double distance = std::numeric_limits<double>::max();
+        std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
+        Vector place;
+      };
+      const NodalVector &initial = state.initial_position;
+      const unsigned int n_owned = initial.partition()->n_owned();
+      const auto place_of = [&](const unsigned int i)
+      {
+        Vector result;
+        for (unsigned int d = 0; d < dim; ++d)
+          result[d] = initial.node(i)[d];
+        return result;
+      };
+      communicator = nodes.communicator();
+      distance = std::numeric_limits<double>::max();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        distance = std::min(distance, (place_of(i) - wanted).norm());
+      distance = dealii::Utilities::MPI::min(distance, communicator);
+
+      Candidate here;
+      for (unsigned int i = 0; i < n_owned; ++i)
+        if ((place_of(i) - wanted).norm() <= distance + 1e-9 * largest_cell &&
+            nodes.persistent_ids()[i] < here.id)
+        {
+          here = {distance, nodes.persistent_ids()[i], place_of(i)};
+          number = i;
+        }
+      Candidate best;
+      for (const Candidate &candidate : of_all_ranks(std::vector<Candidate>{here}, communicator))
+        if (candidate.id < best.id)
+          best = candidate;
+      id = best.id;
+      initial_place = best.place;
+      is_owned = here.id == id && n_owned > 0;
+    }
+
+    /** The same, and lists it in the @p records of who follows the point: where cells have been
+     * divided in the run it stays the same node. Nodes and state must outlive the list. */
+    void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
+              Records &records)
+    {
+      const auto largest_cell = [&nodes]
+      {
+        return dealii::Utilities::MPI::max(
+            dealii::GridTools::maximal_cell_diameter(nodes.dof_handler().get_triangulation()),
+            nodes.communicator());
+      };
+      find(nodes, state, wanted, largest_cell());
+      records.value("node", initial_place);
+      records.on_reading([this, &nodes, &state, largest_cell]
+                         { find(nodes, state, Vector(initial_place), largest_cell()); });
+    }
+
+    /** Whether this rank owns the node. */
+    bool is_here() const
+    {
+      return is_owned;
+    }
+
+    /** Its local number on the rank that owns it. */
+    unsigned int node() const
+    {
+      return number;
+    }
+
+    std::uint64_t persistent_id() const
+    {
+      return id;
+    }
+
+    /** Its initial coordinates, on all ranks. */
+    const Vector &place_at_start() const
+    {
+      return initial_place;
+    }
+
+    /** How far the node was from the place that was asked for [L]. */
+    double distance_at_start() const
+    {
+      return distance;
+    }
+
+    /** The values of a @p field at the node on all ranks, such as its position. Collective. */
+    Vector value(const NodalVector &field) const
+    {
+      Vector result;
+      for (unsigned int d = 0; d < dim && is_owned; ++d)
+        result[d] = field.node(number)[d];
+      return dealii::Utilities::MPI::sum(result, communicator);
+    }
+
+  private:
+    MPI_Comm communicator = MPI_COMM_SELF;
+    double distance = 0;
+    std::uint64_t id = 0;
+    Vector initial_place;
+    unsigned int number = 0;
+    bool is_owned = false;
+  };
+} // namespace tombolo
