@@ -332,12 +332,9 @@ class Shipped(Case):
 
     @staticmethod
     def is_of_another_program(name):
-        """A program's own files are in the directory of its name, and studies wherever they belong; their
-        tests look at them."""
-        directory = os.path.basename(os.path.dirname(name))
+        """Files of studies, which scripts read; their tests look at them."""
         with open(name) as text:
-            is_study = any(line.startswith("set Factors") for line in text)
-        return is_study or os.path.exists(os.path.join(SOURCE, "applications", directory + ".cc"))
+            return any(line.startswith(("set Factors", "set Groups")) for line in text)
 
 
 if __name__ == "__main__":
