@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What a run left behind: tables, summary and the solution at each output."""
 
+import functools
 import re
 
 import numpy
@@ -99,7 +100,11 @@ class Units:
 
 
 class Results(Run):
-    """A run with labels of units; grids are kept once they are read."""
+    """A run with labels of units; its summary and grids are kept once they are read."""
+
+    @functools.cached_property
+    def summary(self):
+        return super().summary
 
     def __init__(self, directory):
         super().__init__(directory)
