@@ -90,7 +90,7 @@ namespace tombolo
     }
 
     /** See PlainKind. */
-    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    static std::unique_ptr<Process<dim>> make(const Parameters &, const Model<dim> &model)
     {
       if (!model.has_mechanics || !model.conditions->has_loads())
         return nullptr;

@@ -55,7 +55,7 @@ namespace tombolo
 
     /** Gives nodes the enthalpies of after, where they have the mass @p after of the part (owned).
      */
-    void give_heat(Model<dim> &model, const NodalVector &after) const
+    void give_heat(const Model<dim> &model, const NodalVector &after) const
     {
       ThermalState &thermal = model.heat->state;
       const ThermalProperties &properties = *model.parts[part].heat;
