@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The command line of scripts/reflection_study."""
 
-import argparse
 import json
 import multiprocessing
 import os
@@ -12,9 +11,10 @@ import time
 from functools import lru_cache
 from pathlib import Path
 
+from tombolo.command_line import parser_of, settings_of
 from tombolo.errors import TomboloError
 from tombolo.log import Log
-from tombolo.parameter_file import InputError, ParameterFile
+from tombolo.parameter_file import InputError
 from . import tables
 from .burst import send_burst
 from .case import Strip
@@ -23,11 +23,7 @@ from .settings import ReflectionSettings
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="reflection_study", add_help=False, allow_abbrev=False)
-    parser.add_argument("file", type=Path)
-    for option in ("--validate", "--print-parameters"):
-        parser.add_argument(option, action="store_true")
-    parser.add_argument("--set", action="append", default=[])
+    parser = parser_of("reflection_study")
     parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
     return parser.parse_args()
 
@@ -102,13 +98,7 @@ class Study:
 
 def main():
     arguments, log, start = parse_arguments(), Log(), time.monotonic()
-    file = ParameterFile(arguments.file)
-    for assignment in arguments.set:
-        file.override(assignment)
-    settings = ReflectionSettings(file)
-    if arguments.print_parameters:
-        print(settings.listing(documents=True), end="")
-        return
+    settings = settings_of(arguments, ReflectionSettings)
     study = Study(settings, arguments.processes)
     if arguments.validate:
         study.validate()

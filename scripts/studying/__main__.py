@@ -1,29 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The command line of scripts/study where it makes runs."""
 
-import argparse
 import shutil
 import signal
 import sys
 from pathlib import Path
 
+from tombolo.command_line import parser_of, settings_of
 from tombolo.log import Log
-from tombolo.parameter_file import InputError, ParameterFile
+from tombolo.parameter_file import InputError
 from .least import find_minimize
 from .report import StudyReport
 from .runs import Executor, StudyError, StudyInterrupted, make_runs
 from .settings import StudySettings
 
 PROJECT = Path(__file__).resolve().parents[2]
-
-
-def parse_arguments():
-    parser = argparse.ArgumentParser(prog="study", add_help=False, allow_abbrev=False)
-    parser.add_argument("file", type=Path)
-    for option in ("--validate", "--list", "--print-parameters", "--anew"):
-        parser.add_argument(option, action="store_true")
-    parser.add_argument("--set", action="append", default=[])
-    return parser.parse_args()
 
 
 def program_of(study):
@@ -64,14 +55,8 @@ def run_study(study, runs, is_anew, log):
 
 
 def main():
-    arguments, log = parse_arguments(), Log()
-    file = ParameterFile(arguments.file)
-    for assignment in arguments.set:
-        file.override(assignment)
-    study = StudySettings(file)
-    if arguments.print_parameters:
-        print(study.listing(documents=True), end="")
-        return 0
+    arguments, log = parser_of("study", "--list", "--anew").parse_args(), Log()
+    study = settings_of(arguments, StudySettings)
     runs = make_runs(study)
     for note in study.notes:
         log(f"Note: {note}")
