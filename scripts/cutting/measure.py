@@ -7,6 +7,7 @@ from pathlib import Path
 
 import tombolo
 from tombolo import TomboloError
+from tombolo.table import interpolated
 
 
 CutError = TomboloError
@@ -30,17 +31,6 @@ def costs(directory):
     summary = tombolo.Run(directory).summary
     return {name: summary[entry] for name, entry in (("steps", "steps"), ("seconds", "wall_seconds"))
             if entry in summary}
-
-
-def interpolated(times, values, time):
-    """Of a piecewise linear function; constant beyond its ends."""
-    if time <= times[0]:
-        return values[0]
-    for k in range(1, len(times)):
-        if time <= times[k]:
-            share = (time - times[k - 1]) / (times[k] - times[k - 1])
-            return values[k - 1] + share * (values[k] - values[k - 1])
-    return values[-1]
 
 
 def mean_over(times, values, begin, end):

@@ -3,11 +3,10 @@
 
 import math
 import re
-from bisect import bisect_right
 from pathlib import Path
 
 from tombolo.errors import TomboloError
-from tombolo.table import Table
+from tombolo.table import Table, interpolated
 from .quantities import NoValue
 
 BEGINNING = "distance of "
@@ -29,12 +28,6 @@ class Curve:
                 raise TomboloError(f'the first column "{self.abscissa}" of {table.path} does not rise: {next_x:g} follows {x:g}')
         self.x, self.y = zip(*points)
 
-    def value_at(self, x):
-        place = min(max(bisect_right(self.x, x), 1), len(self.x) - 1)
-        begin, end = self.x[place - 1], self.x[place]
-        share = (x - begin) / (end - begin)
-        return (1 - share) * self.y[place - 1] + share * self.y[place]
-
     def range(self):
         return max(self.y) - min(self.y)
 
@@ -53,7 +46,7 @@ def distance(curve, measured):
     if not begin < end:
         raise NoValue(f"the curves do not overlap: {curve.text_of_ends()}, and {measured.text_of_ends()}")
     places = sorted({begin, end, *(x for x in curve.x + measured.x if begin < x < end)})
-    differences = [curve.value_at(x) - measured.value_at(x) for x in places]
+    differences = [interpolated(curve.x, curve.y, x) - interpolated(measured.x, measured.y, x) for x in places]
     # Exact: the difference is linear between the places.
     integral = sum((next_x - x) / 3 * (one**2 + one * other + other**2)
                    for x, next_x, one, other in zip(places, places[1:], differences, differences[1:]))

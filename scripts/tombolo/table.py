@@ -5,6 +5,7 @@ import csv
 import io
 import math
 import re
+from bisect import bisect_left
 from pathlib import Path
 
 from .errors import TomboloError, nearest
@@ -13,6 +14,17 @@ try:
     import numpy
 except ImportError:
     numpy = None
+
+
+def interpolated(places, values, place):
+    """Of a piecewise linear function whose places rise; constant beyond its ends."""
+    if place <= places[0]:
+        return values[0]
+    if place > places[-1]:
+        return values[-1]
+    k = bisect_left(places, place)
+    share = (place - places[k - 1]) / (places[k] - places[k - 1])
+    return values[k - 1] + share * (values[k] - values[k - 1])
 
 
 class Table:
