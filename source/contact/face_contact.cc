@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
@@ -158,9 +159,8 @@ namespace tombolo
                         std::vector<ContactStiffness<dim>> &result) override
     {
       // Points that touch and have no depth resist where nothing else does.
-      const bool has_depth = std::any_of(points.begin(), points.end(),
-                                         [](const Point &point) { return point.depth > 0.; });
-      const bool is_pressed = Utilities::MPI::max(has_depth ? 1u : 0u, this->communicator) > 0;
+      const bool is_pressed = any_of_all_ranks(
+          points, [](const Point &point) { return point.depth > 0.; }, this->communicator);
       // Of nodes that touch: deeper points have more of the mean motion.
       const NodalVector mean_motion =
           nodal_field(state.partition(), Quantity::vector, this->candidates,

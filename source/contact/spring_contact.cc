@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surface_contact.h>
 
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <array>
@@ -232,8 +231,7 @@ namespace tombolo
       const auto has_depth = [](const ContactSpring<dim> &spring)
       { return spring.is_closed() && spring.depth > 0.; };
       // Nodes that touch and have no depth resist where nothing else does.
-      const bool is_any_here = std::any_of(this->springs.begin(), this->springs.end(), has_depth);
-      const bool is_pressed = Utilities::MPI::max(is_any_here ? 1 : 0, this->communicator) == 1;
+      const bool is_pressed = any_of_all_ranks(this->springs, has_depth, this->communicator);
       for (std::size_t k = 0; k < this->springs.size(); ++k)
       {
         if (!(is_pressed ? has_depth(this->springs[k]) : this->springs[k].is_closed()))

@@ -26,4 +26,12 @@ namespace tombolo
     }
     return result;
   }
+
+  /** Whether any of the items of any rank fulfils the condition. Collective. */
+  template <typename Items, typename Condition>
+  bool any_of_all_ranks(const Items &items, const Condition &condition, const MPI_Comm communicator)
+  {
+    const bool is_here = std::any_of(items.begin(), items.end(), condition);
+    return dealii::Utilities::MPI::max(is_here ? 1 : 0, communicator) == 1;
+  }
 } // namespace tombolo

@@ -3,6 +3,7 @@
 #include <tombolo/model/process.h>
 
 #include <tombolo/base/input/section_names.h>
+#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -129,9 +130,7 @@ namespace tombolo
                (history.spring.depth > 0. || history.is_bonded || contact.is_tied());
       };
       // Nodes that touch and have no depth resist where nothing else does.
-      const bool is_any_here = std::any_of(histories.begin(), histories.end(), holds);
-      const bool is_pressed =
-          Utilities::MPI::max(is_any_here ? 1 : 0, partition->communicator()) == 1;
+      const bool is_pressed = any_of_all_ranks(histories, holds, partition->communicator());
       for (std::size_t k = 0; k < histories.size(); ++k)
       {
         const MortarHistory<dim> &history = histories[k];
