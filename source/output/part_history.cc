@@ -49,14 +49,15 @@ namespace tombolo
   class PartHistory : public History<dim>
   {
   public:
-    explicit PartHistory(const Entries &e) : History<dim>(e, "parts.csv"), section(e.section()) {}
+    explicit PartHistory(const Entries &e) : History<dim>(e, "parts.csv") {}
 
     /** Throws InputError in scenes of heat alone. */
     void check(const OutputView<dim> &view) override
     {
       if (!view.has_mechanics)
-        section.parent().fail("Further outputs", "the scene has no mechanics, so that its parts "
-                                                 "have no energies: remove \"part history\".");
+        this->section.parent().fail("Further outputs",
+                                    "the scene has no mechanics, so that its parts "
+                                    "have no energies: remove \"part history\".");
       History<dim>::check(view);
     }
 
@@ -76,8 +77,6 @@ namespace tombolo
           this->table.add(part.name + " " + account.name, energy, account.value);
       }
     }
-
-    Section section;
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, PartHistory, "part history",

@@ -5,7 +5,6 @@
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
-#include <deal.II/grid/grid_tools.h>
 
 #include <nlohmann/json.hpp>
 
@@ -32,8 +31,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  Probes<dim>::Probes(const Entries &e)
-      : History<dim>(e, probes_file, {"Steps", "1", "Interval"}), section(e.section())
+  Probes<dim>::Probes(const Entries &e) : History<dim>(e, probes_file, {"Steps", "1", "Interval"})
   {
     this->records.value("places of nodes", places).optional();
     const std::string locations = e.text(
@@ -54,17 +52,17 @@ namespace tombolo
     probe.name = colon == std::string::npos ? "probe " + std::to_string(probes.size() + 1)
                                             : Utilities::trim(text.substr(0, colon));
     if (probe.name.empty())
-      section.fail("Locations", "\"" + text + "\" has no name before the colon");
+      this->section.fail("Locations", "\"" + text + "\" has no name before the colon");
     for (const Probe &other : probes)
       if (other.name == probe.name)
-        section.fail("Locations", "two probes are called \"" + probe.name + "\"");
+        this->section.fail("Locations", "two probes are called \"" + probe.name + "\"");
 
     const std::vector<std::string> numbers = Utilities::split_string_list(
         colon == std::string::npos ? text : text.substr(colon + 1), ',');
     if (numbers.size() != dim)
-      section.fail("Locations", "\"" + text + "\" has " + std::to_string(numbers.size()) +
-                                    " coordinates; " + std::to_string(dim) +
-                                    " are needed, separated by commas");
+      this->section.fail("Locations", "\"" + text + "\" has " + std::to_string(numbers.size()) +
+                                          " coordinates; " + std::to_string(dim) +
+                                          " are needed, separated by commas");
     for (unsigned int d = 0; d < dim; ++d)
     {
       try
@@ -76,7 +74,8 @@ namespace tombolo
         probe.location[d] = std::numeric_limits<double>::quiet_NaN();
       }
       if (!std::isfinite(probe.location[d]))
-        section.fail("Locations", "\"" + numbers[d] + "\" in \"" + text + "\" is not a number");
+        this->section.fail("Locations",
+                           "\"" + numbers[d] + "\" in \"" + text + "\" is not a number");
     }
     probes.push_back(probe);
   }
@@ -97,9 +96,7 @@ namespace tombolo
   template <int dim>
   void Probes<dim>::find_nodes(const OutputView<dim> &view)
   {
-    const double largest_cell = Utilities::MPI::max(
-        GridTools::maximal_cell_diameter(view.nodes->dof_handler().get_triangulation()),
-        view.nodes->communicator());
+    const double largest_cell = BodyPoint<dim>::largest_cell(*view.nodes);
     const bool are_known = places.size() == dim * probes.size();
     places.resize(dim * probes.size());
     for (std::size_t p = 0; p < probes.size(); ++p)
@@ -110,10 +107,11 @@ namespace tombolo
         location[d] = places[dim * p + d];
       node.find(*view.nodes, *view.state, location, largest_cell);
       if (const double nearest = node.distance_at_start(); nearest > largest_cell)
-        section.fail("Locations",
-                     "the nearest node is " + format_number(nearest) + " away from " +
-                         text_of(probes[p].location) + ", more than the largest cell measures (" +
-                         format_number(largest_cell) + "): this place is outside of the body");
+        this->section.fail("Locations", "the nearest node is " + format_number(nearest) +
+                                            " away from " + text_of(probes[p].location) +
+                                            ", more than the largest cell measures (" +
+                                            format_number(largest_cell) +
+                                            "): this place is outside of the body");
       std::copy_n(node.place_at_start().begin_raw(), dim, places.data() + dim * p);
     }
   }
@@ -122,10 +120,10 @@ namespace tombolo
   void Probes<dim>::check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels)
   {
     if (this->table.has_other_columns(unit_labels))
-      section.fail("Locations",
-                   "the probes are not those of the run that is resumed, whose rows are in " +
-                       directory.file(probes_file) +
-                       ": set them back, or resume into another output directory");
+      this->section.fail("Locations",
+                         "the probes are not those of the run that is resumed, whose rows are in " +
+                             directory.file(probes_file) +
+                             ": set them back, or resume into another output directory");
   }
 
   template <int dim>

@@ -104,7 +104,7 @@ namespace tombolo
   } // namespace
 
   SpecimenShape::SpecimenShape(const Entries &e)
-      : History<3>(e, "specimen.csv", {"Steps", "20", "Interval"}), section(e.section())
+      : History<3>(e, "specimen.csv", {"Steps", "20", "Interval"})
   {
     axis = static_cast<unsigned int>(
         e.choice("Axis", "z", "x|y|z", "The direction of the axis of the specimen.")[0] - 'x');

@@ -18,6 +18,14 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    bool fits(const std::string &name, const std::string &pattern)
+    {
+      return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+    }
+  } // namespace
+
   TimeTable::TimeTable(const std::string &file_name, const Rows rows)
       : file_name(file_name), rows(rows)
   {}
@@ -26,8 +34,7 @@ namespace tombolo
   {
     return chosen.empty() || name == "time" || name == "step" ||
            std::any_of(chosen.begin(), chosen.end(),
-                       [&](const std::string &pattern)
-                       { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; });
+                       [&](const std::string &pattern) { return fits(name, pattern); });
   }
 
   void TimeTable::refuse_unknown(const Section &section, const std::string &entry) const
@@ -35,8 +42,7 @@ namespace tombolo
     const std::vector<std::string> known = names();
     for (const std::string &pattern : chosen)
       if (std::none_of(known.begin(), known.end(),
-                       [&](const std::string &name)
-                       { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; }))
+                       [&](const std::string &name) { return fits(name, pattern); }))
       {
         const std::string nearest = nearest_name(pattern, known);
         std::string message = file_name + " has no column \"" + pattern + "\"";

@@ -70,9 +70,9 @@ namespace tombolo
                   double elapsed, bool is_of_rotation = false);
 
     TimeTable table;
+    Section section; ///< with the entries of the output
 
   private:
-    Section section;
     unsigned int steps_between;
     double time_between;  ///< zero: steps count [T]
     double next_time = 0; ///< of a row, with a time between rows

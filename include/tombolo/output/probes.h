@@ -47,7 +47,6 @@ namespace tombolo
     void add_columns(const OutputView<dim> &view) override;
     void check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels) override;
 
-    Section section;
     std::vector<Probe> probes;
     std::vector<double> places; ///< initial coordinates of the nodes, one after the other
   };

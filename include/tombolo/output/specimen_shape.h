@@ -64,7 +64,6 @@ namespace tombolo
     void end_row(const OutputView<3> &view) override;
     std::string text_of(const Dimensions &dimensions) const;
 
-    Section section;
     unsigned int axis;
     std::array<double, 3> point_on_axis;
     double average_from; ///< negative: no averages

@@ -26,6 +26,14 @@ namespace tombolo
   public:
     using Vector = dealii::Tensor<1, dim>;
 
+    /** The largest diameter of a cell [L]. Collective. */
+    static double largest_cell(const Nodes<dim> &nodes)
+    {
+      return dealii::Utilities::MPI::max(
+          dealii::GridTools::maximal_cell_diameter(nodes.dof_handler().get_triangulation()),
+          nodes.communicator());
+    }
+
     /** Finds the node nearest to initial coordinates @p wanted. Nodes that are equally far but for
      * a billionth of the @p largest_cell (its diameter) are alike. Collective. */
     void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
@@ -33,7 +41,6 @@ namespace tombolo
     {
       struct Candidate
       {
-        double distance = std::numeric_limits<double>::max();
         std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
         Vector place;
       };
@@ -57,7 +64,7 @@ namespace tombolo
         if ((place_of(i) - wanted).norm() <= distance + 1e-9 * largest_cell &&
             nodes.persistent_ids()[i] < here.id)
         {
-          here = {distance, nodes.persistent_ids()[i], place_of(i)};
+          here = {nodes.persistent_ids()[i], place_of(i)};
           number = i;
         }
       Candidate best;
@@ -74,16 +81,10 @@ namespace tombolo
     void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
               Records &records)
     {
-      const auto largest_cell = [&nodes]
-      {
-        return dealii::Utilities::MPI::max(
-            dealii::GridTools::maximal_cell_diameter(nodes.dof_handler().get_triangulation()),
-            nodes.communicator());
-      };
-      find(nodes, state, wanted, largest_cell());
+      find(nodes, state, wanted, largest_cell(nodes));
       records.value("node", initial_place);
-      records.on_reading([this, &nodes, &state, largest_cell]
-                         { find(nodes, state, Vector(initial_place), largest_cell()); });
+      records.on_reading([this, &nodes, &state]
+                         { find(nodes, state, Vector(initial_place), largest_cell(nodes)); });
     }
 
     /** Whether this rank owns the node. */
