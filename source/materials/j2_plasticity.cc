@@ -159,9 +159,9 @@ namespace tombolo
         return {n_open, n_outside};
       }
       /** Takes the next values of Newton's method, and others where these are outside of the
-       * bounds.
+       * bounds, or at all points that are not yet found where @p narrows.
        */
-      void take_values_inside()
+      void take_values_inside(const bool narrows)
       {
         const unsigned int n_points = n;
         for (unsigned int k = 0; k < n_points; ++k)
@@ -173,7 +173,7 @@ namespace tombolo
           exponent = exponent > -50. ? exponent : -50.;
           exponent = exponent < -0.7 ? exponent : -0.7;
           const double fallback = from > 0. ? 0.5 * (from + to) : x * std::exp(exponent);
-          const bool is_inside = to == 0. || (next >= from && next <= to);
+          const bool is_inside = to == 0. || (!narrows && next >= from && next <= to);
           increment[k] = is_inside ? next : fallback;
         }
       }
@@ -458,10 +458,12 @@ namespace tombolo
         chunk.update_strain();
         flow_stress->evaluate(end);
         const Chunk::Progress progress = chunk.narrow_bounds<with_tables>(constant_threefold_shear);
-        if (progress.n_outside == 0)
+        // Across a kink of the flow stress, Newton's method can go to and fro between both bounds.
+        const bool narrows = iteration >= 8 && iteration % 2 == 0;
+        if (progress.n_outside == 0 && !narrows)
           std::copy_n(chunk.newton, chunk.n, chunk.increment);
         else
-          chunk.take_values_inside();
+          chunk.take_values_inside(narrows);
         if (progress.n_open == 0)
           return;
       }

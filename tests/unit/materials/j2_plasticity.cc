@@ -249,6 +249,40 @@ namespace tombolo
           EXPECT_GT(count, 100u);
       }
 
+      // Newton's method goes to and fro between a strain on the flat side of the kink and the first
+      // one for states that end a little above the reference rate.
+      TEST(J2Plasticity, a_step_that_ends_near_the_reference_rate_finds_its_plastic_strain)
+      {
+        const auto material = make_plugin<Material>(
+            j2, "set Density = 2\nset Young's modulus = 260\nset Poisson's ratio = 0.3\n"
+                "set Flow stress = johnson cook\nset Initial temperature = 298\n"
+                "subsection johnson cook\nset Yield stress = 1\nset Hardening coefficient = 0\n"
+                "set Hardening exponent = 1\nset Rate coefficient = 0.02\n"
+                "set Reference rate = 1\nset Thermal exponent = 1\n"
+                "set Melting temperature = 1000\nset Reference temperature = 290\nend\n");
+        const double g = material->shear_modulus(), slow = 1. - 8. / 710.;
+        for (const double reference_strain : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3})
+        {
+          constexpr unsigned int n = 200;
+          Points points(*material, n);
+          for (unsigned int i = 0; i < n; ++i)
+          {
+            const double trial = slow + 3. * g * reference_strain * (1. + 0.05 * i);
+            Tensor6 increment;
+            increment[5] = trial / (std::sqrt(3.) * 2. * g);
+            points.set_increment(i, increment);
+          }
+          points.advance(reference_strain);
+          for (unsigned int i = 0; i < n; ++i)
+          {
+            const double rate = points.value("effective plastic strain", i) / reference_strain;
+            EXPECT_NEAR(effective_stress(points.stress(i)),
+                        slow * (1. + 0.02 * std::log(std::max(rate, 1.))), 2e-6)
+                << "trial " << i << " at the reference strain " << reference_strain;
+          }
+        }
+      }
+
       TEST(J2Plasticity, a_point_behaves_alike_alone_and_among_others)
       {
         const auto material = make_plugin<Material>(j2, copper());
