@@ -93,6 +93,9 @@ class Mesh:
         nodes = self.cells[cell].nodes
         return tuple(nodes[k] for k in FACES[self.dimension][f])
 
+    def faces(self, cell):
+        return [self.face(cell, f) for f in range(len(FACES[self.dimension]))]
+
     def finish(self):
         if not self.cells:
             raise DeckError(f"there are no {SHAPE[self.dimension]}.")

@@ -74,6 +74,10 @@ FORMS = {
     "parameters": lambda bar: bar.replace("  210000.0", card("&Young")).replace(
         "       1.0\n*END", card("-&speed") + "\n*END").replace(
             "*PART\n", "*PARAMETER\nR  young  210000.0  R  speed      -1.0\n*PART\n"),
+    "expressions": lambda bar: bar.replace("  210000.0", card("&young")).replace(
+        "       1.0\n*END", card("&speed") + "\n*END").replace(
+            "*PART\n", "*PARAMETER\nI  n              3\n*PARAMETER_EXPRESSION\nR gpa     1.0d3 + (\n          0 * &n)\n"
+            "R young,  max(70*gpa, 1) * n\nI half    7 / 2\nR speed   -half + sqrt(16.) - (2 * -1) ** 2 + nint(3.5)\n*PART\n"),
     "a comment in Latin-1": lambda bar: bar.replace("*NODE\n", "$ Stäbe\n*NODE\n").encode("latin-1"),
     "blank cards": lambda bar: bar.replace(SUPPORTED, SUPPORTED + "\n\n"),
 }
@@ -151,6 +155,12 @@ CASES = {
         "set Boundary = Hülse 1\n"]),
     "an unknown parameter": ([("  210000.0", card("&young"))], 1, [
         'line 12: there is no parameter "young" of type R, I or C in *PARAMETER']),
+    "an expression that divides by zero": ([("*PART\n", "*PARAMETER_EXPRESSION\nR x       1 / (3 / 4)\n*PART\n")], 1, [
+        '*PARAMETER_EXPRESSION: "1 / (3 / 4)" has no finite value.']),
+    "an expression of a later parameter": ([("*PART\n", "*PARAMETER_EXPRESSION\nR x       2 * &y\nR y       1\n*PART\n")], 1, [
+        'there is no parameter "y" before it']),
+    "an expression that is a program": ([("*PART\n", "*PARAMETER_EXPRESSION\nR x       open('x').read()\n*PART\n")], 1, [
+        "is no expression of numbers, parameters"]),
     "fields of a used card": ([("*PART\nbar\n" + card(1, 1, 1), "*PART\nbar\n" + card(1, 1, 1, 0, 4)),
                                (MATERIAL, MATERIAL.rstrip("\n") + card(0, 0, 3) + "\n")], 0, [
                                    "line 8: *PART: HGID = 4 is not used.",

@@ -134,6 +134,16 @@ class DynaMesh(DeckTest):
         self.assertEqual(len(mesh.node_sets["node set 8"]), 6)
         self.assertEqual(mesh.node_sets["node set 7"], mesh.node_sets["node set 8"])
 
+    def test_segments_of_parts_and_single_ones(self):
+        def area_of(*options):
+            text = "*SET_SEGMENT_GENERAL\n" + card(8) + "\n" + "".join(card(*option) + "\n" for option in options)
+            return self.k(ALL.replace("*CONTROL_TERMINATION", text + "*CONTROL_TERMINATION"))
+        self.assert_area(area_of(("PART", 11)), "segment set 8", 5)
+        self.assert_area(area_of(("PART", 11, 22)), "segment set 8", 10)
+        self.assert_area(area_of(("PART", 11), ("DSEG", 1, 4, 8, 5)), "segment set 8", 4)
+        self.assert_area(area_of(("PART", 11, 22), ("DPART", 22), ("SEG", 1, 4, 8, 5)), "segment set 8", 5)
+        self.assertNotIn("segment set 8", area_of(("BOX", 1)).surfaces)
+
     def test_files_that_are_transformed(self):
         self.write("block.k", "*KEYWORD\n" + NODES[NODES.index("*NODE"):] + ONE_CARD + PARTS + SETS[:SETS.index("*CONTROL")])
         include = "\n".join(("*INCLUDE_TRANSFORM", "block.k", card(100, 200, 300, 0, 400, 0, 0), card(0),

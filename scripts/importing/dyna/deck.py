@@ -5,6 +5,7 @@ import re
 
 from ..text import BLANKS, NUMBER, DeckError, Files, value_of
 from .cards import OFFSETS, PARTS, REPEATED, n_cards_of, name_of_field
+from .expressions import ExpressionError, value_of_expression
 from .transform import Transform
 
 PARAMETER = re.compile(rf"([RI])\s*([A-Z]\w*)\s+({NUMBER.pattern.replace('(', '(?:').replace('(?:?:', '(?:')})")
@@ -167,6 +168,11 @@ def expanded(line, begins):
     return text
 
 
+def number_of_type(text):
+    """The value of a parameter, an integer where it is written as one; None for words."""
+    return int(text) if re.fullmatch(r"[+-]?\d+", text) else value_of(text)
+
+
 class Format:
     """How wide the fields of a file are; a file has the format of that which includes it."""
 
@@ -189,6 +195,8 @@ class Deck(Files):
         for section in self.sections:
             if section.name in ("PARAMETER", "PARAMETER_LOCAL"):
                 self.read_parameters(section)
+            elif section.name in ("PARAMETER_EXPRESSION", "PARAMETER_EXPRESSION_LOCAL"):
+                self.read_expressions(section)
         if not any(section.name == "NODE" for section in self.sections):
             raise DeckError("There is no section *NODE.")
 
@@ -263,13 +271,34 @@ class Deck(Files):
                               "wide.")
             self.parameters.update((name.lower(), value) for _, name, value in pairs)
 
+    def read_expressions(self, section):
+        """On each card type and name, "R young", in 10 columns or before a comma, then an expression of those before.
+        One that ends without a closed bracket goes on behind the ten columns of the next card."""
+        lines = [line for line in section.lines if line.text.strip()]
+        while lines:
+            line = lines.pop(0)
+            head, comma, text = line.text.partition(",")
+            if not comma or len(head) > 10:
+                head, text = line.text[:10], line.text[10:]
+            while text.count("(") > text.count(")") and lines and not lines[0].text[:10].strip():
+                text += lines.pop(0).text[10:]
+            kind, name = head.strip()[:1].upper(), head.strip()[1:].strip().lower()
+            if kind not in ("R", "I") or not re.fullmatch(r"[a-z]\w*", name):
+                line.fail("*PARAMETER_EXPRESSION: a card begins with type (R or I) and name in 10 columns.")
+            known = {name: number_of_type(value) for name, value in self.parameters.items()}
+            try:
+                value = value_of_expression(text, {name: value for name, value in known.items() if value is not None})
+            except ExpressionError as error:
+                line.fail(f"*PARAMETER_EXPRESSION: {error}.")
+            self.parameters[name] = str(int(value)) if kind == "I" else repr(float(value))
+
     def with_parameter(self, text, line):
         """The text, or the value of the parameter that it names."""
         sign, ampersand, name = text.partition("&")
         if not ampersand or sign not in ("", "-"):
             return text
         if name.strip().lower() not in self.parameters:
-            line.fail(f'there is no parameter "{name}" of type R, I or C in *PARAMETER (expressions are not read). '
+            line.fail(f'there is no parameter "{name}" of type R, I or C in *PARAMETER. '
                       "Write its value.")
         value = self.parameters[name.strip().lower()]
         return value if not sign else value[1:] if value.startswith("-") else "-" + value

@@ -10,7 +10,7 @@ from .materials import EOS, MODELS, Material
 from .parts import PartReader
 
 OF_THE_MESH = ("KEYWORD", "TITLE", "INCLUDE", "INCLUDE_PATH", "INCLUDE_TRANSFORM", "PARAMETER", "PARAMETER_LOCAL",
-               "DEFINE_TRANSFORMATION", "NODE", "ELEMENT_SOLID", "ELEMENT_SOLID_H20", "ELEMENT_SOLID_H27", "ELEMENT_SHELL")
+               "PARAMETER_EXPRESSION", "PARAMETER_EXPRESSION_LOCAL", "DEFINE_TRANSFORMATION", "NODE", "ELEMENT_SOLID", "ELEMENT_SOLID_H20", "ELEMENT_SOLID_H27", "ELEMENT_SHELL")
 # Of these a field that is not understood leaves the thing out: it would act elsewhere, or at another time.
 STRICT = {**conditions.RECORDS, **initial.RECORDS, **contacts.RECORDS}
 # They depend on others.

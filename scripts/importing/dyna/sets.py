@@ -2,10 +2,11 @@
 """Sets of nodes, segments, elements and parts of a keyword file, and sets of sets."""
 
 import re
+from collections import Counter
 
 WORDS = {"NODE": "node set", "SEGMENT": "segment set", "SOLID": "solid set", "SHELL": "shell set", "PART": "part set"}
 FORMS = re.compile(r"SET_(NODE|SEGMENT|SOLID|SHELL|PART)((?:_LIST)?(?:_GENERATE)?|_ADD|_COLUMN|_LIST_COLUMN|_GENERAL)")
-OPTIONS_OF_GENERAL = ("ALL", "NODE", "DNODE", "PART", "DPART")
+OPTIONS_OF_GENERAL = {"NODE": ("ALL", "NODE", "DNODE", "PART", "DPART"), "SEGMENT": ("SEG", "DSEG", "PART", "DPART")}
 
 
 class Set:
@@ -22,6 +23,7 @@ class Sets:
         self.known, self.not_read = {}, {}
         self.parts_of_set = {}  # numbers of parts, by the number of a set of parts
         self.cells_of_part = {}
+        self.n_cells_of_face = None
         for c, part in enumerate(mesh.part_of_cell):
             self.cells_of_part.setdefault(part, []).append(c)
         for section in mesh.deck.sections:
@@ -48,8 +50,8 @@ class Sets:
 
     @staticmethod
     def is_readable(section, lines, kind):
-        return kind == "NODE" and all(section.fields(line)[0].upper() in OPTIONS_OF_GENERAL
-                                      for line in lines if line.text.strip())
+        return all(section.fields(line)[0].upper() in OPTIONS_OF_GENERAL.get(kind, ())
+                   for line in lines if line.text.strip())
 
     def resolve(self, one):
         mesh, word = self.mesh, WORDS[one.kind]
@@ -75,7 +77,7 @@ class Sets:
             if not line.text.strip():
                 continue
             if one.form == "_GENERAL":
-                members = self.of_option(one, line, members)
+                members = (self.nodes_of_option if one.kind == "NODE" else self.faces_of_option)(one, line, members)
                 continue
             if one.kind == "SEGMENT" and one.form != "_ADD":
                 members.append(self.segment(one, line))
@@ -120,9 +122,10 @@ class Sets:
             line.fail(f"There is no element of number {number}, which the set \"{name}\" names.")
         return self.mesh.cell_of_element[number]
 
-    def segment(self, one, line):
+    def segment(self, one, line, first=0):
+        """The nodes of a face, which stand from a field on, and its line."""
         n_nodes = 4 if self.mesh.dimension == 3 else 2
-        fields = one.section.fields(line)
+        fields = one.section.fields(line)[first:]
         texts = (fields + [""] * 4)[:n_nodes]
         numbers = [line.integer(text, "the number of a node of a segment") for text in texts]
         if len(set(numbers)) < n_nodes:
@@ -132,7 +135,7 @@ class Sets:
             self.report.count(line.place, f"attributes of *{one.section.keyword} are not used.")
         return tuple(self.mesh.node(number, line, one.section.transform) for number in numbers), line
 
-    def of_option(self, one, line, members):
+    def nodes_of_option(self, one, line, members):
         """*SET_NODE_GENERAL: the members so far with those of one more card, or without them."""
         fields = one.section.fields(line)
         option, mesh = fields[0].upper(), self.mesh
@@ -142,6 +145,30 @@ class Sets:
         if option.endswith("NODE"):
             named = [mesh.node(number, line, one.section.transform) for number in numbers]
         else:
-            parts = [one.section.transform.number("P", number) for number in numbers]
-            named = [node for part in parts for c in self.cells_of_part.get(part, ()) for node in mesh.cells[c].nodes]
+            named = [node for c in self.cells_of_parts(one, numbers) for node in mesh.cells[c].nodes]
         return [node for node in members if node not in set(named)] if option.startswith("D") else members + named
+
+    def faces_of_option(self, one, line, members):
+        """*SET_SEGMENT_GENERAL: faces so far with one more, or with the outer faces of parts, or without them."""
+        fields = one.section.fields(line)
+        option = fields[0].upper()
+        if option.endswith("SEG"):
+            named = [self.segment(one, line, 1)]
+        else:
+            # Behind three parts are attributes.
+            numbers = [line.integer(text, "the number of a part") for text in fields[1:4] if text]
+            named = [(nodes, line) for nodes in self.outer_faces(self.cells_of_parts(one, numbers))]
+        taken = {tuple(sorted(nodes)) for nodes, _ in named}
+        return [face for face in members if tuple(sorted(face[0])) not in taken] if option.startswith("D") else \
+            members + named
+
+    def cells_of_parts(self, one, numbers):
+        parts = [one.section.transform.number("P", number) for number in numbers]
+        return [c for part in parts for c in self.cells_of_part.get(part, ())]
+
+    def outer_faces(self, cells):
+        """Faces of cells that no other cell of the mesh has."""
+        if self.n_cells_of_face is None:
+            self.n_cells_of_face = Counter(tuple(sorted(face)) for c in range(len(self.mesh.cells))
+                                           for face in self.mesh.faces(c))
+        return [face for c in cells for face in self.mesh.faces(c) if self.n_cells_of_face[tuple(sorted(face))] == 1]
