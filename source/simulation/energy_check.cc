@@ -41,6 +41,23 @@ namespace tombolo
                           "formulation may help.";
     }
 
+    /** The accounts that make up the balance, the largest first: those below a hundredth of it are
+     * left out. */
+    std::string largest_accounts(const EnergyAccounts &energies)
+    {
+      const auto size_of = [](const EnergyAccounts::Account &account)
+      { return std::isnan(account.value) ? HUGE_VAL : std::abs(account.value); };
+      std::vector<EnergyAccounts::Account> accounts = energies.accounts();
+      std::stable_sort(accounts.begin(), accounts.end(),
+                       [&](const auto &a, const auto &b) { return size_of(a) > size_of(b); });
+      std::ostringstream text;
+      text.precision(4);
+      for (const EnergyAccounts::Account &account : accounts)
+        if (account.value != 0. && size_of(account) >= 0.01 * size_of(accounts[0]))
+          text << (text.tellp() > 0 ? ", " : "") << account.name << " " << account.value;
+      return text.str();
+    }
+
     /** What brings the balance of static steps nearer. */
     std::string judgement_at_rest()
     {
@@ -86,7 +103,8 @@ namespace tombolo
             << (!reason.empty()             ? reason
                 : step_size.largest() == 0. ? judgement_at_rest()
                                             : judgement_of_step(model, balance, clock, step_size))
-            << " `Largest energy error` is the limit.";
+            << " `Largest energy error` is the limit. The largest energies: "
+            << largest_accounts(balance.energies) << ".";
     throw RunError(message.str());
   }
 
