@@ -81,6 +81,16 @@ namespace tombolo
                  " is in a plug-in: write \"set Plugin libraries = " + library + "\".";
       return {};
     }
+
+    /** Which script reads the files that have an entry, as a sentence; empty if none does. */
+    std::string script_hint(const std::string &name)
+    {
+      for (const auto &[entry, script] :
+           {std::pair{"Base file", "study"}, std::pair{"Groups", "reflection_study"}})
+        if (name == entry)
+          return std::string(" Files with it are studies: run scripts/") + script + " FILE.prm.";
+      return {};
+    }
   } // namespace
 
   std::string did_you_mean(const std::string &name, const std::vector<std::string> &candidates)
@@ -105,6 +115,8 @@ namespace tombolo
     const std::string instead = instead_of_removed(joined_path(section.path, name));
     if (!instead.empty())
       return " It was removed. " + instead;
+    if (const std::string script = script_hint(name); section.path.empty() && !script.empty())
+      return script;
     const auto *const same_name = section.find(name);
     if (same_name != nullptr && same_name->is_section)
       return " " + in_quotes(name) + " is a section: write \"subsection " + name + "\".";
