@@ -46,7 +46,10 @@ class Line:
     def real(self, text, what="a number"):
         value = value_of(text)
         if value is None:
-            self.fail(f"{shown(text)} stands where {what} should.")
+            end = self.text.find(text) + len(text)
+            beyond = " What goes on behind it is beyond the columns of the field." \
+                if self.text[end:end + 1] not in ("", " ", ",", "\t") else ""
+            self.fail(f"{shown(text)} stands where {what} should.{beyond}")
         if abs(value) == float("inf"):
             self.fail(f"{shown(text)} is not finite, and stands where {what} should.")
         return value

@@ -122,6 +122,20 @@ class DynaCards(DeckTest):
         self.check(text, "set Young's modulus = 20: 210000, 520: 180000", "set Specific heat capacity = 450000000",
                    "set Conductivity = 50", "set Thermal expansion = 1.2e-05", "set Temperature = 20")
 
+        material = "*MAT_ELASTIC_PLASTIC_THERMAL\n" + "\n".join(card(*row) for row in (
+            (1, "7.85E-9"), (20, 520), (210000, 180000), (0.3, 0.35), ("1.2E-5", "1.4E-5"), (300, 100), (2000, 1000))) + "\n"
+        text = replaced(BAR, (ELASTIC, material + heat), ("*PART\nbar\n" + card(1, 1, 1), "*PART\nbar\n" + card(
+            1, 1, 1, 0, 0, 0, 0, 9)))
+        self.check(text, "set Young's modulus = 20: 210000, 520: 180000", "set Poisson's ratio = 20: 0.3, 520: 0.35",
+                   "set Thermal expansion = 20: 1.2e-05, 520: 1.4e-05", "set Temperatures = 20, 520",
+                   "set Flow stresses = 300, 2319.230769; 100, 1105.586592")
+        self.check(replaced(BAR, (ELASTIC, replaced(material, (card(300, 100), card(0)), (card(2000, 1000), card(0))))),
+                   "set Model = elastic", "set Young's modulus = 210000", "!Flow stress")
+
+    def test_a_material_that_is_not_read(self):
+        scene, said = self.scene(replaced(BAR, ("*MAT_ELASTIC", "*MAT_NULL")), "deck.k")
+        self.assertIn("the material 1 of part 1 is *MAT_NULL (line 11), which is not read: write its section", scene + said)
+
     def test_statics_damping_and_mass_scaling(self):
         self.check(replaced(BAR, (END, "*CONTROL_IMPLICIT_GENERAL\n" + card(1, "1.0E-7") + "\n" + END)),
                    "set Time integration = quasi-static", "set Largest step = 1e-07")

@@ -161,6 +161,8 @@ CASES = {
         'there is no parameter "y" before it']),
     "an expression that is a program": ([("*PART\n", "*PARAMETER_EXPRESSION\nR x       open('x').read()\n*PART\n")], 1, [
         "is no expression of numbers, parameters"]),
+    "a number beyond its columns": ([("   1.0E-06\n*PART", "     1.0E-6\n*PART")], 1, [
+        'line 5: "1.0E-" stands where a number should. What goes on behind it is beyond']),
     "fields of a used card": ([("*PART\nbar\n" + card(1, 1, 1), "*PART\nbar\n" + card(1, 1, 1, 0, 4)),
                                (MATERIAL, MATERIAL.rstrip("\n") + card(0, 0, 3) + "\n")], 0, [
                                    "line 8: *PART: HGID = 4 is not used.",

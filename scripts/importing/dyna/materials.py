@@ -4,7 +4,7 @@
 from ..scene import at_one_temperature, linear_hardening, number, plastic_curve, tabular
 from .cards import form_of
 
-MODELS = ("MAT_001", "MAT_003", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
+MODELS = ("MAT_001", "MAT_003", "MAT_004", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
 NO_FAILURE = 1e10  # a strain
 EOS = ("EOS_GRUNEISEN", "EOS_LINEAR_POLYNOMIAL")
 
@@ -21,10 +21,13 @@ class Material:
         self.failure_strain, self.has_damage = None, False
         self.equation, self.remarks, self.flow, self.heat = {}, [], {}, {}
         self.moduli = {}
-        readers = {"MAT_003": self.read_plastic_kinematic, "MAT_024": self.read_piecewise_linear,
+        self.start_of_tables = record.number("TREF")
+        readers = {"MAT_003": self.read_plastic_kinematic, "MAT_004": self.read_over_temperature, "MAT_024": self.read_piecewise_linear,
                    "MAT_106": self.read_viscoplastic_thermal, "MAT_020": self.read_rigid}
         if self.kind == "MAT_015":
             self.read_johnson_cook()
+        elif self.kind == "MAT_004":
+            self.modulus, self.poisson = record.number("E1"), record.number("PR1")
         else:
             self.modulus, self.poisson = record.number("E"), record.number("PR")
         for name, value in (("density", self.density), ("Young's modulus", self.modulus)):
@@ -105,6 +108,28 @@ class Material:
             record.number("P")
             self.remarks.append("C, P, LCSR: the dependence on the strain rate is left out.")
         self.read_failure_strain("FAIL")
+
+    def read_over_temperature(self):
+        """Up to eight temperatures, the first of constants that do not change."""
+        record = self.record
+        columns = [[record.number(name + str(k)) for name in ("T", "E", "PR", "ALPHA", "SIGY", "ETAN")] for k in range(1, 9)]
+        n = next((k for k in range(1, 8) if columns[k][0] <= columns[k - 1][0]), 8)
+        columns = columns[:n]
+        self.start_of_tables = columns[0][0]
+        for index, entry in ((1, "Young's modulus"), (2, "Poisson's ratio"), (3, "Thermal expansion")):
+            if n > 1 and any(row[index] for row in columns):
+                self.moduli[entry] = ", ".join(f"{number(row[0])}: {number(row[index])}" for row in columns)
+            elif index == 3 and columns[0][3]:
+                self.moduli[entry] = number(columns[0][3])
+        if not any(row[4] for row in columns):
+            return
+        for _, modulus, _, _, stress, tangent in columns:
+            self.refuse_zero("yield stress (SIGY)", stress)
+            if not tangent < modulus:
+                self.line.fail(f"ETAN of material {self.number} is not below E.")
+        self.flow = {"Flow stress": "tabular", "tabular": {
+            "Plastic strains": "0, 1", **({"Temperatures": ", ".join(number(row[0]) for row in columns)} if n > 1 else {}),
+            "Flow stresses": "; ".join(f"{number(s)}, {number(s + e * t / (e - t))}" for _, e, _, _, s, t in columns)}}
 
     def read_rigid(self):
         """Without stress; motion is that of the part."""
@@ -204,12 +229,12 @@ class Material:
 
     def entries(self):
         """Comments, and the entries of the section."""
-        model = "elastic" if self.kind in ("MAT_001", "MAT_020") else "j2 plasticity"
+        model = "elastic" if self.kind in ("MAT_001", "MAT_020") or not self.flow else "j2 plasticity"
         title = f": {self.record.title}" if self.record.title else ""
         if self.kind == "MAT_015" and not self.equation:
             self.remarks.append("There is no *EOS_GRUNEISEN of its parts: pressure is linear elastic.")
         if not self.heat:
-            self.moduli = at_one_temperature(self.moduli, self.record.number("TREF"), self.remarks)
+            self.moduli = at_one_temperature(self.moduli, self.start_of_tables, self.remarks)
         section = self.record.section
         comments = [f"*{section.keyword} on {section.line.place}{title}", *self.remarks]
         flow = dict(self.flow)
@@ -219,7 +244,7 @@ class Material:
         constants = {"Density": number(self.density), "Young's modulus": number(self.modulus),
                      "Poisson's ratio": number(self.poisson), **self.moduli}
         if "Temperatures" in flow.get("tabular", {}) and not self.heat:
-            flow["Initial temperature"] = number(self.record.number("TREF"))
+            flow["Initial temperature"] = number(self.start_of_tables)
         entries = {"Model": model, model: {**constants, **flow, **self.equation}}
         if self.heat:
             entries["Heat"] = self.heat

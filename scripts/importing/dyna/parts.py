@@ -41,8 +41,8 @@ class PartReader:
             report.note(record.line.place, f"the equation of state {equation} of part {number_of_part} is not "
                         "understood.")
         if material not in materials:
-            report.note(record.line.place, f"the material {material} of part {number_of_part} is not understood: write "
-                        "its section.")
+            report.note(record.line.place, f"the material {material} of part {number_of_part} is "
+                        f"{converter.unread_material(material)}: write its section.")
         elif thermal in converter.thermal:
             materials[material].heat = converter.heat_of(converter.thermal[thermal])
         elif thermal:

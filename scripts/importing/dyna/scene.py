@@ -68,6 +68,15 @@ class Converter:
         self.thermal = Used((record.integer("TMID"), record) for record in self.records_of(
             *(section for section in self.deck.sections if form_of(section.name) == "MAT_THERMAL_ISOTROPIC")))
 
+    def unread_material(self, number_of_material):
+        """Words for a material of a kind that is not read, or that is not there."""
+        for section in self.deck.sections:
+            if section.name.startswith("MAT_") and not section.name.startswith("MAT_ADD") and not section.is_read:
+                _, lines = section.titled(section.lines) if section.lines else ("", [])
+                if lines and section.fields(lines[0])[:1] == [str(number_of_material)]:
+                    return f"*{section.keyword} ({section.line.place}), which is not read"
+        return "not there"
+
     def heat_of(self, record):
         """*MAT_THERMAL_ISOTROPIC."""
         record.number("TRO")
