@@ -40,3 +40,10 @@ function(tombolo_setup_target target)
     target_link_options(${target} PRIVATE -fsanitize=${TOMBOLO_SANITIZE})
   endif()
 endfunction()
+
+# Of code that is compiled more often than its loops matter: see TOMBOLO_COLD_ROOMS and the tests.
+set(TOMBOLO_COLD_OPTIONS -O1)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  # It is part of -O2, and g++ ignores a precompiled header that was made with it otherwise.
+  list(APPEND TOMBOLO_COLD_OPTIONS -mvzeroupper)
+endif()
