@@ -234,7 +234,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void PointTransfer<dim>::settle_volumes(const Model<dim> &model) const
+  void PointTransfer<dim>::settle_volumes(const Model<dim> &model,
+                                          const NodalVector &position) const
   {
     if (n_points == 0)
       return;
@@ -250,7 +251,7 @@ namespace tombolo
     };
     for_new_points([&](const unsigned int i, const auto &, CellSource::Kind)
                    { are_new[i] = true; });
-    formulation.find_volumes(model.state.position, are_new);
+    formulation.find_volumes(position, are_new);
     // A volume at these positions over a volume ratio is not quite the initial volume.
     std::map<std::pair<std::size_t, unsigned int>, double> taken;
     for_new_points(

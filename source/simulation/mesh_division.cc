@@ -39,6 +39,19 @@ namespace tombolo
       }
     }
 
+    /** Where nodes were when the state of the points was found, before the last motion; without
+     * the smoothing of its velocity. Collective. */
+    NodalVector position_of_points(const NodalState &state, const Clock &clock)
+    {
+      NodalVector result(state.partition());
+      result.copy_from(state.unsmoothed_velocity);
+      result.distribute();
+      const auto n = std::size_t(state.partition()->n_local()) * node_stride;
+      for (std::size_t i = 0; i < n; ++i)
+        result.data()[i] = state.position.data()[i] - clock.previous_step * result.data()[i];
+      return result;
+    }
+
     template <int dim>
     void write_state(Model<dim> &model, const Clock &clock, const std::string &file)
     {
@@ -56,7 +69,7 @@ namespace tombolo
       archive.divide(clock);
       const MeshTransfer<dim> transfer(model, archive);
       serialize_model(model, archive, &transfer);
-      transfer.settle_volumes(model);
+      transfer.settle_volumes(model, position_of_points(model.state, clock));
       transfer.restore_momentum(model);
       if (model.heat)
         find_enthalpies(*model.heat);

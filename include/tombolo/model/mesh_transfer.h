@@ -49,10 +49,10 @@ namespace tombolo
     }
 
     /** See PointTransfer. */
-    void settle_volumes(const Model<dim> &model) const
+    void settle_volumes(const Model<dim> &model, const NodalVector &position) const
     {
       for (const PointTransfer<dim> &of_part : points)
-        of_part.settle_volumes(model);
+        of_part.settle_volumes(model, position);
     }
 
     /** Gives the nodes of joined cells the momentum of nodes that are no unknowns any more, and

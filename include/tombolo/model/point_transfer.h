@@ -53,9 +53,9 @@ namespace tombolo
     /** Reads the points. The group of the archive is that of the part. Collective. */
     void read(const Model<dim> &model, StateArchive &archive) const;
 
-    /** When positions have been read: gives new points the volumes that they have there, with the
+    /** Gives new points the volumes that they have at @p position, that of their state, with the
      * integrals of what is held. */
-    void settle_volumes(const Model<dim> &model) const;
+    void settle_volumes(const Model<dim> &model, const NodalVector &position) const;
 
   private:
     /** A point of the archive: the number of its cell among those of the archive, and its share in
