@@ -26,7 +26,8 @@ namespace tombolo
     const auto largest_damage = e.optional_number(
         damage_limit_entry, positive(), "1",
         "Damage, as the mean of the points of a cell, at which the cell becomes particles; 1 where "
-        "it has failed. The material needs a `Damage`. Empty: not by damage.");
+        "it has failed. The material needs a `Damage`, or a variable `damage` of its own. Empty: "
+        "not by damage.");
     largest_means.add(strain_entry, largest_strain, MeanLimits::Of::strain);
     largest_means.add(damage_limit_entry, largest_damage, MeanLimits::Of::damage);
     smallest_jacobian =
