@@ -1,5 +1,6 @@
 # What the tests in Python start the program with, so that its libraries are loaded once a test.
-add_library(program_server MODULE ${CMAKE_CURRENT_LIST_DIR}/program_server.c)
+add_library(program_server MODULE ${CMAKE_CURRENT_LIST_DIR}/program_server.c
+  $<TARGET_OBJECTS:waiting_rank>)
 target_compile_options(program_server PRIVATE -Wall -Wextra)
 target_link_libraries(program_server PRIVATE ${CMAKE_DL_LIBS})
 set_target_properties(program_server PROPERTIES PREFIX lib)
