@@ -317,31 +317,42 @@ namespace tombolo
 
       static double largest_eigenvalue(const Matrix &matrix)
       {
-        // LAPACK is asked for the interval between what a power iteration reaches and the norm.
+        // Lanczos' method, with all vectors kept orthogonal.
+        Matrix symmetric(matrix);
+        symmetric.symmetrize();
         const auto n = static_cast<unsigned int>(matrix.m());
+        std::vector<dealii::Vector<double>> basis;
+        std::vector<double> diagonal, beside;
         dealii::Vector<double> x(n), image(n);
         for (unsigned int i = 0; i < n; ++i)
           x[i] = std::sin(1.7 * i * i + 0.3);
-        double reached = 0;
-        for (unsigned int iteration = 0; iteration < 60; ++iteration)
+        x /= x.l2_norm();
+        while (basis.size() < std::min(n, 100u))
         {
-          x /= x.l2_norm();
-          matrix.vmult(image, x);
-          reached = x * image;
-          x.swap(image);
+          basis.push_back(x);
+          symmetric.vmult(image, x);
+          diagonal.push_back(x * image);
+          for (unsigned int pass = 0; pass < 2; ++pass)
+            for (const dealii::Vector<double> &vector : basis)
+              image.add(-(image * vector), vector);
+          beside.push_back(image.l2_norm());
+          if (beside.back() < 1e-12 * matrix.linfty_norm())
+            break; // the others have no part in the start
+          x.equ(1. / beside.back(), image);
         }
-        dealii::LAPACKFullMatrix<double> copy(n, n);
-        Matrix vectors;
-        for (unsigned int i = 0; i < n; ++i)
-          for (unsigned int j = 0; j < n; ++j)
-            copy(i, j) = 0.5 * (matrix(i, j) + matrix(j, i));
+        const auto n_vectors = static_cast<unsigned int>(basis.size());
+        dealii::LAPACKFullMatrix<double> small(n_vectors, n_vectors);
+        for (unsigned int i = 0; i < n_vectors; ++i)
+        {
+          small(i, i) = diagonal[i];
+          if (i + 1 < n_vectors)
+            small(i, i + 1) = small(i + 1, i) = beside[i];
+        }
         dealii::Vector<double> values;
-        copy.compute_eigenvalues_symmetric(0.999 * reached, 1.001 * matrix.linfty_norm(), 0.,
-                                           values, vectors);
-        double largest = 0;
-        for (const double value : values)
-          largest = std::max(largest, value);
-        return largest;
+        Matrix vectors;
+        const double bound = 2. * matrix.linfty_norm() + 1e-300;
+        small.compute_eigenvalues_symmetric(-bound, bound, 0., values, vectors);
+        return *std::max_element(values.begin(), values.end());
       }
 
       Parameters parameters;
