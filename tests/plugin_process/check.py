@@ -6,9 +6,13 @@ usage: check.py PREFIX SOURCE DIRECTORY MPIEXEC CMAKE
 """
 
 import csv
+import os
 import subprocess
 import sys
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+import loaded
 
 # What the mechanics of the expanding plate sums from terms that cancel: no relative error.
 CANCELLING = ("momentum", "impulse", "drift", "error", "share")
@@ -28,8 +32,11 @@ def main():
                     [cmake, "--build", build]):
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
+    binary = os.environ["TOMBOLO_BINARY_DIR"]
+    server = loaded.Server(f"{prefix}/bin/tombolo", f"{binary}/lib/libprogram_server.so")
+
     def run(name, file, *settings, ranks=1, options=(), succeeds=True):
-        command = [f"{prefix}/bin/tombolo", "--overwrite", *options, "--set",
+        command = [f"{binary}/bin/start_loaded", server.socket, "--overwrite", *options, "--set",
                    f"Plugin libraries = {build}/libmoving_heat_source.so, {build}/libpoint_spring.so",
                    "--set",
                    f"Output directory = {directory}/{name}"]
@@ -37,7 +44,7 @@ def main():
             command += ["--set", setting]
         launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
         result = subprocess.run(launcher + command + [f"{source}/{file}"], text=True, check=False,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=loaded.environment(ranks))
         if (result.returncode == 0) != succeeds:
             sys.exit(f"{name} ended with {result.returncode}:\n{result.stdout}")
         return result.stdout
