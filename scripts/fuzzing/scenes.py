@@ -296,7 +296,7 @@ def legal(scene):
             scene["pair terms"] = [name for name in scene["pair terms"] if name == PAIR_TERMS[0]]
     if scene["bonds"] is not None and scene["bonds"]["combination"] == "either":
         scene["bonds"] = dict(scene["bonds"], stretch=1.02)
-    if scene["bonds"] is None or scene["symmetry"]:
+    if scene["bonds"] is None:
         scene["self-contact"] = False
     if scene["heat"] is None:
         scene["temperature"] = False

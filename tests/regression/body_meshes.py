@@ -11,6 +11,7 @@ from their common face), `rubbing.msh` (two long blocks with fine layers at thei
 round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
 `flush_blocks.msh` and `flush_blocks_3d.msh` (two equal blocks with a common face), `flush_wholes.msh` and
 `flush_wholes_3d.msh` (of which they are a half and a quarter),
+`mirrored_half.msh` and `mirrored_whole.msh` (a block on a plane of symmetry and one beside it that is off the plane),
 `cut.msh` (a work piece and a tool that cuts it), `spheres.msh` (two bodies with round faces in space),
 `punch.msh` (a block on a wider one), `flat_shoulder.msh` (two plates side by side and a
 cylinder on them).
@@ -231,6 +232,17 @@ def flush_blocks(dim=2, low=0.):
     return mesh
 
 
+def mirrored(is_whole):
+    """A block that the plane y = 0 halves, and one beside it that stays off the plane."""
+    mesh = Mesh(2)
+    low, n = (-2., 8) if is_whole else (0., 4)
+    mesh.add_block("middle", [even(0., 3., 6), even(low, 2., n)], lambda *point: point, {})
+    for sign in (1., -1.) if is_whole else (1.,):
+        ways = [sign * y for y in even(0.35, 2.35, 4)]
+        mesh.add_block("side", [even(3.75, 6.75, 6), sorted(ways)], lambda *point: point, {})
+    return mesh
+
+
 def growing(first, length, n):
     """n cells from 0 to the length, the first one of this size, which grow by a factor."""
     low, high = 1., 10.
@@ -372,6 +384,8 @@ def main():
     flush_blocks(3).write(project / "tests" / "regression" / "flush_blocks_3d.msh")
     for dim, name in ((2, "flush_wholes"), (3, "flush_wholes_3d")):
         flush_blocks(dim, -2.).write(project / "tests" / "regression" / f"{name}.msh")
+    for is_whole, name in ((False, "mirrored_half"), (True, "mirrored_whole")):
+        mirrored(is_whole).write(project / "tests" / "regression" / f"{name}.msh")
     for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, flush_blocks, spheres, punch):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")

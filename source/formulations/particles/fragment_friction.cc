@@ -85,6 +85,7 @@ namespace tombolo
   namespace
   {
     constexpr unsigned int temperature_slot = 3; // beside the axial vector of the spin
+    constexpr double mirror_unit = 4294967296.;  // of mirrors in checkpoints, above half a number
 
     /** @p slip turned by @p axial and into the plane across @p normal, as long as before. */
     template <int dim>
@@ -149,18 +150,18 @@ namespace tombolo
     for (std::size_t i = 0; i + 1 < row_of_pairs.size(); ++i)
       for (std::size_t pair = row_of_pairs[i]; pair < row_of_pairs[i + 1]; ++pair)
         if (springs[pair].stiffness > 0.)
-          known.push_back({ids[i], partner_ids[pair], springs[pair]});
-    std::sort(known.begin(), known.end(),
-              [](const KnownSpring &a, const KnownSpring &b)
-              { return std::tie(a.own, a.partner) < std::tie(b.own, b.partner); });
+          known.push_back({ids[i], partner_ids[pair], partner_mirrors[pair], springs[pair]});
+    std::sort(
+        known.begin(), known.end(),
+        [](const KnownSpring &a, const KnownSpring &b)
+        { return std::tie(a.own, a.partner, a.mirrors) < std::tie(b.own, b.partner, b.mirrors); });
   }
 
   template <int dim>
-  void FragmentFriction<dim>::set_pairs(const std::shared_ptr<const NodePartition> &partition,
-                                        const Stencils &shape,
-                                        const std::vector<std::uint64_t> &own_ids,
-                                        const std::vector<std::size_t> &pair_start,
-                                        const std::vector<unsigned int> &partner)
+  void
+  FragmentFriction<dim>::set_pairs(const std::shared_ptr<const NodePartition> &partition,
+                                   const Stencils &shape, const std::vector<std::uint64_t> &own_ids,
+                                   const std::vector<double> &of_rows, const FragmentPairs &pairs)
   {
     remember_springs();
     const NodalVector id_of_node = nodal_field(partition, Quantity::scalars, shape.particle_node,
@@ -170,27 +171,31 @@ namespace tombolo
                                                  halves[1] = lower_half(own_ids[i]);
                                                });
     ids = own_ids;
-    row_of_pairs = pair_start;
+    shares = of_rows;
+    row_of_pairs = pairs.start;
+    partner_mirrors = pairs.mirrors;
     partner_ids.clear();
-    for (const unsigned int node : partner)
+    for (const unsigned int node : pairs.partner)
       partner_ids.push_back(joined(id_of_node.node(node)[0], id_of_node.node(node)[1]));
-    springs.assign(partner.size(), {});
-    is_touching.assign(partner.size(), false);
+    springs.assign(pairs.partner.size(), {});
+    is_touching.assign(pairs.partner.size(), false);
     released_heat.assign(ids.size(), 0.);
 
-    const auto find = [&](const std::uint64_t own, const std::uint64_t other)
+    const auto find =
+        [&](const std::uint64_t own, const std::uint64_t other, const unsigned int mirrors)
     {
-      return std::lower_bound(known.begin(), known.end(), std::tie(own, other),
+      return std::lower_bound(known.begin(), known.end(), std::tie(own, other, mirrors),
                               [](const KnownSpring &a, const auto &pair)
-                              { return std::tie(a.own, a.partner) < pair; });
+                              { return std::tie(a.own, a.partner, a.mirrors) < pair; });
     };
     for (std::size_t i = 0; i < ids.size() && !known.empty(); ++i)
     {
-      for (std::size_t pair = pair_start[i]; pair < pair_start[i + 1]; ++pair)
-        if (const auto found = find(ids[i], partner_ids[pair]);
-            found != known.end() && found->own == ids[i] && found->partner == partner_ids[pair])
+      for (std::size_t pair = row_of_pairs[i]; pair < row_of_pairs[i + 1]; ++pair)
+        if (const auto found = find(ids[i], partner_ids[pair], partner_mirrors[pair]);
+            found != known.end() && found->own == ids[i] && found->partner == partner_ids[pair] &&
+            found->mirrors == partner_mirrors[pair])
           springs[pair] = std::exchange(found->spring, {});
-      for (auto left = find(ids[i], 0); left != known.end() && left->own == ids[i]; ++left)
+      for (auto left = find(ids[i], 0, 0); left != known.end() && left->own == ids[i]; ++left)
         release(static_cast<unsigned int>(i), left->spring);
     }
     known.clear();
@@ -203,8 +208,8 @@ namespace tombolo
                                          const FragmentHeat &heat)
   {
     const auto &partition = position.partition();
-    for (NodalVector *const vector : {&displacement, &ends})
-      vector->fit_to(partition, Quantity::scalars);
+    displacement.fit_to(partition, Quantity::vector);
+    ends.fit_to(partition, Quantity::scalars);
     const bool rubs = friction.largest() > 0.;
     if (rubs)
     {
@@ -242,8 +247,22 @@ namespace tombolo
                     spin_of_row<dim>(shape, i, inverse_deformation[i], displacement);
                 std::copy(spin.begin(), spin.end(), of_end);
               });
+    reflect_spins(*partition);
     exchanges.clear();
     std::fill(is_touching.begin(), is_touching.end(), false);
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::reflect_spins(const NodePartition &partition)
+  {
+    unsigned int image = partition.n_owned() + partition.n_ghosts();
+    for (const NodePartition::Reflected &of : partition.images())
+    {
+      const double *const sign = of.reflection.sign;
+      double *const axial = ends.node(image++);
+      for (unsigned int d = 0; d < 3; ++d)
+        axial[d] *= sign[0] * sign[1] * sign[2] * sign[d];
+    }
   }
 
   template <int dim>
@@ -251,9 +270,9 @@ namespace tombolo
                                             const FragmentHeat &heat)
   {
     if (conductance.largest() > 0.)
-      exchanges.push_back(
-          {touch.own, touch.other,
-           conductance.value(touch.normal_force / touch.area) * touch.area * time_step});
+      exchanges.push_back({touch.own, touch.other,
+                           shares[touch.row] * conductance.value(touch.normal_force / touch.area) *
+                               touch.area * time_step});
     if (!(friction.largest() > 0.))
       return {};
     const double *const own_end = ends.node(touch.own), *const other_end = ends.node(touch.other);
@@ -281,14 +300,16 @@ namespace tombolo
 
     const double work =
         0.5 * (before.stiffness * before.slip + spring.stiffness * spring.slip) * motion;
-    const double taken = 0.5 * (work - 0.5 * spring.stiffness * spring.slip.norm_square() +
-                                0.5 * before.stiffness * before.slip.norm_square());
+    const double taken = shares[touch.row] * 0.5 *
+                         (work - 0.5 * spring.stiffness * spring.slip.norm_square() +
+                          0.5 * before.stiffness * before.slip.norm_square());
     friction_heat += taken;
     if (heat.given != nullptr)
       heat.given->add(touch.own, taken);
     const Tensor<1, dim> force = spring.stiffness * spring.slip;
     if (inverse_deformation[touch.row] != Tensor<2, dim>())
-      couple[touch.row] += outer_product(force, own_offset) - outer_product(own_offset, force);
+      couple[touch.row] +=
+          shares[touch.row] * (outer_product(force, own_offset) - outer_product(own_offset, force));
     return force;
   }
 
@@ -303,7 +324,8 @@ namespace tombolo
       {
         if (springs[pair].stiffness > 0. && !is_touching[pair])
           release(i, springs[pair]);
-        stored_energy += 0.25 * springs[pair].stiffness * springs[pair].slip.norm_square();
+        stored_energy +=
+            shares[i] * 0.25 * springs[pair].stiffness * springs[pair].slip.norm_square();
       }
       if (heat.given != nullptr && released_heat[i] != 0.)
         heat.given->add(shape.particle_node[i], released_heat[i]);
@@ -374,6 +396,7 @@ namespace tombolo
     {
       for (auto *const list : {&ids, &partner_ids})
         list->clear();
+      partner_mirrors.clear();
       row_of_pairs.clear();
       springs.clear();
       known.clear();
@@ -385,8 +408,8 @@ namespace tombolo
         if (springs[pair].stiffness > 0.)
         {
           of_row[i].insert(of_row[i].end(),
-                           {upper_half(partner_ids[pair]), lower_half(partner_ids[pair]),
-                            springs[pair].stiffness});
+                           {upper_half(partner_ids[pair]) + mirror_unit * partner_mirrors[pair],
+                            lower_half(partner_ids[pair]), springs[pair].stiffness});
           for (unsigned int d = 0; d < dim; ++d)
             of_row[i].push_back(springs[pair].slip[d]);
         }
@@ -414,7 +437,9 @@ namespace tombolo
           Spring spring{values[k + 2], {}};
           for (unsigned int d = 0; d < dim; ++d)
             spring.slip[d] = values[k + 3 + d];
-          known.push_back({own_ids[i], joined(values[k], values[k + 1]), spring});
+          const double mirrors = std::floor(values[k] / mirror_unit);
+          known.push_back({own_ids[i], joined(values[k] - mirrors * mirror_unit, values[k + 1]),
+                           static_cast<unsigned int>(mirrors), spring});
         }
   }
 

@@ -16,95 +16,194 @@ namespace tombolo
   namespace
   {
     using Sets = boost::disjoint_sets_with_storage<>;
-    using Pair = std::array<std::uint64_t, 2>;
+    /** A particle in its body or in an image of that: its identifier, and the mirrors as bits. */
+    using Copy = std::array<std::uint64_t, 2>;
+    using Link = std::array<std::uint64_t, 4>; ///< two of these
     constexpr auto is_empty = static_cast<std::uint64_t>(-1);
 
-    /** The smallest identifier of the particles of this rank in each of the sets, by its root. */
-    std::vector<std::uint64_t> smallest_ids(Sets &sets, const Stencils &shape,
-                                            const std::vector<std::uint64_t> &ids,
-                                            const unsigned int n_nodes)
+    Copy first_of(const Link &link)
     {
-      std::vector<std::uint64_t> smallest(n_nodes, is_empty);
-      for (unsigned int i = 0; i < ids.size(); ++i)
+      return {{link[0], link[1]}};
+    }
+    Copy second_of(const Link &link)
+    {
+      return {{link[2], link[3]}};
+    }
+
+    /** The sets of nodes of this rank that bonds connect, in the body and in all its images. */
+    class ConnectedNodes
+    {
+    public:
+      ConnectedNodes(const Stencils &shape, const NodePartition &partition, const Images &images)
+          : n_copies(1u << images.all.size()), n_nodes(partition.n_owned() + partition.n_ghosts()),
+            sets(std::size_t(n_nodes) * n_copies)
       {
-        std::uint64_t &of_set = smallest[sets.find_set(shape.particle_node[i])];
-        of_set = std::min(of_set, ids[i]);
+        for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        {
+          const Stencils::Row row = shape.row(i);
+          for (unsigned int k = 0; k < row.size; ++k)
+            if (row.is_within_support(k))
+              connect(shape.particle_node[i], row.neighbour[k], partition, images);
+        }
+        for (const NodePartition::Reflected &on_plane : partition.nodes_on_planes())
+          connect(on_plane.source, on_plane.source, mirrors_of(on_plane.reflection, images));
       }
+
+      std::size_t set_of(const unsigned int node, const unsigned int mirrors)
+      {
+        return sets.find_set(std::size_t(node) * n_copies + mirrors);
+      }
+
+      const unsigned int n_copies, n_nodes;
+
+    private:
+      void connect(const unsigned int node, const unsigned int other, const unsigned int through)
+      {
+        for (unsigned int mirrors = 0; mirrors < n_copies; ++mirrors)
+          sets.union_set(std::size_t(node) * n_copies + mirrors,
+                         std::size_t(other) * n_copies + (mirrors ^ through));
+      }
+
+      void connect(const unsigned int node, const unsigned int neighbour,
+                   const NodePartition &partition, const Images &images)
+      {
+        if (neighbour < n_nodes)
+          connect(node, neighbour, 0u);
+        else
+        {
+          const NodePartition::Reflected &image = partition.images()[neighbour - n_nodes];
+          connect(node, image.source, mirrors_of(image.reflection, images));
+        }
+      }
+
+      Sets sets;
+    };
+
+    /** The smallest particle of this rank in each of the sets, by its root. */
+    std::vector<Copy> smallest_particles(ConnectedNodes &connected, const Stencils &shape,
+                                         const std::vector<std::uint64_t> &ids)
+    {
+      std::vector<Copy> smallest(std::size_t(connected.n_nodes) * connected.n_copies,
+                                 {{is_empty, is_empty}});
+      for (unsigned int i = 0; i < ids.size(); ++i)
+        for (unsigned int mirrors = 0; mirrors < connected.n_copies; ++mirrors)
+        {
+          Copy &of_set = smallest[connected.set_of(shape.particle_node[i], mirrors)];
+          of_set = std::min(of_set, {{ids[i], mirrors}});
+        }
       return smallest;
     }
 
-    /** Which sets of different ranks are one: pairs of their smallest identifiers, of all ranks. */
-    std::vector<Pair> find_links(Sets &sets, const std::vector<std::uint64_t> &smallest,
+    /** Which sets of different ranks are one: pairs of their smallest particles, of all ranks. */
+    std::vector<Link> find_links(ConnectedNodes &connected, const std::vector<Copy> &smallest,
                                  const NodePartition &partition)
     {
       const MPI_Comm communicator = partition.communicator();
-      std::map<unsigned int, std::vector<Pair>> to_owners;
+      std::map<unsigned int, std::vector<Link>> to_owners;
       unsigned int ghost = partition.n_owned();
       for (const auto &[rank, n] : partition.scalars()->ghost_targets())
         for (unsigned int k = 0; k < n; ++k, ++ghost)
-          if (const std::uint64_t id = smallest[sets.find_set(ghost)]; id != is_empty)
-            to_owners[rank].push_back({{partition.global_index(ghost), id}});
-      std::vector<Pair> links;
+          for (unsigned int mirrors = 0; mirrors < connected.n_copies; ++mirrors)
+            if (const Copy &of_set = smallest[connected.set_of(ghost, mirrors)];
+                of_set[0] != is_empty)
+              to_owners[rank].push_back(
+                  {{partition.global_index(ghost), mirrors, of_set[0], of_set[1]}});
+      std::vector<Link> links;
       for (const auto &[rank, received] : Utilities::MPI::some_to_some(communicator, to_owners))
-        for (const auto &[node, id] : received)
+        for (const auto &[node, mirrors, id, of_id] : received)
         {
-          const std::uint64_t own = smallest[sets.find_set(
-              partition.local_index(static_cast<types::global_dof_index>(node)))];
-          if (own != id)
-            links.push_back({{own, id}});
+          const Copy &own = smallest[connected.set_of(
+              partition.local_index(static_cast<types::global_dof_index>(node)),
+              static_cast<unsigned int>(mirrors))];
+          if (own != Copy{{id, of_id}})
+            links.push_back({{own[0], own[1], id, of_id}});
         }
       std::sort(links.begin(), links.end());
       links.erase(std::unique(links.begin(), links.end()), links.end());
-      std::vector<Pair> of_all;
-      for (const std::vector<Pair> &of_rank : Utilities::MPI::all_gather(communicator, links))
+      std::vector<Link> of_all;
+      for (const std::vector<Link> &of_rank : Utilities::MPI::all_gather(communicator, links))
         of_all.insert(of_all.end(), of_rank.begin(), of_rank.end());
       return of_all;
     }
+
+    /** Replaces smallest particles on a rank by those of all ranks. Collective. */
+    class AcrossRanks
+    {
+    public:
+      explicit AcrossRanks(const std::vector<Link> &links) : sets(2 * links.size())
+      {
+        for (const Link &link : links)
+        {
+          linked.push_back(first_of(link));
+          linked.push_back(second_of(link));
+        }
+        std::sort(linked.begin(), linked.end());
+        linked.erase(std::unique(linked.begin(), linked.end()), linked.end());
+        for (const Link &link : links)
+          sets.union_set(place(first_of(link)), place(second_of(link)));
+        smallest.assign(linked.size(), {{is_empty, is_empty}});
+        for (std::size_t k = 0; k < linked.size(); ++k)
+        {
+          Copy &of_set = smallest[sets.find_set(k)];
+          of_set = std::min(of_set, linked[k]);
+        }
+      }
+
+      Copy operator()(const Copy &of_rank)
+      {
+        return std::binary_search(linked.begin(), linked.end(), of_rank)
+                   ? smallest[sets.find_set(place(of_rank))]
+                   : of_rank;
+      }
+
+    private:
+      std::size_t place(const Copy &copy) const
+      {
+        return static_cast<std::size_t>(std::lower_bound(linked.begin(), linked.end(), copy) -
+                                        linked.begin());
+      }
+
+      std::vector<Copy> linked, smallest;
+      Sets sets;
+    };
   } // namespace
 
-  std::vector<std::uint64_t> find_fragments(const Stencils &shape,
-                                            const std::vector<std::uint64_t> &ids,
-                                            const NodePartition &partition)
+  unsigned int mirrors_of(const Images::Map &reflection, const Images &images)
   {
-    const unsigned int n_nodes = partition.n_owned() + partition.n_ghosts();
-    Sets sets(n_nodes);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    unsigned int result = 0;
+    for (unsigned int m = 0; m < images.all.size(); ++m)
     {
-      const Stencils::Row row = shape.row(i);
-      for (unsigned int k = 0; k < row.size; ++k)
-        if (row.neighbour[k] < n_nodes && row.is_within_support(k))
-          sets.union_set(shape.particle_node[i], row.neighbour[k]);
+      const unsigned int axis = images.all[m].axis;
+      if (reflection.sign[axis] < 0. && reflection.offset[axis] == images.map(1u << m).offset[axis])
+        result |= 1u << m;
     }
-    const std::vector<std::uint64_t> smallest = smallest_ids(sets, shape, ids, n_nodes);
-    std::vector<std::uint64_t> labels;
-    for (const unsigned int node : shape.particle_node)
-      labels.push_back(smallest[sets.find_set(node)]);
-    if (Utilities::MPI::n_mpi_processes(partition.communicator()) == 1)
-      return labels;
+    return result;
+  }
 
-    const std::vector<Pair> links = find_links(sets, smallest, partition);
-    std::vector<std::uint64_t> linked;
-    for (const Pair &link : links)
-      linked.insert(linked.end(), link.begin(), link.end());
-    std::sort(linked.begin(), linked.end());
-    linked.erase(std::unique(linked.begin(), linked.end()), linked.end());
-    const auto place = [&](const std::uint64_t id)
+  std::vector<FragmentOfParticle> find_fragments(const Stencils &shape,
+                                                 const std::vector<std::uint64_t> &ids,
+                                                 const NodePartition &partition,
+                                                 const Images &images)
+  {
+    ConnectedNodes connected(shape, partition, images);
+    const std::vector<Copy> smallest = smallest_particles(connected, shape, ids);
+    AcrossRanks of_all_ranks(Utilities::MPI::n_mpi_processes(partition.communicator()) > 1
+                                 ? find_links(connected, smallest, partition)
+                                 : std::vector<Link>());
+    std::vector<FragmentOfParticle> result;
+    for (const unsigned int node : shape.particle_node)
     {
-      return static_cast<std::size_t>(std::lower_bound(linked.begin(), linked.end(), id) -
-                                      linked.begin());
-    };
-    Sets across_ranks(linked.size());
-    for (const Pair &link : links)
-      across_ranks.union_set(place(link[0]), place(link[1]));
-    std::vector<std::uint64_t> smallest_linked(linked.size(), is_empty);
-    for (std::size_t k = 0; k < linked.size(); ++k)
-    {
-      std::uint64_t &of_set = smallest_linked[across_ranks.find_set(k)];
-      of_set = std::min(of_set, linked[k]);
+      FragmentOfParticle fragment;
+      for (unsigned int mirrors = 0; mirrors < connected.n_copies; ++mirrors)
+      {
+        const Copy label = of_all_ranks(smallest[connected.set_of(node, mirrors)]);
+        fragment.label = label[0];
+        // A particle reached from an image of the label: and its image from the label itself.
+        if (label[1] == 0)
+          fragment.copies |= std::uint64_t(1) << mirrors;
+      }
+      result.push_back(fragment);
     }
-    for (std::uint64_t &label : labels)
-      if (std::binary_search(linked.begin(), linked.end(), label))
-        label = smallest_linked[across_ranks.find_set(place(label))];
-    return labels;
+    return result;
   }
 } // namespace tombolo

@@ -102,10 +102,6 @@ namespace tombolo
       section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
     if (self_contact && setup.heat == nullptr)
       FragmentFriction<dim>::refuse_without_heat(section);
-    if (self_contact && !setup.nodes->images()->empty())
-      section.fail("Self-contact",
-                   "not with " + Images::words(false) +
-                       ": fragments are not followed through them. Model the whole body");
     refuse_images_of_images<dim>(section, rows->support_entry(), *setup.nodes->images(),
                                  set.initial_positions(), set.initial_supports(),
                                  setup.communicator);
@@ -127,7 +123,11 @@ namespace tombolo
     check_setup();
     part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
     rows->set_images(setup.nodes->images());
-    rows->set_bodies(*setup.bodies);
+    if (self_contact)
+      self_contact->set_images(setup.nodes->images());
+    const Images &images = *setup.nodes->images();
+    rows->set_bodies(*setup.bodies, PlanesOfBodies(*setup.bodies, images, setup.communicator),
+                     !images.empty());
     if (setup.source)
     {
       // Whether the supports would do is known before the first cell becomes particles.
@@ -152,12 +152,14 @@ namespace tombolo
     if (!self_contact)
       return 0;
     const Material &material = this->material();
-    std::vector<double> inertia;
+    std::vector<double> inertia, copies;
     for (const double mass : rows->stencils().mass)
       inertia.push_back(mass * material.relative_inertia());
-    self_contact->set_particles({set.nodes(), set.persistent_ids(), set.initial_volumes(), inertia},
-                                material.longitudinal_wave_speed() / smallest_spacing_at_start,
-                                setup.communicator);
+    for (unsigned int i = 0; i < inertia.size(); ++i)
+      copies.push_back(set.copies_in_whole_body(i));
+    self_contact->set_particles(
+        {set.nodes(), set.persistent_ids(), set.initial_volumes(), inertia, copies},
+        material.longitudinal_wave_speed() / smallest_spacing_at_start, setup.communicator);
     const auto partition = rows->partition(set);
     set_partition(*partition);
     return self_contact->set_start(setup.source.has_value(), rows->stencils(), *partition);

@@ -47,14 +47,18 @@ namespace tombolo
         scalar_field(partition, [&](const unsigned int i)
                      { return static_cast<double>(bodies->body_of(partition->global_index(i))); });
     const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
-    const auto body_at = [&](const unsigned int place)
-    {
-      return *body.node(place < n_nodes ? partition->local_index(found.global_nodes()[place])
-                                        : partition->local_index(found.images()[place - n_nodes]));
-    };
-    found.remove_neighbours([&](const unsigned int row, const unsigned int place)
-                            { return body_at(row) != body_at(place); },
-                            stencils);
+    const auto body_of = [&](const types::global_dof_index node)
+    { return static_cast<types::global_dof_index>(*body.node(partition->local_index(node))); };
+    found.remove_neighbours(
+        [&](const unsigned int row, const unsigned int place)
+        {
+          const auto own = body_of(found.global_nodes()[row]);
+          if (place < n_nodes)
+            return own != body_of(found.global_nodes()[place]);
+          const auto &image = found.images()[place - n_nodes];
+          return own != body_of(image.source) || !planes_of_bodies.joins(own, image.mirrors);
+        },
+        stencils);
   }
 
   template <int dim>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/self_contact.h>
 
-#include <tombolo/formulations/elements/split_number.h>
-#include <tombolo/formulations/particles/fragments.h>
+#include <tombolo/formulations/particles/fragment_tags.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
@@ -27,15 +26,6 @@ namespace tombolo
     /** How far the search looks beyond the largest distance of contact, over that distance. */
     constexpr double skin = 0.5;
 
-    enum Tag : unsigned int
-    {
-      upper_label,
-      lower_label,
-      has_elements,
-      n_tags
-    };
-    constexpr double is_unknown = -1.; // no half of a label
-
     enum Sphere : unsigned int
     {
       radius,
@@ -44,11 +34,12 @@ namespace tombolo
     };
 
     /** How many fragments have their label from a particle of this rank. */
-    unsigned long n_labels_here(const std::vector<std::uint64_t> &labels,
+    unsigned long n_labels_here(const std::vector<FragmentOfParticle> &fragments,
                                 const std::vector<std::uint64_t> &ids)
     {
-      return std::inner_product(labels.begin(), labels.end(), ids.begin(), 0ul, std::plus<>(),
-                                std::equal_to<>());
+      return std::inner_product(fragments.begin(), fragments.end(), ids.begin(), 0ul, std::plus<>(),
+                                [](const FragmentOfParticle &fragment, const std::uint64_t id)
+                                { return fragment.label == id; });
     }
 
     template <int dim>
@@ -66,8 +57,7 @@ namespace tombolo
   {
     if (!e.when(e.flag("Self-contact", "false",
                        "Whether particles of fragments that have come apart push each other away, "
-                       "debris among them. Wants `Bond failure`, or a total Lagrangian kernel. Not "
-                       "with planes of symmetry.")))
+                       "debris among them. Wants `Bond failure`, or a total Lagrangian kernel.")))
       return nullptr;
     e.refuse(e.given("Bond failure") == "none" && e.given("Configuration") != "total Lagrangian",
              "Self-contact",
@@ -95,14 +85,29 @@ namespace tombolo
   {
     return {{force_name, "M L/T^2", FieldLocation::material_point, 3, true},
             {position_name, "L", FieldLocation::material_point, 3, true, 0., true},
-            {label_name, "1", FieldLocation::material_point, n_tags, true, is_unknown},
+            {label_name, "1", FieldLocation::material_point, n_tags(), true, is_unknown},
             {shrinkage_name, "1", FieldLocation::material_point, 1, true, 0., true}};
+  }
+
+  template <int dim>
+  unsigned int SelfContact<dim>::n_tags() const
+  {
+    return images_of_part->empty() ? lower_copies : lower_copies + 1;
   }
 
   template <int dim>
   void SelfContact<dim>::set_particles(ContactParticles of_part, const double wave_rate,
                                        const MPI_Comm mpi_communicator)
   {
+    // Spheres are those of the whole body.
+    for (std::size_t i = 0; i < of_part.nodes.size(); ++i)
+    {
+      of_part.volumes[i] *= of_part.copies[i];
+      of_part.masses[i] *= of_part.copies[i];
+    }
+    shares.clear();
+    for (const double copies : of_part.copies)
+      shares.push_back(1. / copies);
     has_grown.assign(of_part.nodes.size(), false);
     for (std::size_t i = 0; i < of_part.nodes.size(); ++i)
     {
@@ -130,9 +135,14 @@ namespace tombolo
   unsigned long SelfContact<dim>::set_start(const bool grows, const Stencils &shape,
                                             const NodePartition &partition)
   {
-    const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, partition);
-    n_fragments = n_labels_here(labels, particles.ids);
-    const unsigned long of_all = Utilities::MPI::sum(n_fragments, communicator);
+    const std::vector<FragmentOfParticle> fragments =
+        find_fragments(shape, particles.ids, partition, *images_of_part);
+    n_fragments = n_labels_here(fragments, particles.ids);
+    unsigned long in_whole_body = 0;
+    for (std::size_t i = 0; i < fragments.size(); ++i)
+      if (fragments[i].label == particles.ids[i])
+        in_whole_body += (1u << images_of_part->all.size()) / fragments[i].n_copies();
+    const unsigned long of_all = Utilities::MPI::sum(in_whole_body, communicator);
     is_apart_at_start = grows || of_all > 1;
     return of_all;
   }
@@ -154,6 +164,7 @@ namespace tombolo
     pairs_are_current = false;
     const auto &nodes = neighbourhoods.global_nodes();
     const bool is_complete =
+        neighbourhoods.images().empty() &&
         std::all_of(nodes.begin(), nodes.end(),
                     [&](const types::global_dof_index node) { return partition.has(node); });
     if (Utilities::MPI::min(is_complete ? 1 : 0, communicator) == 0)
@@ -169,25 +180,25 @@ namespace tombolo
     const auto &partition = position.partition();
     for (NodalVector *const vector : {&tags, &former_tags, &spheres})
       vector->reinit(partition, Quantity::scalars);
-    const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, *partition);
-    double *kept[n_tags], *former_position[dim];
-    for (unsigned int t = 0; t < n_tags; ++t)
+    const std::vector<FragmentOfParticle> fragments =
+        find_fragments(shape, particles.ids, *partition, *images_of_part);
+    double *kept[node_stride], *former_position[dim];
+    for (unsigned int t = 0; t < n_tags(); ++t)
       kept[t] = points.component(points.find_field(label_name), t);
     for (unsigned int d = 0; d < dim; ++d)
       former_position[d] = points.component(points.find_field(position_name), d);
     const double *const shrinkage = points.component(points.find_field(shrinkage_name), 0);
-    n_fragments = n_labels_here(labels, particles.ids);
-    for (unsigned int i = 0; i < labels.size(); ++i)
+    n_fragments = n_labels_here(fragments, particles.ids);
+    for (unsigned int i = 0; i < fragments.size(); ++i)
     {
       const unsigned int node = shape.particle_node[i];
       if (kept[upper_label][i] == is_unknown)
         for (unsigned int d = 0; d < dim; ++d)
           former_position[d][i] = position.node(node)[d];
       double *const tag = tags.node(node), *const former_tag = former_tags.node(node);
-      tag[upper_label] = upper_half(labels[i]);
-      tag[lower_label] = lower_half(labels[i]);
-      tag[has_elements] = *element_mass.node(node) > 0. ? 1. : 0.;
-      for (unsigned int t = 0; t < n_tags; ++t)
+      set_tags(fragments[i], *element_mass.node(node) > 0., tag);
+      former_tag[lower_copies] = tag[lower_copies];
+      for (unsigned int t = 0; t < n_tags(); ++t)
       {
         former_tag[t] = has_grown[i] ? is_unknown : kept[t][i];
         kept[t][i] = tag[t];
@@ -201,28 +212,31 @@ namespace tombolo
     for (NodalVector *const vector : {&tags, &former_tags, &spheres})
       vector->update_ghosts();
 
-    pair_start.assign(1, 0);
-    partner.clear();
-    for (unsigned int i = 0; i < labels.size(); ++i)
+    pairs.start.assign(1, 0);
+    pairs.partner.clear();
+    pairs.mirrors.clear();
+    const unsigned int n_nodes = partition->n_owned() + partition->n_ghosts();
+    for (unsigned int i = 0; i < fragments.size(); ++i)
     {
       for (std::size_t entry = candidates.row_start[i]; entry < candidates.row_start[i + 1];
            ++entry)
-        if (is_pair(tags.node(shape.particle_node[i]), tags.node(candidates.neighbour[entry])))
-          partner.push_back(candidates.neighbour[entry]);
-      pair_start.push_back(partner.size());
+      {
+        const unsigned int other = candidates.neighbour[entry];
+        const unsigned int mirrors =
+            other < n_nodes
+                ? 0
+                : mirrors_of(partition->images()[other - n_nodes].reflection, *images_of_part);
+        if (!is_pair(tags.node(shape.particle_node[i]), tags.node(other), mirrors))
+          continue;
+        pairs.partner.push_back(other);
+        pairs.mirrors.push_back(mirrors);
+      }
+      pairs.start.push_back(pairs.partner.size());
     }
     shrink_spheres(position, points);
     if (friction)
-      friction->set_pairs(partition, shape, particles.ids, pair_start, partner);
+      friction->set_pairs(partition, shape, particles.ids, shares, pairs);
     pairs_are_current = true;
-  }
-
-  template <int dim>
-  bool SelfContact<dim>::is_pair(const double *const of_one, const double *const of_other)
-  {
-    return (of_one[upper_label] != of_other[upper_label] ||
-            of_one[lower_label] != of_other[lower_label]) &&
-           of_one[has_elements] + of_other[has_elements] < 2.;
   }
 
   template <int dim>
@@ -233,13 +247,13 @@ namespace tombolo
     {
       const unsigned int own = candidates.particle_node[i];
       const double *const former = former_tags.node(own);
-      for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1]; ++entry)
+      for (std::size_t entry = pairs.start[i]; entry < pairs.start[i + 1]; ++entry)
       {
-        const unsigned int other = partner[entry];
+        const unsigned int other = pairs.partner[entry];
         const double *const former_of_other = former_tags.node(other);
         const bool was_pair = former[upper_label] != is_unknown &&
                               former_of_other[upper_label] != is_unknown &&
-                              is_pair(former, former_of_other);
+                              is_pair(former, former_of_other, pairs.mirrors[entry]);
         if (!was_pair)
           factor[i] =
               std::min(factor[i], distance<dim>(position.node(own), position.node(other)) /
@@ -262,9 +276,10 @@ namespace tombolo
     for (unsigned int i = 0; i < is_touching.size(); ++i)
     {
       const unsigned int own = candidates.particle_node[i];
-      for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1] && !is_touching[i]; ++entry)
-        is_touching[i] = distance<dim>(position.node(own), position.node(partner[entry])) <
-                         spheres.node(own)[radius] + spheres.node(partner[entry])[radius];
+      for (std::size_t entry = pairs.start[i]; entry < pairs.start[i + 1] && !is_touching[i];
+           ++entry)
+        is_touching[i] = distance<dim>(position.node(own), position.node(pairs.partner[entry])) <
+                         spheres.node(own)[radius] + spheres.node(pairs.partner[entry])[radius];
     }
   }
 
@@ -301,9 +316,9 @@ namespace tombolo
       const double *const sphere = spheres.node(own);
       double force[dim] = {};
       Tensor<1, dim> along;
-      for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1]; ++entry)
+      for (std::size_t entry = pairs.start[i]; entry < pairs.start[i + 1]; ++entry)
       {
-        const unsigned int other = partner[entry];
+        const unsigned int other = pairs.partner[entry];
         const double *const of_other = spheres.node(other);
         const double reach = sphere[radius] + of_other[radius];
         const double r = distance<dim>(x, position.node(other));
@@ -322,7 +337,7 @@ namespace tombolo
             spring * (reach - r) + 2. * damping * reduced * frequency * std::max(approach, 0.);
         for (unsigned int d = 0; d < dim; ++d)
           force[d] -= push * normal[d];
-        elastic += 0.25 * spring * (reach - r) * (reach - r); // half of it is the other's
+        elastic += shares[i] * 0.25 * spring * (reach - r) * (reach - r); // of this end
         if (friction)
           along += friction->rub({i, entry, own, other, normal, r * sphere[radius] / reach,
                                   r * of_other[radius] / reach, push, spring,
@@ -332,16 +347,16 @@ namespace tombolo
       bool touches = false;
       for (unsigned int d = 0; d < dim; ++d)
       {
+        force[d] *= shares[i];
         work += 0.5 * (former_force[d][i] + force[d]) * (x[d] - former_position[d][i]);
         former_force[d][i] = force[d];
         former_position[d][i] = x[d];
-        loads.node(own)[d] += force[d] + along[d];
+        loads.node(own)[d] += force[d] + shares[i] * along[d];
         touches = touches || force[d] != 0.;
       }
-      if (!touches)
-        continue;
-      loaded_nodes.push_back(own);
-      ++n_touching;
+      if (touches)
+        loaded_nodes.push_back(own);
+      n_touching += touches ? 1 : 0;
     }
     dissipated -= work + elastic - stored;
     stored = elastic;

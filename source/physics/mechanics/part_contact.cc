@@ -2,6 +2,7 @@
 #include <tombolo/base/of_all_ranks.h>
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/mesh/planes_of_bodies.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/process.h>
@@ -17,6 +18,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -35,7 +37,9 @@ namespace tombolo
    * and the reduced mass μ. Both ends compute the same force from the same numbers, so that
    * momentum is kept to round-off. A particle of several parts takes the least of their ω and ζ.
    * Spheres that overlap initially are made smaller. Every rank gets the particles of all that are
-   * in the box around another part: meant for bodies that meet in some places.
+   * in the box around another part: meant for bodies that meet in some places. At planes of
+   * symmetry particles also meet the images of others, and one on a plane has the sphere and the
+   * mass of the whole body and gets its share of the force.
    */
   template <int dim>
   class PartContact : public Process<dim>
@@ -109,7 +113,8 @@ namespace tombolo
         const Sphere own = sphere(particle, model, model.state.position);
         const Tensor<1, dim> &x = own.position;
         const Tensor<1, dim> of_others =
-            spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, tree, elastic);
+            spheres.empty() ? Tensor<1, dim>()
+                            : force_on(own, spheres, tree, elastic, 1. / particle.copies);
         work += 0.5 * (particle.force + of_others) * (x - particle.position);
         particle.force = of_others;
         particle.position = x;
@@ -147,7 +152,8 @@ namespace tombolo
       unsigned int node;   ///< local
       std::uint64_t parts; ///< a bit for each law
       std::uint64_t body;
-      double volume = 0; ///< initial [L^dim]
+      double copies = 1; ///< of it in the whole body: more than one on planes of symmetry
+      double volume = 0; ///< initial, in the whole body [L^dim]
       double radius = 0; ///< [L]
       bool has_elements = false;
       dealii::Tensor<1, dim> force, position; ///< of the step before
@@ -158,8 +164,9 @@ namespace tombolo
     {
       std::uint64_t node, parts, body;
       bool has_elements;
-      double mass, radius;
+      double mass, radius; ///< in the whole body
       Tensor<1, dim> position, velocity;
+      unsigned int mirrors; ///< as bits, of an image; 0: it is none
     };
 
     static std::vector<Point<dim>> places_of(const std::vector<Sphere> &spheres)
@@ -185,7 +192,8 @@ namespace tombolo
           particle.node = node;
           particle.parts |= std::uint64_t(1) << law;
           particle.body = model.bodies->body_of(set.nodes()[i]);
-          particle.volume += set.initial_volumes()[i];
+          particle.copies = model.nodes->images()->n_own_images(set.nodes()[i]);
+          particle.volume += particle.copies * set.initial_volumes()[i];
           particle.has_elements = *model.element_mass.node(node) > 0.;
           particle.position = vector_of<dim>(model.state.position.node(node));
         }
@@ -207,14 +215,50 @@ namespace tombolo
         reach = std::max(reach, 2. * particle.radius);
       }
       reach = Utilities::MPI::max(reach, model.communicator);
+      planes = PlanesOfBodies(*model.bodies, *model.nodes->images(), model.communicator);
       for (std::size_t law = 0; law < laws.size(); ++law)
       {
         double mass = 0;
         for (const Particle &particle : particles)
           if (((particle.parts >> law) & 1u) != 0)
-            mass = std::max(mass, *model.state.mass.node(particle.node));
+            mass = std::max(mass, particle.copies * *model.state.mass.node(particle.node));
         laws[law].mass = Utilities::MPI::max(mass, model.communicator);
       }
+    }
+
+    /** Adds the images of spheres that are as near to their mirrors as they can touch. */
+    void add_images(const Images &images, std::vector<Sphere> &spheres) const
+    {
+      const std::vector<unsigned int> combinations = images.combinations();
+      const std::vector<double> reaches(dim, reach);
+      for (std::size_t i = 0, n = spheres.size(); i < n && !combinations.empty(); ++i)
+      {
+        constexpr double on_mirror = 1e-6;
+        const Sphere source = spheres[i];
+        const unsigned int near = images.near(source.position.begin_raw(), reaches.data(), 1.);
+        const unsigned int on = images.near(source.position.begin_raw(), reaches.data(), on_mirror);
+        for (const unsigned int through : combinations)
+        {
+          if ((near & through) != through || (on & through) != 0)
+            continue;
+          const Images::Map map = images.map(through);
+          Sphere image = source;
+          image.mirrors = through;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            image.position[d] = map.sign[d] * source.position[d] + map.offset[d];
+            image.velocity[d] *= map.sign[d];
+          }
+          spheres.push_back(image);
+        }
+      }
+    }
+
+    /** Whether both are of one body of the whole. */
+    bool are_joined(const Sphere &one, const Sphere &other) const
+    {
+      const auto body = static_cast<types::global_dof_index>(one.body);
+      return one.body == other.body && planes.joins(body, other.mirrors);
     }
 
     /** Makes spheres smaller until none overlaps at the initial positions. Collective. */
@@ -245,14 +289,15 @@ namespace tombolo
               particle.parts,
               particle.body,
               particle.has_elements,
-              *state.mass.node(particle.node),
+              particle.copies * *state.mass.node(particle.node),
               particle.radius,
               vector_of<dim>(position.node(particle.node)),
-              vector_of<dim>(state.velocity.node(particle.node))};
+              vector_of<dim>(state.velocity.node(particle.node)),
+              0};
     }
 
-    /** The spheres of all ranks in the box around another part, by the number of the node.
-     * Collective. */
+    /** The spheres of all ranks in the box around another part, by the number of the node, and
+     * their images. Collective. */
     std::vector<Sphere> spheres_nearby(const Model<dim> &model, const NodalVector &position) const
     {
       // Boxes of parts, as the least of (x, -x).
@@ -284,7 +329,9 @@ namespace tombolo
         if (sees_other)
           sent.push_back(own);
       }
-      return of_all_ranks(sent, model.communicator);
+      std::vector<Sphere> result = of_all_ranks(sent, model.communicator);
+      add_images(*model.nodes->images(), result);
+      return result;
     }
 
     /** Calls @p action with all spheres that can touch this one, by the number of the node. */
@@ -300,18 +347,22 @@ namespace tombolo
       tree.query(boost::geometry::index::intersects(around), std::back_inserter(near));
       std::sort(near.begin(), near.end(),
                 [&](const std::size_t a, const std::size_t b)
-                { return spheres[a].node < spheres[b].node; });
+                {
+                  return std::tie(spheres[a].node, spheres[a].mirrors) <
+                         std::tie(spheres[b].node, spheres[b].mirrors);
+                });
       for (const std::size_t i : near)
         if (const Sphere &other = spheres[i]; (other.parts & one.parts) == 0 &&
-                                              other.body != one.body &&
+                                              !are_joined(one, other) &&
                                               !(other.has_elements && one.has_elements))
           action(other);
     }
 
-    /** The force on @p one; adds its half of what the springs store. */
+    /** The force on @p one; adds its half of what the springs store. Both are this @p share of
+     * those in the whole body. */
     template <typename Tree>
     Tensor<1, dim> force_on(const Sphere &one, const std::vector<Sphere> &spheres, const Tree &tree,
-                            double &elastic) const
+                            double &elastic, const double share) const
     {
       Tensor<1, dim> force;
       for_partners(one, spheres, tree,
@@ -335,9 +386,10 @@ namespace tombolo
                      force -= (spring * overlap +
                                2. * damping * reduced * frequency * std::max(approach, 0.)) *
                               normal;
-                     elastic += 0.25 * spring * overlap * overlap; // half of it is the other's
+                     // Half of it is the other's.
+                     elastic += share * 0.25 * spring * overlap * overlap;
                    });
-      return force;
+      return share * force;
     }
 
     /** Of the laws of these parts. */
@@ -351,6 +403,7 @@ namespace tombolo
     }
 
     std::vector<PartLaw> laws;
+    PlanesOfBodies planes;
     double reach = 0; ///< the largest diameter of all spheres [L]
     std::vector<Particle> particles;
     std::vector<unsigned int> nodes; ///< of these, for the records

@@ -5,9 +5,8 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/materials/nodal_enthalpy.h>
+#include <tombolo/formulations/particles/fragment_touch.h>
 #include <tombolo/materials/temperature_table.h>
-#include <tombolo/state/nodal_source.h>
 
 #include <array>
 #include <cstdint>
@@ -17,31 +16,6 @@
 namespace tombolo
 {
   class StateArchive;
-
-  /** What contact between fragments sees of the heat of a scene: null pointers without heat. */
-  struct FragmentHeat
-  {
-    const NodalVector *temperature = nullptr; ///< θ^h at the present time, slot 0 of owned nodes
-    const NodalEnthalpy *enthalpy = nullptr;
-    /** Scalar, of owned nodes: heat that they have got and that no thermal step has given them yet
-     * [M L^2/T^2]. */
-    const NodalVector *pending = nullptr;
-    NodalSource *given = nullptr; ///< gets that of the step
-  };
-
-  /** Two particles of different fragments that touch, seen by one of them. */
-  template <int dim>
-  struct FragmentTouch
-  {
-    unsigned int row;              ///< of this end
-    std::size_t pair;              ///< its number
-    unsigned int own, other;       ///< local nodes
-    dealii::Tensor<1, dim> normal; ///< from this end to the other
-    double own_lever, other_lever; ///< distances of the centres from the point of contact [L]
-    double normal_force;           ///< f_n of spring and damper [M L/T^2]
-    double stiffness;              ///< of the spring along the normal [M/T^2]
-    double area;                   ///< in contact [L^(dim-1)]
-  };
 
   /**
    * Friction and conduction between the fragments of one part, beside the normal forces of
@@ -80,13 +54,12 @@ namespace tombolo
     /** Throws the InputError of @p section of what has no meaning without heat. */
     static void refuse_without_heat(const Section &section);
 
-    /** The pairs from now on: those of row i, the particle own_ids[i], are pair_start[i] to
-     * pair_start[i+1], with @p partner, local nodes of @p partition. What is known of pairs that
-     * were there before is kept. Collective. */
+    /** The pairs from now on, of the particle own_ids[i] in row i, of which @p of_rows says how
+     * much of it in the whole body there is; local nodes are those of @p partition. What is known
+     * of pairs that were there before is kept. Collective. */
     void set_pairs(const std::shared_ptr<const NodePartition> &partition, const Stencils &shape,
-                   const std::vector<std::uint64_t> &own_ids,
-                   const std::vector<std::size_t> &pair_start,
-                   const std::vector<unsigned int> &partner);
+                   const std::vector<std::uint64_t> &own_ids, const std::vector<double> &of_rows,
+                   const FragmentPairs &pairs);
 
     /** Begins a step. @p former_position has the components of the positions of this rank's
      * particles at its begin; @p position, with ghosts, those at its end. Rows with @p touches are
@@ -96,7 +69,7 @@ namespace tombolo
                     const std::vector<bool> &touches, const Stencils &shape,
                     const FragmentHeat &heat);
 
-    /** The force of friction on this end. Adds its half of the heat. */
+    /** The force of friction on this end in the whole body. Adds its half of the heat. */
     dealii::Tensor<1, dim> rub(const FragmentTouch<dim> &touch, double time_step,
                                const FragmentHeat &heat);
 
@@ -132,6 +105,7 @@ namespace tombolo
     struct KnownSpring
     {
       std::uint64_t own, partner; ///< persistent identifiers
+      unsigned int mirrors;       ///< of the partner
       Spring spring;
     };
     struct Exchange
@@ -145,18 +119,22 @@ namespace tombolo
     /** Ends a contact of a row: what the spring stores becomes heat. Half of it is this end's. */
     void release(const unsigned int row, Spring &spring)
     {
-      const double taken = 0.25 * spring.stiffness * spring.slip.norm_square();
+      const double taken = shares[row] * 0.25 * spring.stiffness * spring.slip.norm_square();
       friction_heat += taken;
       released_heat[row] += taken;
       spring = {};
     }
+    /** Images have the axial vectors of their nodes: gives them those of images. */
+    void reflect_spins(const NodePartition &partition);
     void spread_couples(const Stencils &shape, NodalVector &loads);
     void conduct(const FragmentHeat &heat);
 
     TemperatureTable friction, conductance;
     std::vector<std::uint64_t> ids; ///< of the rows
+    std::vector<double> shares;     ///< of the rows, of their particle in the whole body
     std::vector<std::size_t> row_of_pairs;
     std::vector<std::uint64_t> partner_ids;
+    std::vector<unsigned int> partner_mirrors;
     std::vector<Spring> springs;    ///< of each pair
     std::vector<bool> is_touching;  ///< pairs, in this step
     std::vector<KnownSpring> known; ///< that no pair has taken yet

@@ -9,14 +9,50 @@
 
 namespace tombolo
 {
+  /** The fragment of a particle. */
+  struct FragmentOfParticle
+  {
+    /** The smallest identifier of the particles in the fragment or in its images in planes of
+     * symmetry. */
+    std::uint64_t label = 0;
+    /** Bit c stands for the image of this particle in the mirrors whose bits c has, bit 0 for the
+     * particle itself: whether a chain of bonds connects it to the particle of the label. */
+    std::uint64_t copies = 0;
+
+    /** How many of the images the fragment of the particle is one with, itself among them. */
+    unsigned int n_copies() const
+    {
+      unsigned int result = 0;
+      for (std::uint64_t left = copies; left != 0; left >>= 1)
+        result += static_cast<unsigned int>(left & 1u);
+      return result;
+    }
+
+    /** Whether the image of @p other in @p mirrors (0: the particle @p other itself) is of the same
+     * fragment as this particle. */
+    bool has(const FragmentOfParticle &other, const unsigned int mirrors) const
+    {
+      if (label != other.label)
+        return false;
+      unsigned int own = 0;
+      while (((copies >> own) & 1u) == 0)
+        ++own;
+      return ((other.copies >> (own ^ mirrors)) & 1u) != 0;
+    }
+  };
+
   /**
    * Finds the bodies that the particles of one part make: two are of one fragment where a chain of
    * bonds connects them, each bond in the row of either end; debris without bonds is a fragment of
-   * its own. Row i of @p shape is the particle with the identifier ids[i], on @p partition. Returns
-   * the label of each row, the smallest identifier in its fragment: the same whatever the number of
-   * ranks. Images in planes of symmetry connect nothing. Collective.
+   * its own. Row i of @p shape is the particle with the identifier ids[i], on @p partition. @p
+   * images are those of the body: a fragment that bonds or nodes connect to its image is one with
+   * it. The same whatever the number of ranks. Collective.
    */
-  std::vector<std::uint64_t> find_fragments(const Stencils &shape,
-                                            const std::vector<std::uint64_t> &ids,
-                                            const NodePartition &partition);
+  std::vector<FragmentOfParticle> find_fragments(const Stencils &shape,
+                                                 const std::vector<std::uint64_t> &ids,
+                                                 const NodePartition &partition,
+                                                 const Images &images = *Images::none());
+
+  /** The mirrors of an image, as bits. */
+  unsigned int mirrors_of(const Images::Map &reflection, const Images &images);
 } // namespace tombolo

@@ -28,7 +28,10 @@ namespace tombolo
     dealii::IndexSet required_nodes() const override;
     std::vector<ImageNode> required_image_nodes() const override
     {
-      return rows->required_image_nodes();
+      std::vector<ImageNode> result = rows->required_image_nodes();
+      if (self_contact)
+        self_contact->add_image_nodes(result);
+      return result;
     }
     void set_partition(const NodePartition &partition) override;
     EnergyAccounts energies() const override;

@@ -6,6 +6,7 @@
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test.h>
+#include <tombolo/mesh/planes_of_bodies.h>
 
 #include <deal.II/base/index_set.h>
 
@@ -105,10 +106,12 @@ namespace tombolo
     }
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
-     * entry `Kernels across gaps` asks for others. @p of_mesh must outlive this. */
-    void set_bodies(const Bodies<dim> &of_mesh)
+     * entry `Kernels across gaps` asks for others. The image of a body that has no node on the
+     * plane is another body. @p of_mesh must outlive this. */
+    void set_bodies(const Bodies<dim> &of_mesh, const PlanesOfBodies &planes, const bool has_planes)
     {
-      bodies = of_mesh.n_bodies() > 1 && !crosses_gaps ? &of_mesh : nullptr;
+      bodies = (of_mesh.n_bodies() > 1 || has_planes) && !crosses_gaps ? &of_mesh : nullptr;
+      planes_of_bodies = planes;
     }
     /** Takes neighbours of other bodies out of the rows of @p found, whose nodes @p partition has.
      * Collective. */
@@ -231,6 +234,7 @@ namespace tombolo
 
     bool crosses_gaps;
     const Bodies<dim> *bodies = nullptr; // null: there is one
+    PlanesOfBodies planes_of_bodies;
     MPI_Comm communicator = MPI_COMM_NULL;
     bool has_started = false;
     NodalVector support_of_node;              // half widths, with those of ghosts [L]

@@ -31,6 +31,8 @@ namespace tombolo
     std::vector<std::uint64_t> ids;                     ///< persistent identifiers
     std::vector<double> volumes;                        ///< initial ones [L^dim]
     std::vector<double> masses;                         ///< inertia: m̂, scaled as it is [M]
+    /** Volume and mass in the whole body over these: 1 without planes of symmetry. */
+    std::vector<double> copies;
   };
 
   /**
@@ -48,6 +50,10 @@ namespace tombolo
    * overlap when they come apart, or when cells make one of them, get smaller spheres, so that
    * fragments begin to touch without a force. Two nodes of elements are left to the elements.
    *
+   * At planes of symmetry particles also meet the images of others and their own ones, unless a
+   * chain of bonds connects both in the whole body. A particle on a plane has the sphere and the
+   * mass that it has in the whole body, and gets its share of the force.
+   *
    * What damping takes is the work of the normal forces, by the mean of those at both ends of each
    * step, less what their springs store.
    */
@@ -58,6 +64,13 @@ namespace tombolo
     /** Null where the section of the formulation does not want it. Throws InputError. */
     static std::unique_ptr<SelfContact> create(const Entries &e);
 
+    /** Particles meet these images. Before variables(). */
+    void set_images(const std::shared_ptr<const Images> &images)
+    {
+      images_of_part = images;
+      neighbourhoods.set_images(images);
+    }
+
     /** What points must hold. */
     std::vector<FieldDescription> variables() const;
 
@@ -65,14 +78,14 @@ namespace tombolo
      * each time. Collective. */
     void set_particles(ContactParticles particles, double wave_rate, MPI_Comm communicator);
 
-    /** Returns how many fragments there are. Where cells become particles of the part, or there
-     * are several, pairs are looked for from the first step on, otherwise from the first broken
-     * bond on. @p partition as in find_fragments(). Collective. */
+    /** Returns how many fragments the whole body has. Where cells become particles of the part, or
+     * there are several, pairs are looked for from the first step on, otherwise from the first
+     * broken bond on. @p partition as in find_fragments(). Collective. */
     unsigned long set_start(bool grows, const Stencils &shape, const NodePartition &partition);
 
     /** Before each force, with current ghosts of @p position: looks for pairs anew where that is
-     * due. @p has_broken_bonds is that of all ranks. Returns whether the partition lacks
-     * required_nodes() on any rank. Collective. */
+     * due. @p has_broken_bonds is that of all ranks. Returns whether the partition can lack what
+     * is required on any rank. Collective. */
     bool update(const NodalVector &position, bool has_broken_bonds);
 
     /** Rows have lost neighbours or have other ones, or elements have gone: fragments and pairs are
@@ -88,7 +101,15 @@ namespace tombolo
       return is_searched ? neighbourhoods.global_nodes() : particles.nodes;
     }
 
-    /** Translates node numbers to those of a partition that has required_nodes(). */
+    /** Adds the images of nodes whose values this rank must see. */
+    template <typename List>
+    void add_image_nodes(List &nodes) const
+    {
+      if (is_searched)
+        nodes.insert(nodes.end(), neighbourhoods.images().begin(), neighbourhoods.images().end());
+    }
+
+    /** Translates node numbers to those of a partition that has what is required. */
     void set_partition(const NodePartition &partition)
     {
       pairs_are_current = false;
@@ -133,9 +154,8 @@ namespace tombolo
     /** Finds fragments and the pairs of different ones. Collective. */
     void find_pairs(const NodalVector &position, const NodalVector &element_mass,
                     const Stencils &shape, MaterialPoints &points);
-    /** Whether two nodes with these tags are of different fragments, without elements between them.
-     */
-    static bool is_pair(const double *of_one, const double *of_other);
+    /** How many tags a node has. */
+    unsigned int n_tags() const;
     double present_radius(const unsigned int i, const double shrinkage) const
     {
       return 0.5 * std::pow(particles.volumes[i], 1. / dim) * (1. - shrinkage);
@@ -148,7 +168,9 @@ namespace tombolo
 
     double stiffness, damping;
     MPI_Comm communicator = MPI_COMM_NULL;
+    std::shared_ptr<const Images> images_of_part = Images::none();
     ContactParticles particles;
+    std::vector<double> shares; // in the piece of the body, of particles of the whole one
     bool is_apart_at_start = false;
     double frequency = 0; // √(k/μ) [1/T]
     double stored = 0, dissipated = 0;
@@ -162,9 +184,8 @@ namespace tombolo
 
     // Pairs of different fragments among them, by particle.
     bool pairs_are_current = false;
-    std::vector<std::size_t> pair_start;
-    std::vector<unsigned int> partner; // local nodes
-    // Label in two halves, and whether it is a node of elements; now, and when last found.
+    FragmentPairs pairs;
+    // The fragment, and whether it is a node of elements; now, and when last found.
     NodalVector tags, former_tags;
     NodalVector spheres; // radius, mass, area
     unsigned long n_fragments = 0, n_touching = 0;

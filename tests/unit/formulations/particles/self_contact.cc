@@ -62,7 +62,11 @@ namespace
     std::vector<std::uint64_t> ids;
     for (const unsigned int node : body.shape().particle_node)
       ids.push_back(body.model->nodes->persistent_ids()[node]);
-    return find_fragments(body.shape(), ids, *body.model->state.partition());
+    std::vector<std::uint64_t> result;
+    for (const FragmentOfParticle &fragment :
+         find_fragments(body.shape(), ids, *body.model->state.partition()))
+      result.push_back(fragment.label);
+    return result;
   }
 
   /** Updates neighbourhoods and computes the forces; all particles of all ranks. */
