@@ -3,7 +3,6 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/mesh/image_conditions.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/physics/statics/rigid_modes.h>
@@ -96,8 +95,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::refuse_unfit_part(const Section &section, const Part<dim> &part,
-                                           const bool has_images)
+  void StaticSteps<dim>::refuse_unfit_part(const Section &section, const Part<dim> &part)
   {
     const std::string steps =
         "`" + section.all().raw(integration_entry) + "` steps (entry \"Time integration\") ";
@@ -108,11 +106,6 @@ namespace tombolo
     if (!unfit->empty())
       section.fail("Formulation",
                    "it has " + *unfit + "; " + steps + "know stiffness only. Switch it off.");
-    if (part.particles != nullptr && has_images)
-      section.fail("Formulation", "its particles have images in planes of symmetry, which " +
-                                      steps +
-                                      "do not know; allowed is the whole body, or smoothed cells "
-                                      "or elements.");
     if (part.material->remembers("pressure work"))
       section.fail("Material", "its pressure is that of an equation of state, which is for "
                                "shocks; " +
@@ -127,15 +120,13 @@ namespace tombolo
   void StaticSteps<dim>::refuse_unfit(const Parameters &parameters,
                                       const std::vector<Part<dim>> &parts)
   {
-    const std::vector<Section> conditions = named_sections(parameters, "Conditions", "Condition");
-    const bool has_images = std::any_of(conditions.begin(), conditions.end(), &makes_images);
     bool has_particles = false, has_cells = false;
     for (const Part<dim> &part : parts)
       if (part.formulation != nullptr)
       {
         (part.particles != nullptr ? has_particles : has_cells) = true;
-        parameters.attempt(
-            [&] { refuse_unfit_part(parameters.section("Part: " + part.name), part, has_images); });
+        parameters.attempt([&]
+                           { refuse_unfit_part(parameters.section("Part: " + part.name), part); });
       }
     if (has_particles &&
         !(parameters.raw_list("Contacts").empty() && parameters.raw_list("Body contacts").empty()))
@@ -164,8 +155,7 @@ namespace tombolo
   void StaticSteps<dim>::refuse_unfit_model(const Parameters &parameters)
   {
     for (const Part<dim> &part : model.parts) // what they know only now
-      refuse_unfit_part(parameters.section("Part: " + part.name), part,
-                        !model.nodes->images()->empty());
+      refuse_unfit_part(parameters.section("Part: " + part.name), part);
     for (const auto &process : model.processes)
       if (process->roles.rest == ProcessRole::is_refused)
         parameters.fail(integration_entry,

@@ -2,6 +2,7 @@
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/physics/statics/equations_of_sources.h>
 #include <tombolo/physics/statics/far_nodes.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 
@@ -119,7 +120,7 @@ namespace tombolo
           [&](const std::vector<unsigned int> &group)
           {
             cell_nodes.clear();
-            for (const unsigned int node : group)
+            for (const unsigned int node : sources_of(partition, group))
               cell_nodes.push_back(partition.global_index(node));
             add_nodes();
           });
@@ -181,15 +182,27 @@ namespace tombolo
       absolute_row_sums.node(node)[row % dim] += sum;
       rounded_forces.node(node)[row % dim] += rounded;
     }
+    if (have_images(partition, equations.nodes))
+    {
+      const EquationsOfSources of_sources(partition, equations.nodes, equations.matrix, dim);
+      add_matrix(of_sources.nodes, of_sources.matrix);
+    }
+    else
+      add_matrix(equations.nodes, equations.matrix);
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::add_matrix(const std::vector<unsigned int> &local_nodes,
+                                      const std::vector<double> &entries)
+  {
     DependentRows::Nodes nodes;
-    for (const unsigned int node : equations.nodes)
-      nodes.push_back(partition.global_index(node));
+    for (const unsigned int node : local_nodes)
+      nodes.push_back(problem.model.state.partition()->global_index(node));
     const DependentRows::Nodes independent_nodes = dependent.independent(nodes);
     if (independent_nodes == nodes)
-      add_equations(nodes, equations.matrix);
+      add_equations(nodes, entries);
     else
-      add_equations(independent_nodes,
-                    dependent.condensed(nodes, independent_nodes, equations.matrix, dim));
+      add_equations(independent_nodes, dependent.condensed(nodes, independent_nodes, entries, dim));
   }
 
   template <int dim>

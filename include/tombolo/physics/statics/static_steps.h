@@ -104,7 +104,7 @@ namespace tombolo
     }
 
   private:
-    static void refuse_unfit_part(const Section &section, const Part<dim> &part, bool has_images);
+    static void refuse_unfit_part(const Section &section, const Part<dim> &part);
     void refuse_unfit_model(const Parameters &parameters);
     /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
     void set_initial_temperature();

@@ -106,6 +106,8 @@ namespace tombolo
 
     void make_pattern(const std::vector<ContactStiffness<dim>> &springs);
     void add_cell(const CellEquations &equations);
+    void add_matrix(const std::vector<unsigned int> &local_nodes,
+                    const std::vector<double> &entries);
     void add_spring(const ContactStiffness<dim> &stiffness);
     /** Adds dim rows and columns a node, by rows of @p entries. */
     void add_equations(const DependentRows::Nodes &nodes, const std::vector<double> &entries);
