@@ -59,14 +59,6 @@ namespace tombolo
   namespace
   {
     template <int dim>
-    void refuse_damping(const Section &section)
-    {
-      if (section.is_set("Damping") && section.get_double("Damping") > 0.)
-        refuse_at_rest<dim>(section, "Damping", "it resists the speed of approach",
-                            "0, or no such entry");
-    }
-
-    template <int dim>
     void refuse_acceleration(const Section &section)
     {
       if (section.get("Method") == "kinematic")
@@ -84,8 +76,7 @@ namespace tombolo
                             "a `Displacement`");
     }
 
-    /** No process of its own: refuses entries of contacts that need a velocity or an acceleration.
-     */
+    /** No process of its own: refuses entries of contacts that need an acceleration. */
     template <int dim>
     class ContactsAtRest : public ProcessKind<dim>
     {
@@ -94,13 +85,8 @@ namespace tombolo
       {
         if (!has_bodies_at_rest<dim>(parameters))
           return;
-        for (const Section &section : named_sections(parameters, "Body contacts", "Body contact"))
-          parameters.attempt([&] { refuse_damping<dim>(section); });
         for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-        {
-          parameters.attempt([&] { refuse_damping<dim>(section); });
           parameters.attempt([&] { refuse_acceleration<dim>(section); });
-        }
       }
     };
   } // namespace
