@@ -2,7 +2,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/output.h>
+#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>
@@ -92,12 +92,10 @@ namespace tombolo
         std::filesystem::remove(file);
         for (const auto &process : model->processes)
         {
-          OutputView<3> view;
-          process->observed.views(view);
-          if (view.body_contacts.empty())
+          if (process->observed.objects.empty())
             continue;
           contacts = process.get();
-          contact = view.body_contacts[0];
+          contact = shown_by_processes<MortarContact<3>>(*model)[0];
         }
         NodalState &state = model->state;
         for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)

@@ -389,6 +389,7 @@ namespace tombolo
   ContactBalance MortarContact<dim>::balance() const
   {
     ContactBalance result;
+    result.name = name();
     for (const NodeHistory &history : histories)
     {
       result.elastic += history.area * history.spring.elastic_energy();

@@ -131,6 +131,7 @@ namespace tombolo
   ContactBalance SurfaceContact<dim>::balance(const MPI_Comm communicator) const
   {
     ContactBalance result;
+    result.name = name();
     add_node_sums(result);
     totals.add_to(result);
     if (heat)

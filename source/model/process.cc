@@ -4,7 +4,7 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/output/time_table.h>
+#include <tombolo/output/output.h>
 
 #include <nlohmann/json.hpp>
 
@@ -81,6 +81,14 @@ namespace tombolo
   void Process<dim>::Observed::result(const std::string &name, std::function<Json()> value)
   {
     results.connect([=](const TimeTable &, Json &summary) { summary[name] = value(); });
+  }
+
+  template <int dim>
+  void Process<dim>::Observed::history(const std::string &table,
+                                       std::function<void(BalanceHistory<dim> &)> rows,
+                                       const int place)
+  {
+    views.connect([=](OutputView<dim> &view) { view.histories[table].emplace(place, rows); });
   }
 
   template <int dim>

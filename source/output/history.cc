@@ -2,11 +2,17 @@
 #include <tombolo/output/history.h>
 
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/moment.h>
 
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <cmath>
 
 namespace tombolo
 {
+  using namespace dealii;
+
   template <int dim>
   History<dim>::History(const Entries &e, const std::string &file_name, const RowEntries &names)
       : table(file_name, TimeTable::Rows::in_file), section(e.section())
@@ -99,16 +105,184 @@ namespace tombolo
   }
 
   template <int dim>
-  void History<dim>::add_mean(const std::string &name, const std::string &unit,
-                              const std::array<double, 3> &now, const std::array<double, 3> &before,
-                              const double elapsed, const bool is_of_rotation)
+  BalanceHistory<dim>::BalanceHistory(const Entries &e, const HistoryOfBalances &kind)
+      : History<dim>(e, kind.file_name), kind(kind)
   {
-    std::array<double, 3> mean{};
-    for (unsigned int c = 0; c < 3 && elapsed > 0.; ++c)
-      mean[c] = (now[c] - before[c]) / elapsed;
-    add_vector(name, unit, mean, is_of_rotation);
+    if (kind.has_reference_point)
+    {
+      reference_point = e.numbers("Moments about", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
+                                  "The point that moments in " + kind.file_name +
+                                      " are about; it does not move.");
+      reference_point.resize(3);
+    }
+    const auto impulses = [](ImpulseBalance &balance)
+    {
+      std::vector<double *> result;
+      for (auto *const impulse : {&balance.impulse, &balance.angular_impulse})
+        for (double &component : *impulse)
+          result.push_back(&component);
+      return result;
+    };
+    Records &all = this->records;
+    auto columns = all.items(last).numbers("impulses at row", impulses);
+    if (kind.is_ahead)
+    {
+      columns.column("works at row", &ImpulseBalance::work);
+      all.value("time of row", time_of_row);
+      all.value("time of work", time_of_work).optional();
+    }
+    else
+      columns.column("times of row", &ImpulseBalance::time_of_impulse);
+    if (!kind.summary.empty())
+      all.value("balances at output", summary_at_output);
+    if (!kind.largest.empty())
+      all.value("largest " + kind.largest, largest);
   }
 
+  template <int dim>
+  void BalanceHistory<dim>::begin_item(const ImpulseBalance &balance)
+  {
+    now.push_back(balance);
+    keys.clear();
+    if (kind.is_ahead)
+      now.back().time_of_impulse = view->middle_of_next_step();
+    if (kind.has_reference_point)
+    {
+      const double to_origin[3] = {-reference_point[0], -reference_point[1], -reference_point[2]};
+      add_moment(to_origin, balance.impulse.data(), now.back().angular_impulse);
+    }
+    present_summary.insert(present_summary.end(), balance.impulse.begin(), balance.impulse.end());
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::add_mean(const std::string &what, const std::string &unit,
+                                     std::array<double, 3> ImpulseBalance::*const sum,
+                                     const bool is_of_rotation)
+  {
+    const double elapsed =
+        balance().time_of_impulse - (kind.is_ahead ? time_of_row : before().time_of_impulse);
+    std::array<double, 3> mean{};
+    for (unsigned int c = 0; c < 3 && elapsed > 0.; ++c)
+      mean[c] = ((balance().*sum)[c] - (before().*sum)[c]) / elapsed;
+    add(what, unit, mean, is_of_rotation);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::add_mean(const std::string &what, const std::string &unit,
+                                     double ImpulseBalance::*const sum)
+  {
+    const double elapsed = view->time - time_of_work;
+    add(what, unit, elapsed > 0. ? (balance().*sum - before().*sum) / elapsed : 0.);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::summarize(const std::string &key, const double value)
+  {
+    keys.push_back(key);
+    present_summary.push_back(value);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::summarize_largest(const double value)
+  {
+    present_largest.push_back(value);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::ask(const OutputView<dim> &at, const bool with_row)
+  {
+    view = &at;
+    adds_columns = with_row;
+    now.clear();
+    present_summary.clear();
+    present_largest.clear();
+    if (const auto found = at.histories.find(kind.name); found != at.histories.end())
+      for (const auto &[place, fill] : found->second)
+        fill(*this);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::begin(const OutputView<dim> &at)
+  {
+    ask(at, false);
+    if (this->table.is_continued())
+      return;
+    last = now;
+    for (ImpulseBalance &balance : last)
+      balance.time_of_impulse = at.time;
+    time_of_row = time_of_work = at.time;
+    largest.assign(present_largest.size(), 0.);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::end_row(const OutputView<dim> &at)
+  {
+    last = now;
+    time_of_row = at.middle_of_next_step();
+    time_of_work = at.time;
+    for (std::size_t k = 0; k < present_largest.size(); ++k)
+      largest[k] = std::max(largest[k], present_largest[k]);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::write(const OutputView<dim> &at, TimeTable &statistics)
+  {
+    if (!kind.summary.empty())
+    {
+      ask(at, false);
+      summary_at_output = present_summary;
+    }
+    History<dim>::write(at, statistics);
+  }
+
+  template <int dim>
+  void BalanceHistory<dim>::finish(Json &results)
+  {
+    History<dim>::finish(results);
+    const std::size_t n = 3 + keys.size();
+    for (std::size_t k = 0; k < now.size() && n * k < summary_at_output.size(); ++k)
+    {
+      const double *const values = summary_at_output.data() + n * k;
+      Json &entry = results[kind.summary][now[k].name];
+      entry["impulse"] = Json::array();
+      for (unsigned int d = 0; d < dim; ++d)
+        entry["impulse"].push_back(values[d]);
+      for (std::size_t i = 0; i < keys.size(); ++i)
+        entry[keys[i]] = values[3 + i];
+      if (!kind.largest.empty())
+        entry["largest_" + kind.largest] = largest[k];
+    }
+  }
+
+  template class BalanceHistory<2>;
+  template class BalanceHistory<3>;
+
+  namespace
+  {
+    template <int dim>
+    void add_to_outputs(const HistoryOfBalances &kind)
+    {
+      Registry<Output<dim>>::instance().add(
+          kind.name,
+          {kind.description,
+           [kind](ParameterHandler &handler) { declare<BalanceHistory<dim>>(handler, kind); },
+           [kind](const Section &section)
+           { return std::make_unique<BalanceHistory<dim>>(section, kind); }});
+    }
+  } // namespace
+
+  HistoryRegistration::HistoryRegistration(const HistoryOfBalances &kind)
+  {
+    try
+    {
+      add_to_outputs<2>(kind);
+      add_to_outputs<3>(kind);
+    }
+    catch (const InputError &error)
+    {
+      internal::note_registration_problem(error.what());
+    }
+  }
   template class History<2>;
   template class History<3>;
 } // namespace tombolo

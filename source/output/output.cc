@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/output.h>
 
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/output/output_of_scene.h>
 
 namespace tombolo
 {
@@ -16,61 +16,24 @@ namespace tombolo
     e.plugins<Output<dim>>();
   }
 
-  namespace
+  std::multimap<int, OutputOfScene> &OutputOfScene::all()
   {
-    bool has_mechanical_condition(const Parameters &parameters)
-    {
-      for (const std::string &name : section_names(parameters, "Conditions"))
-      {
-        std::string type;
-        parameters.attempt([&] { type = parameters.section("Condition: " + name).get("Type"); });
-        for (const char *const known :
-             {"traction", "pressure", "body force", "gravity", "velocity", "displacement", "clamp"})
-          if (type == known)
-            return true;
-      }
-      return false;
-    }
-
-    bool has_rigid_part(const Parameters &parameters)
-    {
-      for (const std::string &name : parameters.raw_list("Parts"))
-        if (parameters.raw("Part: " + name + "/Formulation") == "rigid")
-          return true;
-      return false;
-    }
-
-    /** Why an output is not to be named in `Further outputs`; empty where it is. */
-    std::string switch_of(const std::string &name)
-    {
-      return name == "probes"               ? "its own Locations"
-             : name == "visualization"      ? "Output/Write solution"
-             : name == "contact history"    ? "the entries Contacts and Body contacts"
-             : name == "condition history"  ? "conditions of mechanics"
-             : name == "section history"    ? "the entry Sections"
-             : name == "rigid body history" ? "the formulation rigid of a part"
-                                            : "";
-    }
-  } // namespace
+    static std::multimap<int, OutputOfScene> outputs;
+    return outputs;
+  }
 
   template <int dim>
   std::vector<std::string> output_names(const Section &section)
   {
     const Registry<Output<dim>> &registry = Registry<Output<dim>>::instance();
     std::vector<std::string> names;
-    if (section.get_bool("Write solution"))
-      names.emplace_back("visualization");
-    if (section.subsection("probes").is_set("Locations"))
-      names.emplace_back("probes");
-    if (!section.all().raw_list("Contacts").empty() ||
-        !section.all().raw_list("Body contacts").empty())
-      names.emplace_back("contact history");
-    if (has_mechanical_condition(section.all()))
-      names.emplace_back("condition history");
-    if (!section.all().raw_list("Sections").empty())
-      names.emplace_back("section history");
-    if (has_rigid_part(section.all()))
-      names.emplace_back("rigid body history");
+    std::map<std::string, std::string> switched_by;
+    for (const auto &[order, output] : OutputOfScene::all())
+    {
+      switched_by[output.name] = output.switched_by;
+      if (output.is_wanted(section))
+        names.push_back(output.name);
+    }
     for (const std::string &name : section.get_list("Further outputs"))
     {
       if (!registry.has(name))
@@ -81,9 +44,9 @@ namespace tombolo
                          (nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?") +
                          " Known: " + registry.selection());
       }
-      if (const std::string other = switch_of(name); !other.empty())
+      if (const auto other = switched_by.find(name); other != switched_by.end())
         section.fail("Further outputs",
-                     "\"" + name + "\" is switched by " + other + ": remove it here");
+                     "\"" + name + "\" is switched by " + other->second + ": remove it here");
       names.push_back(name);
     }
     return names;

@@ -2,6 +2,7 @@
 #include <tombolo/output/probes.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/output/output_of_scene.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -19,6 +20,10 @@ namespace tombolo
   namespace
   {
     const char *const probes_file = "probes.csv";
+
+    const OutputOfScene of_probes(1, "probes", "its own Locations",
+                                  [](const Section &output)
+                                  { return output.subsection("probes").is_set("Locations"); });
 
     template <int dim>
     std::string text_of(const Point<dim> &point)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/contact_surface.h>
 #include <tombolo/mesh/extent.h>
 #include <tombolo/output/solution_pieces.h>
 
@@ -28,13 +29,13 @@ namespace tombolo
     std::vector<std::string> names;
     std::vector<std::int64_t> numbers;
     std::vector<double> forces, penetrations;
-    for (std::size_t c = 0; c < view.contacts.size(); ++c)
+    for (const OutputSurface<dim> &surface : view.surfaces)
     {
-      const SurfaceContact<dim> &contact = *view.contacts[c];
-      names.push_back(contact.name());
-      const ContactBalance balance = contact.balance(view.state->partition()->communicator());
+      const auto number = static_cast<std::int64_t>(names.size());
+      names.push_back(surface.name);
+      const auto [force, penetration] = surface.force_and_penetration();
       const FacetList<dim> facets =
-          with_facets ? contact.contact_surface().picture(view.time, low, high) : FacetList<dim>();
+          with_facets ? surface.surface->picture(view.time, low, high) : FacetList<dim>();
       const auto first = static_cast<std::int64_t>(piece.n_points());
       for (const Tensor<1, dim> &vertex : facets.vertices)
         for (unsigned int d = 0; d < 3; ++d)
@@ -43,9 +44,9 @@ namespace tombolo
       {
         for (const unsigned int vertex : facet.vertex)
           piece.connectivity.push_back(first + vertex);
-        numbers.push_back(static_cast<std::int64_t>(c));
-        forces.insert(forces.end(), balance.force.begin(), balance.force.end());
-        penetrations.push_back(balance.penetration);
+        numbers.push_back(number);
+        forces.insert(forces.end(), force.begin(), force.end());
+        penetrations.push_back(penetration);
       }
     }
     piece.cell_data.add("contact", std::move(numbers));
@@ -79,17 +80,13 @@ namespace tombolo
       /** Collective. */
       explicit NodeData(const OutputView<dim> &view) : view(view)
       {
-        if (view.has_contacts())
+        for (const auto &[name, terms] : view.nodal_forces)
         {
-          contact_force.reinit(view.state->partition());
-          for (const SurfaceContact<dim> *const contact : view.contacts)
-            contact->add_present_forces(contact_force);
-          contact_force.fill(
-              [&](const unsigned int node, double *const force)
-              {
-                for (unsigned int d = 0; d < dim && view.body_contact_force != nullptr; ++d)
-                  force[d] += view.body_contact_force->node(node)[d];
-              });
+          NodalVector &force = forces[name].of_nodes;
+          force.reinit(view.state->partition());
+          for (const auto &add_to : terms)
+            add_to(force);
+          force.update_ghosts();
         }
         if (!view.reaction)
           return;
@@ -114,8 +111,8 @@ namespace tombolo
           initial_positions.push_back(initial[d]);
           displacements.push_back(position[d] - initial[d]);
           velocities.push_back(state.velocity.node(node)[d]);
-          if (view.has_contacts())
-            contact_forces.push_back(contact_force.node(node)[d]);
+          for (auto &[name, force] : forces)
+            force.of_points.push_back(force.of_nodes.node(node)[d]);
           if (view.reaction)
             reactions.push_back(reaction.node(node)[d]);
         }
@@ -137,8 +134,8 @@ namespace tombolo
           piece.point_data.add("initial position", "L", 3, std::move(initial_positions));
           piece.point_data.add("displacement", "L", 3, std::move(displacements));
           piece.point_data.add("velocity", "L/T", 3, std::move(velocities));
-          if (view.has_contacts())
-            piece.point_data.add("contact force", "M L/T^2", 3, std::move(contact_forces));
+          for (auto &[name, force] : forces)
+            piece.point_data.add(name, "M L/T^2", 3, std::move(force.of_points));
           if (view.reaction)
             piece.point_data.add("reaction", "M L/T^2", 3, std::move(reactions));
         }
@@ -151,10 +148,17 @@ namespace tombolo
       }
 
     private:
+      struct Force
+      {
+        NodalVector of_nodes; ///< with ghosts
+        std::vector<double> of_points;
+      };
+
       const OutputView<dim> &view;
-      NodalVector contact_force, reaction; ///< with ghosts
+      std::map<std::string, Force> forces; ///< by name
+      NodalVector reaction;                ///< with ghosts
       std::vector<double> initial_positions, displacements, velocities, temperatures,
-          exact_temperatures, contact_forces, reactions;
+          exact_temperatures, reactions;
     };
 
     /** Owned cells of each part of elements, in the order of active cells. */

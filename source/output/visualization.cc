@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/visualization.h>
 
+#include <tombolo/output/output_of_scene.h>
 #include <tombolo/output/solution_pieces.h>
 
 #include <deal.II/base/mpi.h>
@@ -15,7 +16,11 @@ namespace tombolo
   namespace
   {
     constexpr const char *tools = "tools";
-  }
+
+    const OutputOfScene of_visualization(0, "visualization", "Output/Write solution",
+                                         [](const Section &output)
+                                         { return output.get_bool("Write solution"); });
+  } // namespace
 
   template <int dim>
   Visualization<dim>::Visualization(const Entries &e)
@@ -58,7 +63,7 @@ namespace tombolo
       write_bodies(view, false);
     if (std::any_of(view.parts.begin(), view.parts.end(), is_particles))
       write_bodies(view, true);
-    if (!view.contacts.empty())
+    if (!view.surfaces.empty())
       write_tools(view);
     write_series();
     ++n_outputs;

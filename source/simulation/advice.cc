@@ -2,6 +2,7 @@
 #include <tombolo/simulation/advice.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/mesh/extent.h>
 #include <tombolo/model/shown_by_processes.h>
 #include <tombolo/output/exact_solution.h>
@@ -268,8 +269,7 @@ namespace tombolo
                                             condition.type != MechanicalConditionType::clamp;
                                    });
       std::vector<std::pair<const SurfaceContact<dim> *, Approach>> idle;
-      const OutputView<dim> view = shown_by_processes(model);
-      for (const SurfaceContact<dim> *const contact : view.contacts)
+      for (const auto *const contact : shown_by_processes<SurfaceContact<dim>>(model))
       {
         const Approach approach = contact->has_tool_mass() || contact->is_with_part()
                                       ? Approach{0., 0.} // where it goes is not known

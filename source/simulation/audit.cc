@@ -2,6 +2,8 @@
 #include <tombolo/simulation/audit.h>
 
 #include <tombolo/base/memory.h>
+#include <tombolo/contact/mortar_contact.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/particles/self_contact.h>
 #include <tombolo/mesh/extent.h>
@@ -184,8 +186,8 @@ namespace tombolo
     void print_contact_stiffness(const Model<dim> &model, const double stable_step,
                                  std::ostream &text)
     {
-      const OutputView<dim> view = shown_by_processes(model);
-      if (view.contacts.empty() || !(stable_step > 0.))
+      const auto contacts = shown_by_processes<SurfaceContact<dim>>(model);
+      if (contacts.empty() || !(stable_step > 0.))
         return;
       for (const Part<dim> &part : model.parts)
       {
@@ -199,7 +201,7 @@ namespace tombolo
         if (!(p > s))
           continue;
         const double squared_bar_speed = s * (3. * p - 4. * s) / (p - s);
-        for (const SurfaceContact<dim> *const contact : view.contacts)
+        for (const auto *const contact : contacts)
           if (contact->has_springs())
             text << "  contact \"" << contact->name() << "\": springs of nodes inside of part \""
                  << part.name << "\" have "
@@ -303,10 +305,9 @@ namespace tombolo
         return;
       // Of a part whose fragments feel each other, all bodies are one here; so are those of
       // contacts between bodies.
-      const OutputView<dim> view = shown_by_processes(model);
-      std::set<types::global_dof_index> touching =
-          ContactNodes<dim>(model).bodies_of_contacts(view.contacts, bodies);
-      for (const MortarContact<dim> *const contact : view.body_contacts)
+      std::set<types::global_dof_index> touching = ContactNodes<dim>(model).bodies_of_contacts(
+          shown_by_processes<SurfaceContact<dim>>(model), bodies);
+      for (const auto *const contact : shown_by_processes<MortarContact<dim>>(model))
         for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
           for (const auto &face : side->faces())
             touching.insert(bodies.body_of(face.global_nodes[0]));

@@ -9,6 +9,7 @@ import csv
 import os
 import subprocess
 import sys
+from math import hypot
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
@@ -18,9 +19,9 @@ import loaded
 CANCELLING = ("momentum", "impulse", "drift", "error", "share")
 
 
-def rows_of(directory):
-    """The rows of the table over time, without the units in the names of columns."""
-    with open(Path(directory) / "statistics.csv", newline="", encoding="utf-8") as file:
+def rows_of(directory, table="statistics.csv"):
+    """The rows of a table over time, without the units in the names of columns."""
+    with open(Path(directory) / table, newline="", encoding="utf-8") as file:
         return [{name.split(" [")[0]: float(value) for name, value in row.items() if value}
                 for row in csv.DictReader(file)]
 
@@ -116,6 +117,11 @@ def main():
             last = tables[-1][-1]
             for spring in springs:
                 expect(last[f"work of {spring}"] != 0, f"{name}: spring {spring} does no work")
+            for row in rows_of(f"{directory}/{name}", "springs.csv"):
+                for spring, stiffness in zip(springs, (200, 100, 300)):
+                    force = hypot(row[f"{spring} force x"], row[f"{spring} force y"])
+                    expect(near(force, stiffness * row[f"{spring} length"], stiffness),
+                           f"{name}: the force of {spring} is {force} at {row['time']}")
             works = sum(last[f"work of {spring}"] for spring in springs)
             expect(near(last["external work"], 0, 1) and works > 1e-7,
                    f"{name}: {works} is the work of all springs")
@@ -129,9 +135,10 @@ def main():
         expect(len(checkpoints) > 1, f"springs: {len(checkpoints)} checkpoints")
         run("spring_resumed", "spring.prm", f"{particles}/Smoothing = {smoothing}",
             options=[f"--resume={checkpoints[len(checkpoints) // 2]}"])
-        expect(Path(f"{directory}/spring_resumed/statistics.csv").read_bytes() ==
-               Path(f"{directory}/spring_{smoothing}_1/statistics.csv").read_bytes(),
-               f"{smoothing}: the resumed run with springs is another one")
+        for table in ("statistics.csv", "springs.csv"):
+            expect(Path(f"{directory}/spring_resumed/{table}").read_bytes() ==
+                   Path(f"{directory}/spring_{smoothing}_1/{table}").read_bytes(),
+                   f"{smoothing}: {table} of the resumed run with springs is another one")
     # Clamped particles, which have no images at rest, and nodes between others above a plane of
     # symmetry, along which springs alone hold the body.
     particles = ("Mesh/Refine where =", "Condition: plane/Type = clamp",

@@ -4,17 +4,25 @@
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
-#include <tombolo/output/time_table.h>
+#include <tombolo/output/history.h>
 #include <tombolo/state/body_point.h>
 
 #include <deal.II/base/mpi.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 
 namespace tombolo
 {
+  namespace
+  {
+    constexpr const char *spring_history = "spring history";
+    const HistoryRegistration of_springs({spring_history, "springs.csv",
+                                          "Lengths and forces of springs (springs.csv)."});
+  } // namespace
+
   /**
    * A spring that pulls a point of a body with the force
    *
@@ -55,9 +63,17 @@ namespace tombolo
       pull = &this->actions.add("spring " + name, ActsAt::positions)
                   .books("work of " + name, EnergyKind::external)
                   .comes_from_outside();
-      this->observed.columns.connect(
-          [this, &model](TimeTable &table)
-          { table.add("length of " + name, "L", pull_at(model, table.present("time")).norm()); });
+      this->observed.history(spring_history,
+                             [this, &model](BalanceHistory<dim> &row)
+                             {
+                               const auto pull = pull_at(model, row.present().time);
+                               std::array<double, 3> force{};
+                               for (unsigned int d = 0; d < dim; ++d)
+                                 force[d] = stiffness * pull[d];
+                               row.begin_item({name});
+                               row.add("length", "L", pull.norm());
+                               row.add("force", "M L/T^2", force);
+                             });
       // By the largest frequency of the bodies, 2 over the step, and of the spring.
       this->observed.step_limits.connect(
           [this](const double step, double &fraction) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/impulse_balance.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/nodal_vector.h>
@@ -45,18 +46,15 @@ namespace tombolo
     return mean_and_largest(of_nodes, values.partition()->communicator());
   }
 
-  /** Forces, impulses and energies of a contact at one time. */
-  struct ContactBalance
+  /** Forces, impulses and energies of a contact at one time. Impulses are those of its force, and
+   * of its torque about the surface's reference point, wherever that was; the work is that of the
+   * motion of the surface on the bodies. */
+  struct ContactBalance : ImpulseBalance
   {
-    std::string name;                        ///< of the contact, for tables
-    std::array<double, 3> force{};           ///< of the surface on the bodies, at t_n [M L/T^2]
-    std::array<double, 3> impulse{};         ///< of that force since the start [M L/T]
-    std::array<double, 3> angular_impulse{}; ///< of its torque about the surface's reference point,
-                                             ///< wherever that was [M L^2/T]
-    double elastic = 0;                      ///< stored in the penalty springs [M L^2/T^2]
-    double friction = 0;                     ///< turned into heat by sliding
-    double damping = 0;                      ///< taken by damping and by changes of the stiffness
-    double work = 0;                         ///< done by the motion of the surface on the bodies
+    std::array<double, 3> force{}; ///< of the surface on the bodies, at t_n [M L/T^2]
+    double elastic = 0;            ///< stored in the penalty springs [M L^2/T^2]
+    double friction = 0;           ///< turned into heat by sliding
+    double damping = 0;            ///< taken by damping and by changes of the stiffness
     /** Put in from outside: `work` of a surface that moves by functions of time; that of the given
      * force and of the turning of one that has a mass. */
     double external_work = 0;

@@ -14,6 +14,8 @@
 #include <iosfwd>
 #include <memory>
 #include <string>
+#include <typeindex>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -37,6 +39,8 @@ namespace tombolo
 
   class Parameters;
   class TimeTable;
+  template <int dim>
+  class BalanceHistory;
   template <int dim>
   class Model;
   template <int dim>
@@ -147,6 +151,18 @@ namespace tombolo
       /** An entry of the summary of the run; the value is the same on all ranks. */
       void result(const std::string &name, std::function<Json()> value);
 
+      /** Fills the rows of a table of histories, by its name; of one that several processes fill,
+       * those with a lower @p place come first. Collective. */
+      void history(const std::string &table, std::function<void(BalanceHistory<dim> &)> rows,
+                   int place = 0);
+
+      /** An object of a type by which others look for it (shown_by_processes()): refers to it. */
+      template <typename T>
+      void object(const T &shown)
+      {
+        objects.emplace_back(typeid(T), &shown);
+      }
+
       /** Add this rank's shares of other energies, and of momenta. */
       Signal<EnergyAccounts &> energies;
       /** Fill columns whose number is not known before. */
@@ -162,6 +178,7 @@ namespace tombolo
       /** Lower the fraction of the limit of the step of the bodies [T] at which they are stable
        * together with the process. The same on all ranks. */
       Signal<double /*stable_step*/, double & /*fraction*/> step_limits;
+      std::vector<std::pair<std::type_index, const void *>> objects;
     };
     Observed observed;
 

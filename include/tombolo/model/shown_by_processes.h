@@ -2,18 +2,21 @@
 #pragma once
 
 #include <tombolo/model/model.h>
-#include <tombolo/output/output.h>
+#include <tombolo/model/process.h>
+
+#include <vector>
 
 namespace tombolo
 {
-  /** What the processes of a model have for outputs and for each other, such as contacts: refers to
-   * them. */
-  template <int dim>
-  OutputView<dim> shown_by_processes(const Model<dim> &model)
+  /** The objects of type T that the processes of a model show, such as contacts, in their order. */
+  template <typename T, int dim>
+  std::vector<const T *> shown_by_processes(const Model<dim> &model)
   {
-    OutputView<dim> view;
+    std::vector<const T *> result;
     for (const auto &process : model.processes)
-      process->observed.views(view);
-    return view;
+      for (const auto &[type, object] : process->observed.objects)
+        if (type == typeid(T))
+          result.push_back(static_cast<const T *>(object));
+    return result;
   }
 } // namespace tombolo

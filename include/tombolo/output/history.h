@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/impulse_balance.h>
 #include <tombolo/output/output.h>
+#include <tombolo/output/output_of_scene.h>
 
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -64,11 +64,6 @@ namespace tombolo
     void add_vector(const std::string &name, const std::string &unit,
                     const std::array<double, 3> &value, bool is_of_rotation = false);
 
-    /** The same of its mean over the time @p elapsed since @p before, zero without any. */
-    void add_mean(const std::string &name, const std::string &unit,
-                  const std::array<double, 3> &now, const std::array<double, 3> &before,
-                  double elapsed, bool is_of_rotation = false);
-
     TimeTable table;
     Section section; ///< with the entries of the output
 
@@ -78,112 +73,131 @@ namespace tombolo
     double next_time = 0; ///< of a row, with a time between rows
   };
 
+  /** What a table of histories of things of one kind is called, and what it has. */
+  struct HistoryOfBalances
+  {
+    std::string name, file_name;
+    std::string description; ///< of the output
+    /** Whether impulses of the row at t_n go until t_{n+1/2}; else until what balances say. */
+    bool is_ahead = false;
+    /** Whether an entry says what moments are about, which balances have about the origin. */
+    bool has_reference_point = false;
+    std::string summary{}, largest{}; ///< its group there, and see summarize_largest()
+  };
+
+  /** Makes a table of histories known as an output: a static object in the file of who fills it.
+   * Other than with the second constructor, scenes name it in `Further outputs`. */
+  struct HistoryRegistration
+  {
+    explicit HistoryRegistration(const HistoryOfBalances &kind);
+    HistoryRegistration(const HistoryOfBalances &kind, const int order,
+                        const std::string &switched_by,
+                        const std::function<bool(const Section &)> &is_wanted)
+        : HistoryRegistration(kind)
+    {
+      OutputOfScene(order, kind.name, switched_by, is_wanted);
+    }
+  };
+
   /**
-   * A history of balances, each a set of sums since the start of which a row has means since the
-   * row before. The summary has each balance at the last output, by name.
+   * A history of things of one kind, such as contacts or sections, each with columns whose names
+   * begin with its own. It is filled by those who have them:
+   *
+   * @verbatim
+   *   this->observed.history("section history",
+   *                          [this](BalanceHistory<dim> &row)
+   *                          {
+   *                            for (const ImpulseBalance &balance : balances())
+   *                            {
+   *                              row.begin_item(balance);
+   *                              row.add_impulses();
+   *                            }
+   *                          });
+   * @endverbatim
+   *
+   * Rows have means since the row before. The summary has the impulse of each item at the last
+   * output, by its name, and what else it is given.
    */
-  template <int dim, typename Balance>
+  template <int dim>
   class BalanceHistory : public History<dim>
   {
   public:
-    /** What checkpoints have of the last row beside impulses. */
-    struct Kept
-    {
-      std::string name;        ///< of the numbers
-      double Balance::*number; ///< of each balance
-    };
+    BalanceHistory(const Entries &e, const HistoryOfBalances &kind);
 
-    /** What the summary has of each balance at the last output beside the impulse. */
-    struct Summary
-    {
-      std::string group; ///< empty: nothing
-      std::vector<double Balance::*> numbers;
-    };
+    /** What follows is of this. */
+    void begin_item(const ImpulseBalance &balance);
 
-    BalanceHistory(const Entries &e, const std::string &file_name, const Kept &kept,
-                   const Summary &summary)
-        : History<dim>(e, file_name), summary(summary)
+    void add(const std::string &what, const std::string &unit, const double value)
     {
-      const auto impulses = [](Balance &balance)
-      {
-        std::vector<double *> result;
-        for (auto *const impulse : {&balance.impulse, &balance.angular_impulse})
-          for (double &component : *impulse)
-            result.push_back(&component);
-        return result;
-      };
-      this->records.items(last).numbers("impulses at row", impulses).column(kept.name, kept.number);
-      if (summary.group.empty())
-        return;
-      this->records.items(at_output).numbers("balances at output",
-                                             [numbers = summary.numbers](Balance &balance)
-                                             {
-                                               std::vector<double *> result;
-                                               for (double &component : balance.impulse)
-                                                 result.push_back(&component);
-                                               for (double Balance::*const number : numbers)
-                                                 result.push_back(&(balance.*number));
-                                               return result;
-                                             });
+      if (adds_columns)
+        this->table.add(balance().name + " " + what, unit, value);
     }
 
-    void write(const OutputView<dim> &view, TimeTable &statistics) override
+    /** See History::add_vector(). */
+    void add(const std::string &what, const std::string &unit, const std::array<double, 3> &value,
+             const bool is_of_rotation = false)
     {
-      if (!summary.group.empty())
-        at_output = balances(view);
-      History<dim>::write(view, statistics);
+      if (adds_columns)
+        this->add_vector(balance().name + " " + what, unit, value, is_of_rotation);
     }
 
-    void finish(Json &results) override
+    /** The mean since the row before of the rate of a sum since the start; zero in the first. */
+    void add_mean(const std::string &what, const std::string &unit,
+                  std::array<double, 3> ImpulseBalance::*sum, bool is_of_rotation = false);
+    void add_mean(const std::string &what, const std::string &unit, double ImpulseBalance::*sum);
+
+    /** Mean force and mean moment since the row before, and the impulse since the start. */
+    void add_impulses()
     {
-      History<dim>::finish(results);
-      for (std::size_t k = 0; k < at_output.size(); ++k)
-      {
-        Json &entry = results[summary.group][at_output[k].name];
-        entry["impulse"] = Json::array();
-        for (unsigned int d = 0; d < dim; ++d)
-          entry["impulse"].push_back(at_output[k].impulse[d]);
-        add_to_summary(k, at_output[k], entry);
-      }
+      add_mean("mean force", "M L/T^2", &ImpulseBalance::impulse);
+      add_mean("mean moment", "M L^2/T^2", &ImpulseBalance::angular_impulse, true);
+      add("impulse", "M L/T", balance().impulse);
     }
 
-  protected:
-    /** Those of now. Collective. */
-    virtual std::vector<Balance> balances(const OutputView<dim> &view) const = 0;
+    /** Of the item in the summary at the last output. Every item has as many. */
+    void summarize(const std::string &key, double value);
 
-    /** Adds the columns of balance number @p k, which at the row before was @p before. */
-    virtual void add_balance(const OutputView<dim> &view, std::size_t k, const Balance &now,
-                             const Balance &before) = 0;
+    /** The largest of all rows so far, "largest_" and HistoryOfBalances::largest. */
+    void summarize_largest(double value);
 
-    /** Adds to the entry of balance number @p k in the summary, which has the impulse. */
-    virtual void add_to_summary(std::size_t /*k*/, const Balance & /*at_output*/, Json & /*entry*/)
-    {}
-
-    void begin(const OutputView<dim> &view) override
+    /** While it is filled. */
+    const OutputView<dim> &present() const
     {
-      const std::vector<Balance> now = balances(view);
-      if (!this->table.is_continued())
-        last = now;
-      for (std::size_t k = 0; k < std::min(now.size(), at_output.size()); ++k)
-        at_output[k].name = now[k].name;
+      return *view;
     }
 
-    void add_columns(const OutputView<dim> &view) override
-    {
-      present = balances(view);
-      for (std::size_t k = 0; k < present.size(); ++k)
-        add_balance(view, k, present[k], k < last.size() ? last[k] : present[k]);
-    }
-
-    void end_row(const OutputView<dim> & /*view*/) override
-    {
-      last = present;
-    }
-
-    std::vector<Balance> last, present; ///< at the row before, and at this one
+    void write(const OutputView<dim> &view, TimeTable &statistics) override;
+    void finish(Json &results) override;
 
   private:
-    Summary summary;
-    std::vector<Balance> at_output;
+    const ImpulseBalance &balance() const
+    {
+      return now.back();
+    }
+    /** At the row before, or now where there was none. */
+    const ImpulseBalance &before() const
+    {
+      return now.size() <= last.size() ? last[now.size() - 1] : now.back();
+    }
+
+    /** Lets the items tell what they are, and add columns to the present row if @p with_row. */
+    void ask(const OutputView<dim> &view, bool with_row);
+    void begin(const OutputView<dim> &view) override;
+    void add_columns(const OutputView<dim> &view) override
+    {
+      ask(view, true);
+    }
+    void end_row(const OutputView<dim> &view) override;
+
+    HistoryOfBalances kind;
+    std::vector<double> reference_point;   ///< of moments; empty: that of the items [L]
+    const OutputView<dim> *view = nullptr; ///< while items are asked
+    bool adds_columns = false;             ///< while they are asked for a row
+    std::vector<ImpulseBalance> now, last; ///< at this row, and at the one before
+    double time_of_row = 0;                ///< until which impulses of the last row go
+    double time_of_work = 0;               ///< until which its works go
+    std::vector<std::string> keys;         ///< of one item in the summary
+    std::vector<double> present_summary, summary_at_output; ///< impulse and `keys` of each item
+    std::vector<double> present_largest, largest;           ///< one of each item
   };
 } // namespace tombolo

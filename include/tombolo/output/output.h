@@ -6,15 +6,10 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/json.h>
 #include <tombolo/base/output_directory.h>
-#include <tombolo/boundary/condition_balance.h>
-#include <tombolo/contact/mortar_contact.h>
-#include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
-#include <tombolo/output/rigid_body_balance.h>
-#include <tombolo/output/section_balance.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
@@ -24,12 +19,17 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
+  template <int dim>
+  class BalanceHistory;
+  template <int dim>
+  class ContactSurface;
 
   /** A part, as outputs see it. */
   template <int dim>
@@ -43,6 +43,16 @@ namespace tombolo
     /** Its mass at owned nodes, scalar; that of hanging nodes is at those between which they lie
      * [M]. Collective. */
     std::function<NodalVector()> nodal_mass;
+  };
+
+  /** A surface beside the bodies that acts on them, as outputs see it. */
+  template <int dim>
+  struct OutputSurface
+  {
+    std::string name;
+    const ContactSurface<dim> *surface;
+    /** On the bodies [M L/T^2], and how deep they are in it at most [L]. Collective. */
+    std::function<std::pair<std::array<double, 3>, double>()> force_and_penetration;
   };
 
   /**
@@ -65,22 +75,15 @@ namespace tombolo
     /** m̂ of an owned node with mass over its lumped mass. Only with mechanics. */
     std::function<double(unsigned int node)> unsmoothed_share;
     bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
-    const ThermalState *heat = nullptr;                    ///< null: a scene without heat
-    std::vector<const SurfaceContact<dim> *> contacts;     ///< in the order of `Contacts`
-    std::vector<const MortarContact<dim> *> body_contacts; ///< in the order of `Body contacts`
-    /** Of all contacts between bodies at positions of owned nodes [M L/T^2]; null without such. */
-    const NodalVector *body_contact_force = nullptr;
+    const ThermalState *heat = nullptr; ///< null: a scene without heat
+    std::vector<OutputSurface<dim>> surfaces;
+    /** Forces for pictures, by name: each function adds to owned nodes [M L/T^2]. */
+    std::map<std::string, std::vector<std::function<void(NodalVector &)>>> nodal_forces;
     /** Force that holds the prescribed components of an owned node, zero in the others; empty where
      * no motion is prescribed [M L/T^2]. */
     std::function<std::array<double, 3>(unsigned int node)> reaction;
-    /** What mechanical conditions have done, by kinds of them: first those that prescribe motion.
-     * Collective. */
-    std::vector<std::function<std::vector<ConditionBalance>()>> condition_balances;
-    /** What has passed through the sections, in the order of `Sections`; empty where there are
-     * none. Collective. */
-    std::function<std::vector<SectionBalance>()> section_balances;
-    /** What rigid parts do, in their order; empty where there are none. The same on all ranks. */
-    std::function<std::vector<RigidBodyBalance>()> rigid_bodies;
+    /** What fills the rows of histories, by their names; lower numbers come first. Collective. */
+    std::map<std::string, std::multimap<int, std::function<void(BalanceHistory<dim> &)>>> histories;
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
@@ -96,12 +99,6 @@ namespace tombolo
     double middle_of_next_step() const
     {
       return time + 0.5 * time_step;
-    }
-
-    /** Whether nodes can have forces of contacts. */
-    bool has_contacts() const
-    {
-      return !contacts.empty() || !body_contacts.empty();
     }
   };
 
@@ -163,10 +160,8 @@ namespace tombolo
   template <int dim>
   std::vector<std::string> output_names(const Section &section);
 
-  /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
-   * probes if there are locations, histories of contacts, mechanical conditions, sections and rigid
-   * parts where the scene has such, then `Further outputs` in their order. Needs no mesh and writes
-   * nothing. Throws InputError. */
+  /** Makes what section Output asks for: the outputs of the scene, then `Further outputs`, each in
+   * their order. Needs no mesh and writes nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);
 } // namespace tombolo

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/condition_accounts.h>
 
+#include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/section_names.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
+#include <tombolo/output/history.h>
 
 #include <algorithm>
 #include <string>
@@ -93,4 +96,56 @@ namespace tombolo
 
   template class ConditionAccounts<2>;
   template class ConditionAccounts<3>;
+
+  template <int dim>
+  void add_condition_columns(const std::vector<ConditionBalance> &conditions,
+                             BalanceHistory<dim> &row)
+  {
+    for (const ConditionBalance &now : conditions)
+    {
+      row.begin_item(now);
+      row.add_impulses();
+      row.add("work", "M L^2/T^2", now.work);
+      if (now.prescribes_motion)
+        row.add("mean displacement", "L", now.displacement);
+      row.summarize("work", now.work);
+    }
+  }
+
+  template void add_condition_columns(const std::vector<ConditionBalance> &, BalanceHistory<2> &);
+  template void add_condition_columns(const std::vector<ConditionBalance> &, BalanceHistory<3> &);
+
+  namespace
+  {
+    /**
+     * What holds, drives and loads the bodies: `conditions.csv`, with the mean force and the mean
+     * moment on the bodies since the row before, the impulse and the work since the start of each
+     * mechanical condition; of those that prescribe motion also the mean displacement of their
+     * nodes. Those come first, then loads, each in the order of `Conditions`. Moments are about the
+     * entry `Moments about`. Impulses are those until t_{n-1/2}, as the momenta of
+     * `statistics.csv`.
+     */
+    const HistoryRegistration of_conditions(
+        {condition_history, "conditions.csv",
+         "Forces, moments, impulses and works of mechanical conditions, displacements of those "
+         "that "
+         "prescribe motion (conditions.csv); in every scene that has such.",
+         false, true, "conditions"},
+        3, "conditions of mechanics",
+        [](const Section &output)
+        {
+          const Parameters &parameters = output.all();
+          for (const std::string &name : section_names(parameters, "Conditions"))
+          {
+            std::string type;
+            parameters.attempt([&]
+                               { type = parameters.section("Condition: " + name).get("Type"); });
+            for (const char *const known : {"traction", "pressure", "body force", "gravity",
+                                            "velocity", "displacement", "clamp"})
+              if (type == known)
+                return true;
+          }
+          return false;
+        });
+  } // namespace
 } // namespace tombolo

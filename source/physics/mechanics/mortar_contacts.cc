@@ -9,7 +9,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/tangent.h>
-#include <tombolo/output/output.h>
+#include <tombolo/physics/mechanics/contact_columns.h>
 #include <tombolo/physics/mechanics/named_parts.h>
 
 #include <deal.II/base/mpi.h>
@@ -296,13 +296,36 @@ namespace tombolo
                                                          contact->node_histories(), communicator)
                      << "\n";
           });
+      for (const auto &contact : members)
+        this->observed.object(*contact);
+      this->observed.history(
+          contact_history, [this, &model](BalanceHistory<dim> &row) { fill_row(model, row); }, 1);
       this->observed.views.connect(
           [this](OutputView<dim> &view)
           {
-            for (const auto &contact : members)
-              view.body_contacts.push_back(contact.get());
-            view.body_contact_force = &force.given();
+            view.nodal_forces[contact_force].emplace_back(
+                [this](NodalVector &sum)
+                {
+                  for (unsigned int node = 0; node < sum.partition()->n_owned(); ++node)
+                    for (unsigned int d = 0; d < dim; ++d)
+                      sum.node(node)[d] += force.given().node(node)[d];
+                });
           });
+    }
+
+    /** Collective. */
+    void fill_row(const Model<dim> &model, BalanceHistory<dim> &row) const
+    {
+      for (const auto &contact : members)
+      {
+        add_contact_columns<dim>(contact->balance(), nullptr, true, contact->conducts(), row);
+        if (heat == nullptr)
+          continue;
+        add_temperatures(
+            "slave", contact->temperatures_in_contact(&model.heat->state.present_temperature), row);
+        if (contact->knows_temperatures())
+          add_temperatures("master", contact->temperatures_in_contact(nullptr), row);
+      }
     }
 
     void renew_faces(const Model<dim> &model)

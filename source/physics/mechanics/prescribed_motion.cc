@@ -99,10 +99,9 @@ namespace tombolo
       this->observed.energy("external work", EnergyKind::external, work);
       this->observed.views.connect(
           [this](OutputView<dim> &view)
-          {
-            view.reaction = [this](const unsigned int node) { return reaction(node); };
-            view.condition_balances.push_back([this] { return supports.balances(); });
-          });
+          { view.reaction = [this](const unsigned int node) { return reaction(node); }; });
+      this->observed.history(condition_history, [this](BalanceHistory<dim> &row)
+                             { add_condition_columns(supports.balances(), row); });
     }
 
     void constrain_acceleration(const Model<dim> &, const Clock &clock, NodalState &state) override

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/output/history.h>
 
 #include <algorithm>
 
@@ -48,4 +49,51 @@ namespace tombolo
   } // namespace
 
   TOMBOLO_REGISTER_PROCESS_KIND(RigidBodiesKind, after_all_forces)
+
+  template <int dim>
+  void add_rigid_body_columns(const RigidBodyBalance &now, BalanceHistory<dim> &row)
+  {
+    const std::string energy = "M L^2/T^2";
+    row.begin_item(now);
+    row.add("position", "L", now.position);
+    row.add("rotation", "1", now.rotation, true);
+    row.add("velocity", "L/T", now.velocity);
+    row.add("spin", "1/T", now.spin, true);
+    row.add("momentum", "M L/T", now.momentum);
+    row.add("angular momentum", "M L^2/T", now.angular_momentum, true);
+    row.add_mean("mean force", "M L/T^2", &RigidBodyBalance::impulse);
+    row.add_mean("mean moment", energy, &RigidBodyBalance::angular_impulse, true);
+    row.add("work", energy, now.work);
+    row.add("kinetic energy", energy, now.kinetic_energy);
+    row.add("energy of rotation", energy, now.rotation_energy);
+  }
+
+  template void add_rigid_body_columns(const RigidBodyBalance &, BalanceHistory<2> &);
+  template void add_rigid_body_columns(const RigidBodyBalance &, BalanceHistory<3> &);
+
+  namespace
+  {
+    /**
+     * Where rigid parts are, how they move and what drives them: `rigid_bodies.csv`, with position
+     * and velocity of the reference point of each of them, rotation and spin, momentum, angular
+     * momentum about the centre of mass, the mean force and the mean moment about the reference
+     * point since the row before of what holds and drives the prescribed components, the work of it
+     * and of given forces since the start, and kinetic energies.
+     */
+    const HistoryRegistration of_rigid_bodies(
+        {"rigid body history", "rigid_bodies.csv",
+         "Positions, rotations, momenta, driving forces and works of rigid parts "
+         "(rigid_bodies.csv); in every scene that has such.",
+         true},
+        5, "the formulation rigid of a part",
+        [](const Section &output)
+        {
+          const Parameters &parameters = output.all();
+          const std::vector<std::string> parts = parameters.raw_list("Parts");
+          return std::any_of(parts.begin(), parts.end(),
+                             [&](const std::string &name) {
+                               return parameters.raw("Part: " + name + "/Formulation") == "rigid";
+                             });
+        });
+  } // namespace
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/shown_by_processes.h>
@@ -136,8 +137,7 @@ namespace tombolo
     void refuse_contacts(const Section &section, const Model<dim> &model,
                          const std::vector<unsigned int> &nodes)
     {
-      const OutputView<dim> view = shown_by_processes(model);
-      for (const SurfaceContact<dim> *const contact : view.contacts)
+      for (const auto *const contact : shown_by_processes<SurfaceContact<dim>>(model))
         if (!contact->has_springs() &&
             share_a_node(nodes, contact->candidate_nodes(), model.communicator))
           section.all()

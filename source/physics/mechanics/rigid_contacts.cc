@@ -11,7 +11,6 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/tangent.h>
-#include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/physics/mechanics/named_parts.h>
@@ -312,6 +311,7 @@ namespace tombolo
             fraction = std::min(fraction, contact->stable_fraction());
         });
     observe(model);
+    show(model);
     if (std::any_of(members.begin(), members.end(),
                     [](const auto &contact) { return contact->is_with_part(); }))
       this->roles.placed_nodes = ProcessRole::is_refused;
@@ -434,12 +434,6 @@ namespace tombolo
             if (const auto description = contact->contact_surface().description();
                 !description.empty())
               text << "  contact \"" << contact->name() << "\": " << description << "\n";
-        });
-    this->observed.views.connect(
-        [this](OutputView<dim> &view)
-        {
-          for (const auto &contact : members)
-            view.contacts.push_back(contact.get());
         });
     this->observed.warnings.connect(
         [this, &model](const Clock &clock, const auto occasion, std::vector<std::string> &result)

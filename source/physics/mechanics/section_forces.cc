@@ -13,8 +13,7 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
-#include <tombolo/output/output.h>
-#include <tombolo/output/section_balance.h>
+#include <tombolo/output/history.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
@@ -300,6 +299,11 @@ namespace tombolo
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };
 
+  namespace
+  {
+    constexpr const char *list_of_sections = "Sections", *section_history = "section history";
+  }
+
   /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
    * forces which it sees are those of the material alone. */
@@ -333,8 +337,7 @@ namespace tombolo
               if (occasion == Process<dim>::Occasion::audit && !member.remark().empty())
                 warnings.push_back(member.remark());
           });
-      this->observed.views.connect([this](OutputView<dim> &view)
-                                   { view.section_balances = [this] { return balances(); }; });
+      this->observed.history(section_history, [this](BalanceHistory<dim> &row) { fill_row(row); });
     }
 
     void model_changed(const Model<dim> &changed) override
@@ -359,35 +362,34 @@ namespace tombolo
       }
     }
 
-    /** Sums over all ranks, in the order of the sections. Collective. */
-    std::vector<SectionBalance> balances() const
+  private:
+    /** Sections in their order. Collective. */
+    void fill_row(BalanceHistory<dim> &row) const
     {
       std::vector<double> sums;
       for (const ImpulseAccount &account : impulses)
         account.append(sums);
       sums = ordered_sum(sums, model.communicator);
-      std::vector<SectionBalance> result(members.size());
       for (std::size_t k = 0; k < members.size(); ++k)
       {
-        result[k].name = members[k].name();
-        result[k].time_of_impulse = time_of_impulse;
-        std::copy_n(sums.data() + 6 * k, 3, result[k].impulse.begin());
-        std::copy_n(sums.data() + 6 * k + 3, 3, result[k].angular_impulse.begin());
+        ImpulseBalance now;
+        now.name = members[k].name();
+        now.time_of_impulse = time_of_impulse;
+        std::copy_n(sums.data() + 6 * k, 3, now.impulse.begin());
+        std::copy_n(sums.data() + 6 * k + 3, 3, now.angular_impulse.begin());
+        row.begin_item(now);
+        row.add_impulses();
       }
-      return result;
     }
 
-  private:
     const Model<dim> &model;
-    std::vector<BodySection<dim>> members;
-    std::vector<ImpulseAccount> impulses; ///< of each, with moments about its point
+    std::vector<BodySection<dim>> members; // in the order of `Sections`
+    std::vector<ImpulseAccount> impulses;  ///< of each, with moments about its point
     double time_of_impulse = 0;
   };
 
   namespace
   {
-    constexpr const char *list_of_sections = "Sections";
-
     template <int dim>
     class SectionForcesKind : public ProcessKind<dim>
     {
@@ -433,4 +435,20 @@ namespace tombolo
   } // namespace
 
   TOMBOLO_REGISTER_PROCESS_KIND(SectionForcesKind, process_order::sections)
+
+  namespace
+  {
+    /**
+     * What passes through sections of the bodies: `sections.csv`, with the mean force and the mean
+     * moment since the row before and the impulse since the start of each section, in the order of
+     * `Sections`. Impulses are those until t_{n-1/2}, as the momenta of `statistics.csv`.
+     */
+    const HistoryRegistration of_sections(
+        {section_history, "sections.csv",
+         "Forces, moments and impulses through sections and interfaces of parts (sections.csv); in "
+         "every scene that has `Sections`.",
+         false, false, "sections"},
+        4, "the entry Sections",
+        [](const Section &output) { return !output.all().raw_list(list_of_sections).empty(); });
+  } // namespace
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/cells_of_part.h>
@@ -182,7 +183,7 @@ namespace tombolo
         nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
       std::sort(nodes.begin(), nodes.end());
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-      const auto contacts = shown_by_processes(model).contacts;
+      const auto contacts = shown_by_processes<SurfaceContact<dim>>(model);
       const auto contact =
           std::find_if(contacts.begin(), contacts.end(),
                        [&](const auto *one) { return one->name() == criterion.contact; });

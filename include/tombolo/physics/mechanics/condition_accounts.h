@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/boundary/condition_balance.h>
+#include <tombolo/base/impulse_balance.h>
 #include <tombolo/boundary/load_sum.h>
 #include <tombolo/model/impulse_account.h>
 
@@ -11,7 +11,28 @@
 namespace tombolo
 {
   template <int dim>
+  class BalanceHistory;
+  template <int dim>
   class Model;
+
+  /** The table `conditions.csv` of all mechanical conditions. */
+  constexpr const char *condition_history = "condition history";
+
+  /** What a mechanical condition, a support, a drive or a load, does to the bodies; sums over all
+   * its nodes and ranks. Impulses are those until t_{n-1/2}, as the momentum; moments are about the
+   * origin of coordinates. */
+  struct ConditionBalance : ImpulseBalance
+  {
+    bool prescribes_motion = false; ///< otherwise it is a load
+    double n_nodes = 0;             ///< not of loads
+    /** x - X at t_n, the mean over the nodes with the same weight each; not of loads [L]. */
+    std::array<double, 3> displacement{};
+  };
+
+  /** Adds the columns of conditions to their table. */
+  template <int dim>
+  void add_condition_columns(const std::vector<ConditionBalance> &conditions,
+                             BalanceHistory<dim> &row);
 
   /** Impulses and works of mechanical conditions, by their number: shares of this rank since the
    * start. */

@@ -4,7 +4,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
-#include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
 #include <tombolo/state/dependent_nodes.h>
 
@@ -34,9 +33,8 @@ namespace tombolo
             add_works(model, [](SingleLoad &load, const NodalVector &velocity, double &work)
                       { load.work.begin_change(velocity, work); });
           });
-      this->observed.views.connect(
-          [this](OutputView<dim> &view)
-          { view.condition_balances.push_back([this] { return balances(); }); });
+      this->observed.history(condition_history, [this](BalanceHistory<dim> &row)
+                             { add_condition_columns(balances(), row); });
       for (unsigned int c = 0; c < conditions.all().size(); ++c)
         if (!prescribes(conditions.all()[c].type))
           single.push_back({c, {}, {}});

@@ -11,7 +11,6 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/process.h>
-#include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
 #include <tombolo/physics/remeshing/model_content.h>
 
@@ -50,6 +49,10 @@ namespace tombolo
    * nodes. Collective. */
   template <int dim>
   RigidInertia inertia_of(const JoinedParts &body, const Model<dim> &model);
+
+  /** Adds the columns of a body to the table `rigid_bodies.csv`. */
+  template <int dim>
+  void add_rigid_body_columns(const RigidBodyBalance &now, BalanceHistory<dim> &row);
 
   /** Refuses scenes in which the nodes of a body, whose section is @p section, cannot move as a
    * rigid body: nodes shared with particles or cells that become such, nodes that depend on nodes
@@ -236,17 +239,12 @@ namespace tombolo
       this->observed.results.connect([this](const TimeTable &, Json &summary)
                                      { summarize(summary); });
       this->observed.audit.connect([this](std::ostream &text) { describe(text); });
-      this->observed.views.connect(
-          [this](OutputView<dim> &view)
-          {
-            view.rigid_bodies = [this]
-            {
-              std::vector<RigidBodyBalance> result;
-              for (const RigidBody<dim> &body : bodies)
-                result.push_back(body.balance());
-              return result;
-            };
-          });
+      this->observed.history("rigid body history",
+                             [this](BalanceHistory<dim> &row)
+                             {
+                               for (const RigidBody<dim> &body : bodies)
+                                 add_rigid_body_columns(body.balance(), row);
+                             });
     }
 
     void summarize(Json &summary) const

@@ -6,7 +6,7 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/output/rigid_body_balance.h>
+#include <tombolo/physics/mechanics/rigid_body_balance.h>
 #include <tombolo/physics/mechanics/rigid_rotation.h>
 
 #include <array>

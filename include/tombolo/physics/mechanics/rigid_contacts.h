@@ -73,8 +73,10 @@ namespace tombolo
                         const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
                         std::vector<KinematicContact<dim> *> &kinematic);
     void create_heat(bool has_heat);
-    /** Connects to signals of the model, and shows what there is. */
+    /** Connects to signals of the model, and says what there is. */
     void observe(const Model<dim> &model);
+    /** Fills tables and pictures. */
+    void show(const Model<dim> &model);
     bool has_tool_mass() const
     {
       return std::any_of(members.begin(), members.end(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/model/model.h>
@@ -220,7 +221,7 @@ namespace tombolo
       const std::vector<Corners> present = corners_at<dim>(local_nodes, position);
       const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
       const double way = motion.largest_way(cells, clock.time, model.communicator);
-      const auto contacts = shown_by_processes(model).contacts;
+      const auto contacts = shown_by_processes<SurfaceContact<dim>>(model);
       NodalVector result = position.copy();
       NodalVector stays =
           scalar_field(position.partition(), [&](const unsigned int i)

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/contact_columns.h>
+
+#include <tombolo/base/input/entries.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void add_contact_columns(const ContactBalance &now, const SurfaceContact<dim> *const tool,
+                           const bool has_area, const bool conducts, BalanceHistory<dim> &row)
+  {
+    const std::string energy = "M L^2/T^2";
+    row.begin_item(now);
+    row.add_mean("mean force", "M L/T^2", &ContactBalance::impulse);
+    row.add("impulse", "M L/T", now.impulse);
+    if (tool != nullptr)
+      row.add_mean("mean torque", energy, &ContactBalance::angular_impulse, true);
+    row.add("friction heat", energy, now.friction);
+    row.add("damping", energy, now.damping);
+    row.add("stored energy", energy, now.elastic);
+    if (tool != nullptr)
+      row.add("work", energy, now.work);
+    row.add("nodes", "1", now.n_nodes);
+    row.add("penetration", "L", now.penetration);
+    if (has_area)
+      row.add("area in contact", dim == 2 ? "L" : "L^2", now.area);
+    if (tool != nullptr)
+    {
+      row.add_mean("mean power", "M L^2/T^3", &ContactBalance::work);
+      row.add("position", "L", now.position);
+      if (tool->has_tool_mass())
+        row.add("velocity", "L/T", now.velocity);
+      if (tool->has_heat())
+      {
+        row.add("heat of bodies", energy, now.heat_of_bodies);
+        row.add("heat of tool", energy, now.heat_of_tool);
+      }
+    }
+    if (conducts)
+      row.add("conducted heat", energy, now.conducted);
+    if (tool != nullptr && tool->has_tool_temperature())
+      row.add("tool temperature", "temperature", now.tool_temperature);
+    row.summarize("friction_heat", now.friction);
+    row.summarize("damping", now.damping);
+    row.summarize_largest(now.penetration);
+  }
+
+  template void add_contact_columns(const ContactBalance &, const SurfaceContact<2> *, bool, bool,
+                                    BalanceHistory<2> &);
+  template void add_contact_columns(const ContactBalance &, const SurfaceContact<3> *, bool, bool,
+                                    BalanceHistory<3> &);
+
+  template <int dim>
+  void RigidContacts<dim>::show(const Model<dim> &model)
+  {
+    for (const auto &contact : members)
+      this->observed.object(*contact);
+    this->observed.history(
+        contact_history,
+        [this, &model](BalanceHistory<dim> &row)
+        {
+          for (const auto &contact : members)
+          {
+            const ContactBalance now = contact->balance(communicator);
+            add_contact_columns(now, contact.get(), contact->has_areas(), contact->conducts(), row);
+            if (model.heat)
+              add_temperatures("contact",
+                               mean_and_largest(model.heat->state.present_temperature,
+                                                contact->nodes_in_contact()),
+                               row);
+            if (contact->is_with_part() && contact->conducts())
+              add_temperatures("part", contact->temperatures_of_part(), row);
+          }
+        });
+    this->observed.views.connect(
+        [this](OutputView<dim> &view)
+        {
+          for (const auto &contact : members)
+          {
+            const auto act = [this, &contact]
+            {
+              const ContactBalance balance = contact->balance(communicator);
+              return std::make_pair(balance.force, balance.penetration);
+            };
+            view.surfaces.push_back({contact->name(), &contact->contact_surface(), act});
+            view.nodal_forces[contact_force].emplace_back([&contact](NodalVector &force)
+                                                          { contact->add_present_forces(force); });
+          }
+        });
+  }
+
+  template void RigidContacts<2>::show(const Model<2> &);
+  template void RigidContacts<3>::show(const Model<3> &);
+
+  namespace
+  {
+    /**
+     * What surfaces and bodies do to each other: `contact.csv`, with the mean force on the bodies
+     * since the row before, the impulse since the start, the mean torque about the surface's
+     * reference point since the row before, heat, stored energy, the work of the surface's motion
+     * and its mean power since the row before, nodes in contact, penetration, the position of the
+     * reference point of each contact; the velocity of a surface with a mass; in scenes with heat
+     * what bodies and tool have got of it, conducted heat and the temperature of the tool where
+     * there are, mean and largest temperature of the nodes in contact. Of a contact between bodies
+     * the force is that on the slave, conducted heat is what has entered the slave, and there is no
+     * surface.
+     */
+    const HistoryRegistration
+        of_contacts({contact_history, "contact.csv",
+                     "Forces, impulses, heat and penetration of contacts (contact.csv); "
+                     "in every scene that has contacts.",
+                     true, false, "contact", "penetration"},
+                    2, "the entries Contacts and Body contacts",
+                    [](const Section &output)
+                    {
+                      return !output.all().raw_list("Contacts").empty() ||
+                             !output.all().raw_list("Body contacts").empty();
+                    });
+  } // namespace
+} // namespace tombolo
