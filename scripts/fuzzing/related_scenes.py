@@ -93,7 +93,8 @@ def legal(scene):
 def make_static(scene):
     """A body that is held at one end, without what static steps refuse."""
     scene.update(motion=None, damping=None, scaling=None, erosion=None, conversion=None, filter=None, bonds=None,
-                 rigid=None, refill=None, adaptive=None, symmetry=[], stress=None)
+                 rigid=None, refill=None, adaptive=None, stress=None,
+                 symmetry=[axis for axis in scene["symmetry"] if axis != "x"])
     scene.update({"bulk viscosity": None, "self-contact": False, "smoothed particles": False,
                   "configuration": "total Lagrangian", "bridge": "paper", "second body": None,
                   "shape functions": "moving least squares"})
@@ -101,7 +102,8 @@ def make_static(scene):
     scene["contacts"] = [] if has_particles else [
         dict(contact, damping=0., surface="plate", gap=0., move="speed", speed=0.01 * contact["speed"],
              method="surface" if contact["method"] == "surface" else "penalty") for contact in scene["contacts"][:1]]
-    load = {"type": "traction", "axis": 0, "end": "max", "size": 1e-4, "in time": "t", "free": False, "direction": 1}
+    load = {"type": "traction", "axis": 0, "end": "max", "size": 1e-4, "in time": "t", "free": False,
+            "direction": 0 if "y" in scene["symmetry"] else 1}
     kept = [condition for condition in scene["conditions"] if condition["type"] not in OF_MOTION + ("traction",)]
     scene["conditions"] = kept + [{"type": "clamp", "axis": 0, "end": "min", "size": 0., "in time": "1", "free": False,
                                    "direction": 0}, load]
