@@ -12,7 +12,7 @@ set_tests_properties(fuzz.changed_inputs_are_refused_or_run PROPERTIES PROCESSOR
 add_test(NAME fuzz.scenes
   COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}/scripts
     ${TOMBOLO_PYTHON} -B -m fuzzing --program $<TARGET_FILE:tombolo_program> --mpiexec ${DEAL_II_MPIEXEC}
-      --scenes 40 --first 81 --jobs 2 --keep ${CMAKE_CURRENT_BINARY_DIR}/scene_failures)
+      --scenes 40 --first 81 --jobs 2 --limits 5 --keep ${CMAKE_CURRENT_BINARY_DIR}/scene_failures)
 set_tests_properties(fuzz.scenes PROPERTIES PROCESSORS 2)
 add_test(NAME fuzz.judge_of_scenes_notices_what_is_wrong
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/scene_judge_test.py)
