@@ -2,6 +2,10 @@
 #include <tombolo/output/probes.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
+#include <tombolo/boundary/region.h>
+#include <tombolo/mesh/boundary_names.h>
 #include <tombolo/output/output_of_scene.h>
 
 #include <deal.II/base/mpi.h>
@@ -12,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace tombolo
 {
@@ -21,9 +26,13 @@ namespace tombolo
   {
     const char *const probes_file = "probes.csv";
 
-    const OutputOfScene of_probes(1, "probes", "its own Locations",
+    const OutputOfScene of_probes(1, "probes", "its own Locations, Nodes, Where and Boundary",
                                   [](const Section &output)
-                                  { return output.subsection("probes").is_set("Locations"); });
+                                  {
+                                    const Section probes = output.subsection("probes");
+                                    return probes.is_set("Locations") || probes.is_set("Nodes") ||
+                                           probes.is_set("Where") || probes.is_set("Boundary");
+                                  });
 
     template <int dim>
     std::string text_of(const Point<dim> &point)
@@ -39,13 +48,32 @@ namespace tombolo
   Probes<dim>::Probes(const Entries &e) : History<dim>(e, probes_file, {"Steps", "1", "Interval"})
   {
     this->records.value("places of nodes", places).optional();
+    this->records.value("numbers of nodes", chosen).optional();
+    this->records.value("choice of nodes", choice).optional();
     const std::string locations = e.text(
         "Locations", "", "L",
         "Nodes whose motion is written to probes.csv, by initial coordinates, to which the nearest "
         "node is taken: a list, separated by semicolons, of `name: x, y, z`, or without a name.");
     for (const std::string &text : Utilities::split_string_list(locations, ';'))
       read_location(text);
-    e.refuse(probes.empty(), "Locations",
+    n_locations = probes.size();
+    const std::string of_nodes =
+        e.text("Nodes", "", "",
+               "Further nodes by number, separated by commas: the `persistent id` of particles in "
+               "pictures, by which messages name nodes, too.");
+    for (const std::string &text : Utilities::split_string_list(of_nodes, ','))
+      read_number(text);
+    where = e.optional<Predicate<dim>>("Where", "",
+                                       "All nodes at whose initial position this holds, such as "
+                                       "`x < 1e-9`, with `Boundary` those of them on it.");
+    boundary =
+        e.text("Boundary", "", "",
+               "All nodes on these boundaries, names separated by commas, with `Where` those "
+               "of them where it holds.");
+    wanted_choice = of_nodes + "|" + e.given("Where") + "|" + boundary;
+    if (numbers.empty() && !where && boundary.empty())
+      choice = wanted_choice;
+    e.refuse(probes.empty() && numbers.empty() && !where && boundary.empty(), "Locations",
              "give at least one location, for example `tip: 10, 0, 0`");
   }
 
@@ -58,10 +86,6 @@ namespace tombolo
                                             : Utilities::trim(text.substr(0, colon));
     if (probe.name.empty())
       this->section.fail("Locations", "\"" + text + "\" has no name before the colon");
-    for (const Probe &other : probes)
-      if (other.name == probe.name)
-        this->section.fail("Locations", "two probes are called \"" + probe.name + "\"");
-
     const std::vector<std::string> numbers = Utilities::split_string_list(
         colon == std::string::npos ? text : text.substr(colon + 1), ',');
     if (numbers.size() != dim)
@@ -82,7 +106,92 @@ namespace tombolo
         this->section.fail("Locations",
                            "\"" + numbers[d] + "\" in \"" + text + "\" is not a number");
     }
+    add(probe);
+  }
+
+  template <int dim>
+  void Probes<dim>::add(const Probe &probe)
+  {
+    for (const Probe &other : probes)
+      if (other.name == probe.name)
+        this->section.fail("Locations", "two probes are called \"" + probe.name + "\"");
     probes.push_back(probe);
+  }
+
+  template <int dim>
+  void Probes<dim>::read_number(const std::string &text)
+  {
+    const bool is_number = !text.empty() && text.size() < 20 &&
+                           text.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_number)
+      this->section.fail("Nodes", "\"" + text + "\" is not the number of a node");
+    numbers.push_back(std::stoull(text));
+    if (std::count(numbers.begin(), numbers.end(), numbers.back()) > 1)
+      this->section.fail("Nodes", "the node " + text + " is listed twice");
+  }
+
+  template <int dim>
+  std::vector<std::pair<std::uint64_t, Point<dim>>>
+  Probes<dim>::choose_nodes(const OutputView<dim> &view) const
+  {
+    struct Found
+    {
+      std::uint64_t number;
+      Point<dim> place;
+      bool is_listed;
+    };
+    const Nodes<dim> &nodes = *view.nodes;
+    const NodePartition &partition = *view.state->partition();
+    std::vector<Found> found;
+    attempt_on_all_ranks<InputError>(
+        nodes.communicator(),
+        [&]
+        {
+          std::vector<bool> is_in_region(partition.n_owned(), where && boundary.empty());
+          std::set<types::boundary_id> boundaries;
+          if (!boundary.empty())
+            boundaries = boundary_ids(*view.mesh, this->section, "Boundary");
+          std::vector<types::global_dof_index> cell_nodes;
+          for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+            for (const unsigned int f : cell->face_indices())
+              if (!cell->is_artificial() && cell->face(f)->at_boundary() &&
+                  boundaries.count(cell->face(f)->boundary_id()) > 0)
+              {
+                nodes.cell_nodes(cell, cell_nodes);
+                for (const unsigned int k : nodes.face_places(f))
+                  if (nodes.owned().is_element(cell_nodes[k]))
+                    is_in_region[partition.local_index(cell_nodes[k])] = true;
+              }
+          for (unsigned int i = 0; i < partition.n_owned(); ++i)
+          {
+            const std::uint64_t number = nodes.persistent_ids()[i];
+            const auto place = point_of<dim>(view.state->initial_position.node(i));
+            const bool is_listed =
+                std::find(numbers.begin(), numbers.end(), number) != numbers.end();
+            if (is_listed || (is_in_region[i] && (!where || (*where)(place))))
+              found.push_back({number, place, is_listed});
+          }
+        });
+    found = of_all_ranks(found, nodes.communicator());
+    std::sort(found.begin(), found.end(),
+              [](const Found &a, const Found &b) { return a.number < b.number; });
+
+    std::vector<std::pair<std::uint64_t, Point<dim>>> result;
+    for (const std::uint64_t number : numbers)
+    {
+      const auto node = std::find_if(found.begin(), found.end(),
+                                     [&](const Found &one) { return one.number == number; });
+      if (node == found.end())
+        this->section.fail("Nodes", "there is no node with the number " + std::to_string(number));
+      result.emplace_back(number, node->place);
+    }
+    for (const Found &node : found)
+      if (!node.is_listed)
+        result.emplace_back(node.number, node.place);
+    if (result.size() == numbers.size() && (where || !boundary.empty()))
+      this->section.fail(where ? "Where" : "Boundary",
+                         "there is no node beside those of `Nodes`; nothing would be written");
+    return result;
   }
 
   template <int dim>
@@ -101,6 +210,21 @@ namespace tombolo
   template <int dim>
   void Probes<dim>::find_nodes(const OutputView<dim> &view)
   {
+    probes.resize(n_locations);
+    if (choice != wanted_choice)
+    {
+      choice = wanted_choice;
+      chosen.clear();
+      places.clear();
+      for (const auto &[number, place] : choose_nodes(view))
+      {
+        chosen.push_back(number);
+        add({"node " + std::to_string(number), place, {}});
+      }
+    }
+    else
+      for (const std::uint64_t number : chosen)
+        add({"node " + std::to_string(number), {}, {}});
     const double largest_cell = BodyPoint<dim>::largest_cell(*view.nodes);
     const bool are_known = places.size() == dim * probes.size();
     places.resize(dim * probes.size());
@@ -110,7 +234,8 @@ namespace tombolo
       Tensor<1, dim> location = probes[p].location;
       for (unsigned int d = 0; d < dim && are_known; ++d)
         location[d] = places[dim * p + d];
-      node.find(*view.nodes, *view.state, location, largest_cell);
+      node.find(*view.nodes, *view.state, location, largest_cell,
+                p < n_locations ? std::nullopt : std::make_optional(chosen[p - n_locations]));
       if (const double nearest = node.distance_at_start(); nearest > largest_cell)
         this->section.fail("Locations", "the nearest node is " + format_number(nearest) +
                                             " away from " + text_of(probes[p].location) +

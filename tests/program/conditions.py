@@ -161,6 +161,30 @@ class Motion(Case):
             self.assertGreater(conditions["drive mean force x"][-1], 0)
             self.assertLess(conditions["wall mean force x"][-1], 0)
 
+    def test_probes_of_a_boundary_move_as_it_is_driven(self):
+        text = SCENE.replace("= wall, weight", "= wall, drive").replace("""subsection Condition: weight
+  set Type     = gravity
+  set Function = 0; -1e-3; 0
+""", """subsection Condition: drive
+  set Type     = velocity
+  set Where    = x > 2 - 1e-9
+  set Function = 0.01; free; free
+""")
+        names = []
+        for ranks in (1, 2):
+            output = self.finish("Output/probes/Boundary = x max", "Output/probes/Where = y > 1e-9",
+                                 "Output/probes/Columns = * displacement x, * position *", *elements_alone(),
+                                 text=text, ranks=ranks)
+            probes = Table(output / "probes.csv")
+            names.append(probes.names)
+            moved = [probes[name][-1] for name in probes.names if name.endswith("displacement x")]
+            self.assertGreater(len(moved), 3)
+            self.assert_near(moved, [0.02] * len(moved), 1e-12)
+            self.assertGreater(min(probes[name][0] for name in probes.names if name.endswith("position y")), 1e-9)
+        self.assertEqual(*names)
+        self.assertIn("The mesh has no boundary \"tip\"",
+                      self.refusal("Output/probes/Boundary = tip"))
+
     def test_a_scene_without_conditions_of_mechanics_has_no_table_of_them(self):
         text = SCENE.replace("= wall, weight", "=")
         text = re.sub(r"subsection Condition: .*?\nend\n", "", text, flags=re.S)

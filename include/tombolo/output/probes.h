@@ -2,22 +2,29 @@
 #pragma once
 
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/expression.h>
 #include <tombolo/output/history.h>
 #include <tombolo/state/body_point.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
   /**
    * Histories at nodes: `probes.csv`, whose rows have time, step, and for each probe position,
-   * displacement and velocity (of half a step before) and, in scenes with heat, temperature of the
-   * node that was nearest to its location at the start.
+   * displacement and velocity (of half a step before) and, in scenes with heat, temperature of its
+   * node.
    *
-   * `Locations` lists them: `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called
-   * "probe" and its number in the list. Of nodes at the same distance the one
-   * with the smallest persistent id is taken, so the choice does not depend on the number of ranks.
+   * `Locations` lists places, to which the nearest node at the start is taken:
+   * `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called "probe" and its number in
+   * the list. Of nodes at the same distance the one with the smallest persistent id is taken, so
+   * the choice does not depend on the number of ranks. `Nodes` lists persistent ids, and all nodes
+   * on `Boundary` and where `Where` holds are taken: these are called "node" and their persistent
+   * id at the start, and those of a region stand in its order.
    */
   template <int dim>
   class Probes : public History<dim>
@@ -25,7 +32,7 @@ namespace tombolo
   public:
     explicit Probes(const Entries &e);
 
-    /** Throws InputError where a location is far from every node. */
+    /** Throws InputError where a location is far from every node, or a node is not there. */
     void check(const OutputView<dim> &view) override;
 
     /** Persistent ids of the nodes that were chosen, in the order of columns. */
@@ -40,6 +47,12 @@ namespace tombolo
     };
 
     void read_location(const std::string &text);
+    void add(const Probe &probe);
+    void read_number(const std::string &text);
+    /** Persistent ids and initial positions of the nodes that are given by number and region.
+     * Throws InputError. Collective. */
+    std::vector<std::pair<std::uint64_t, dealii::Point<dim>>>
+    choose_nodes(const OutputView<dim> &view) const;
     /** The nodes next to the locations, at the start of the run; afterwards they stay the same ones
      * where cells are divided. Throws InputError. Collective. */
     void find_nodes(const OutputView<dim> &view);
@@ -47,7 +60,13 @@ namespace tombolo
     void add_columns(const OutputView<dim> &view) override;
     void check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels) override;
 
-    std::vector<Probe> probes;
-    std::vector<double> places; ///< initial coordinates of the nodes, one after the other
+    std::vector<Probe> probes; ///< those of locations first
+    std::size_t n_locations = 0;
+    std::vector<std::uint64_t> numbers;  ///< of the entry `Nodes`
+    std::optional<Predicate<dim>> where; ///< of the region
+    std::string boundary;                ///< likewise
+    std::string wanted_choice, choice;   ///< what was asked for, and what is chosen
+    std::vector<std::uint64_t> chosen;   ///< of the nodes by number and region, at the start
+    std::vector<double> places;          ///< initial coordinates of the nodes, one after the other
   };
 } // namespace tombolo

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace tombolo
 {
@@ -35,9 +36,10 @@ namespace tombolo
     }
 
     /** Finds the node nearest to initial coordinates @p wanted. Nodes that are equally far but for
-     * a billionth of the @p largest_cell (its diameter) are alike. Collective. */
+     * a billionth of the @p largest_cell (its diameter) are alike; of these the one with the
+     * persistent id @p preferred is taken. Collective. */
     void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
-              const double largest_cell)
+              const double largest_cell, const std::optional<std::uint64_t> preferred = {})
     {
       struct Candidate
       {
@@ -59,17 +61,19 @@ namespace tombolo
         distance = std::min(distance, (place_of(i) - wanted).norm());
       distance = dealii::Utilities::MPI::min(distance, communicator);
 
+      const auto is_before = [&](const std::uint64_t a, const std::uint64_t b)
+      { return a != b && (a == preferred || (a < b && b != preferred)); };
       Candidate here;
       for (unsigned int i = 0; i < n_owned; ++i)
         if ((place_of(i) - wanted).norm() <= distance + 1e-9 * largest_cell &&
-            nodes.persistent_ids()[i] < here.id)
+            is_before(nodes.persistent_ids()[i], here.id))
         {
           here = {nodes.persistent_ids()[i], place_of(i)};
           number = i;
         }
       Candidate best;
       for (const Candidate &candidate : of_all_ranks(std::vector<Candidate>{here}, communicator))
-        if (candidate.id < best.id)
+        if (is_before(candidate.id, best.id))
           best = candidate;
       id = best.id;
       initial_place = best.place;

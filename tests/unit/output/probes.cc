@@ -109,6 +109,45 @@ TEST(Probes, rows_come_at_multiples_of_the_interval_or_of_steps)
   EXPECT_EQ(times("set Steps = 4\n"), (std::vector<std::string>{"0", "4", "8"}));
 }
 
+TEST(Probes, nodes_are_given_by_region_and_number)
+{
+  const auto names = [](const std::string &text)
+  {
+    std::vector<std::string> result;
+    std::istringstream header(lines_of(history<2>(text))[0]);
+    const std::string end = " position x [L]";
+    for (std::string name; std::getline(header, name, ',');)
+      if (name.find(end) != std::string::npos)
+        result.push_back(name.substr(0, name.size() - end.size()));
+    return result;
+  };
+  std::vector<std::string> of_region = names("set Where = x > 3.5 && y > 0.5\n");
+  ASSERT_EQ(of_region.size(), 2u);
+  const std::string row = lines_of(history<2>("set Where = x > 3.5 && y > 0.5\n"
+                                              "set Columns = * position x\n"))[1];
+  EXPECT_EQ(row, "0,0,4.4,4.4");
+
+  const std::string second = of_region[1].substr(of_region[1].find(' ') + 1);
+  std::swap(of_region[0], of_region[1]);
+  EXPECT_EQ(names("set Nodes = " + second + "\nset Where = x > 3.5 && y > 0.5\n"), of_region);
+  of_region.insert(of_region.begin(), "tip");
+  of_region.pop_back();
+  EXPECT_EQ(names("set Locations = tip: 4, 2\nset Nodes = " + second + "\n"), of_region);
+}
+
+TEST(Probes, nodes_that_are_not_there_are_refused)
+{
+  const auto refuses = [](const std::string &text, const std::string &words)
+  {
+    const std::string message = message_of<2>(text);
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  refuses("set Nodes = 123456789\n", "there is no node with the number 123456789");
+  refuses("set Nodes = 1.5\n", "\"1.5\" is not the number of a node");
+  refuses("set Nodes = 1, 1\n", "the node 1 is listed twice");
+  refuses("set Where = x > 5\n", "there is no node beside those of `Nodes`");
+}
+
 TEST(Probes, columns_are_those_that_are_named)
 {
   const std::string tip = "set Locations = tip: 3.9, 1.2; 1.2, 0\n";
