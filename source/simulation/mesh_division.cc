@@ -69,7 +69,8 @@ namespace tombolo
       archive.divide(clock);
       const MeshTransfer<dim> transfer(model, archive);
       serialize_model(model, archive, &transfer);
-      transfer.settle_volumes(model, position_of_points(model.state, clock));
+      if (model.has_mechanics)
+        transfer.settle_volumes(model, position_of_points(model.state, clock));
       transfer.restore_momentum(model);
       if (model.heat)
         find_enthalpies(*model.heat);
