@@ -79,7 +79,9 @@ def relation_of(scene, kind, seed):
     if kind == "numbering":
         return Relation(kind, "another numbering", view._replace(numbering=seed), 1, False)
     if kind == "whole":
-        has_part = scene["section"] or scene["rigid"] or (scene["bulk viscosity"] and scenes.uses_particles(scene))
+        # Functions of smoothed cells end at a plane.
+        has_part = (scene["section"] or scene["rigid"] or (scene["bulk viscosity"] and scenes.uses_particles(scene))
+                    or has_smoothed_cells(scene))
         return None if not scene["symmetry"] or has_part else Relation(
             kind, "the whole", view._replace(is_whole=True), 1, False)
     if kind == "source":
@@ -93,7 +95,11 @@ def relation_of(scene, kind, seed):
 
 def depends_on_corners(scene):
     """Whether results depend on the order of a cell's nodes: sub-cells of smoothed hexahedra stand at every other corner."""
-    return scene["dimension"] == 3 and scene["smoothed cells"] and scenes.ELEMENTS[1] in scenes.formulations_of(scene)
+    return scene["dimension"] == 3 and has_smoothed_cells(scene)
+
+
+def has_smoothed_cells(scene):
+    return scene["smoothed cells"] and scenes.ELEMENTS[1] in scenes.formulations_of(scene)
 
 
 # Tables.
