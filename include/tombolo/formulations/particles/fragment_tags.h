@@ -43,7 +43,10 @@ namespace tombolo
   inline bool is_pair(const double *const of_one, const double *const of_other,
                       const unsigned int mirrors)
   {
-    return !(is_of_elements(of_one) && is_of_elements(of_other)) &&
-           !fragment_of(of_one).has(fragment_of(of_other), mirrors);
+    // Most are of one fragment.
+    const bool can_be_one = of_one[upper_label] == of_other[upper_label] &&
+                            of_one[lower_label] == of_other[lower_label];
+    return !(can_be_one && fragment_of(of_one).has(fragment_of(of_other), mirrors)) &&
+           !(is_of_elements(of_one) && is_of_elements(of_other));
   }
 } // namespace tombolo
