@@ -19,6 +19,15 @@ import loaded
 
 PROGRAM, MPIEXEC, SUBJECT = sys.argv[1:4]
 SCENE = Path(__file__).with_name("cantilever.prm").read_text("utf-8")
+# Its end is driven in place of its weight.
+DRIVEN = SCENE.replace("= wall, weight", "= wall, drive").replace("""subsection Condition: weight
+  set Type     = gravity
+  set Function = 0; -1e-3; 0
+""", """subsection Condition: drive
+  set Type     = velocity
+  set Where    = x > 2 - 1e-9
+  set Function = 0.01; free; free
+""")
 MASS, WEIGHT = 0.5, 0.5e-3
 SMOOTHINGS = ("paper", "affine", "fe matched")
 
@@ -141,17 +150,9 @@ class Motion(Case):
             self.assertLess(abs(conditions[f"weight mean moment {axis}"][-1]), 1e-4 * WEIGHT)
 
     def test_work_and_displacement_of_a_drive(self):
-        text = SCENE.replace("= wall, weight", "= wall, drive").replace("""subsection Condition: weight
-  set Type     = gravity
-  set Function = 0; -1e-3; 0
-""", """subsection Condition: drive
-  set Type     = velocity
-  set Where    = x > 2 - 1e-9
-  set Function = 0.01; free; free
-""")
         for settings in (elements_alone(), particles_alone("paper"), particles_alone("affine"),
                          [*coupled("paper"), *lattice_filter(4)]):
-            output = self.finish(*settings, text=text)
+            output = self.finish(*settings, text=DRIVEN)
             conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
             self.assertAlmostEqual(conditions["drive mean displacement x"][-1], 0.02)
             self.assert_near(conditions.vector("wall mean displacement", -1), [0, 0, 0], 1e-15)
@@ -162,19 +163,11 @@ class Motion(Case):
             self.assertLess(conditions["wall mean force x"][-1], 0)
 
     def test_probes_of_a_boundary_move_as_it_is_driven(self):
-        text = SCENE.replace("= wall, weight", "= wall, drive").replace("""subsection Condition: weight
-  set Type     = gravity
-  set Function = 0; -1e-3; 0
-""", """subsection Condition: drive
-  set Type     = velocity
-  set Where    = x > 2 - 1e-9
-  set Function = 0.01; free; free
-""")
         names = []
         for ranks in (1, 2):
             output = self.finish("Output/probes/Boundary = x max", "Output/probes/Where = y > 1e-9",
                                  "Output/probes/Columns = * displacement x, * position *", *elements_alone(),
-                                 text=text, ranks=ranks)
+                                 text=DRIVEN, ranks=ranks)
             probes = Table(output / "probes.csv")
             names.append(probes.names)
             moved = [probes[name][-1] for name in probes.names if name.endswith("displacement x")]
