@@ -7,6 +7,7 @@ import re
 import numpy
 from tombolo.errors import TomboloError
 from tombolo.grid import Grid, read_series
+from tombolo.histories import has_table
 from tombolo.run import Run
 from tombolo.table import Table, heading
 
@@ -117,7 +118,7 @@ class Results(Run):
 
     def table(self, name):
         path = self.directory / name
-        return Table(path) if path.exists() else None
+        return Table(path) if has_table(path) else None
 
     def grid(self, time, kind):
         """Cells or particles at an output time, or None where the run has none."""

@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy
 from plotting.results import PlotError, Results, Table, Units
+from tombolo import histories
 
 from . import units
 
 TABLES = ("statistics.csv", "contact.csv", "conditions.csv", "sections.csv", "parts.csv", "probes.csv", "specimen.csv")
 # One of these makes a directory the output of a run.
 TRACES = ("summary.json", "parameters.json", "log.txt", "solution.pvd", "cells.xdmf",
-          "particles.xdmf") + TABLES
+          "particles.xdmf", histories.FILE) + TABLES
 
 PROGRESS = re.compile(r"\s*[\d.]+ %\s+t = (\S+)\s+step (\d+)")
 ENERGY_ERROR_TO_MENTION = 0.01
@@ -83,11 +84,18 @@ class RunFiles:
                 self.note("warning", line.removeprefix("Warning: "))
         return lines
 
+    def has_table(self, name):
+        """Whole or damaged."""
+        try:
+            return histories.has_table(self.directory / name)
+        except PlotError:
+            return True
+
     def read_table(self, name):
         path = self.directory / name
-        if not path.exists():
-            return None
         try:
+            if not histories.has_table(path):
+                return None
             table = Table(path, leaves_out_damaged_rows=True)
         except (PlotError, OSError) as error:
             self.note("error", f"{self.relative(error)}: it is left out.")
@@ -151,11 +159,11 @@ class RunFiles:
 
     def note_what_is_missing(self):
         has_mechanics = "energy_error_relative" in self.summary
-        if "statistics.csv" not in self.tables and not (self.directory / "statistics.csv").exists():
+        if "statistics.csv" not in self.tables and not self.has_table("statistics.csv"):
             self.note("error", "statistics.csv is missing: the report has no energies.")
-        if self.parameter("Contacts") and has_mechanics and not (self.directory / "contact.csv").exists():
+        if self.parameter("Contacts") and has_mechanics and not self.has_table("contact.csv"):
             self.note("error", "contact.csv is missing: the report has no contact forces.")
-        if self.parameter("Conditions") and has_mechanics and not (self.directory / "conditions.csv").exists():
+        if self.parameter("Conditions") and has_mechanics and not self.has_table("conditions.csv"):
             self.note("note", "There is no conditions.csv: no condition of the run has forces to show.")
         if not self.parameters:
             self.note("error", "parameters.json is missing or damaged: the report cannot say what was asked.")

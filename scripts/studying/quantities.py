@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from tombolo.errors import TomboloError, nearest
+from tombolo.histories import has_table
 from tombolo.table import Table
 
 
@@ -68,8 +69,9 @@ class Quantity:
         return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else number_of(value)
 
     def of_table(self, path):
-        path.stat()  # throws OSError
         try:
+            if not has_table(path):
+                path.stat()  # throws OSError
             table = Table(path, leaves_out_damaged_rows=True, arrays=False, number=number_of)
             values = table[self.name]
             if self.take == "at time":

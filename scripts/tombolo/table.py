@@ -8,6 +8,7 @@ import re
 from bisect import bisect_left
 from pathlib import Path
 
+from . import histories
 from .errors import TomboloError, nearest
 
 try:
@@ -33,19 +34,35 @@ class Table:
     that are no numbers, of another length than the header, or without the end of their line, are
     refused, or left out and listed in `damaged_rows`. Where `ends_its_lines` is false the file may end
     without the end of its last line, as those of editors and spreadsheets do. `number` makes numbers of
-    texts, and throws ValueError where one is none."""
+    texts, and throws ValueError where one is none. Where there is no such file, the table of this name in
+    the histories.h5 beside it is taken."""
 
     def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0, ends_its_lines=True, number=float):
         self.path = Path(path)
-        if not self.path.exists():
+        if not histories.has_table(self.path):
             raise TomboloError(f"there is no {path}")
+        self.units, self.columns, self.damaged_rows = {}, {}, []
+        if self.path.exists():
+            self.read_text(leaves_out_damaged_rows, least_rows, ends_its_lines, number)
+        else:
+            names, units, rows = histories.read_table(self.path)
+            self.check_length(len(rows), least_rows)
+            self.units = dict(zip(names, units))
+            self.columns = {name: [row[index] for row in rows] for index, name in enumerate(names)}
+        if numpy and arrays:
+            self.columns = {name: numpy.array(column) for name, column in self.columns.items()}
+
+    def check_length(self, n_rows, least_rows):
+        if n_rows < least_rows:
+            raise TomboloError(f"{self.path} has {n_rows} rows, and at least {least_rows} are needed")
+
+    def read_text(self, leaves_out_damaged_rows, least_rows, ends_its_lines, number):
+        path = self.path
         text = self.path.read_text("utf-8", errors="replace").replace("\0", "?")
         rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
-        if len(rows) <= least_rows and least_rows:
-            raise TomboloError(f"{path} has {max(0, len(rows) - 1)} rows, and at least {least_rows} are needed")
+        self.check_length(max(0, len(rows) - 1), least_rows)
         if not rows:
             raise TomboloError(f"{path} is empty")
-        self.units, self.columns, self.damaged_rows = {}, {}, []
         values = []
         for row_number, row in enumerate(rows[1:], start=1):
             try:
@@ -60,9 +77,8 @@ class Table:
                                "numbers, as its header asks for: the file is damaged")
         for index, title in enumerate(rows[0]):
             name, unit = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*", title).groups()
-            column = [row[index] for row in values]
             self.units[name] = unit or ""
-            self.columns[name] = numpy.array(column) if numpy and arrays else column
+            self.columns[name] = [row[index] for row in values]
 
     def __contains__(self, name):
         return name in self.columns

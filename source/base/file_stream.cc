@@ -50,6 +50,16 @@ namespace tombolo
     return descriptor;
   }
 
+  std::string reason_not_a_file(const std::string &path)
+  {
+    struct stat status;
+    if (lstat(path.c_str(), &status) != 0)
+      return std::strerror(errno);
+    return S_ISLNK(status.st_mode)    ? "it is a link, and links are not followed"
+           : !S_ISREG(status.st_mode) ? "it is not a file"
+                                      : "";
+  }
+
   FileStream::FileStream(const std::string &path, const Mode mode) : std::ostream(nullptr)
   {
     const int descriptor =

@@ -18,6 +18,8 @@ namespace tombolo
       : table(file_name, TimeTable::Rows::in_file), section(e.section())
   {
     table.list(this->records);
+    if (!e.declares())
+      table.set_format(TableFormat(section.parent()));
     this->records.value("next time", next_time).optional();
     time_between = e.number(names.time, "0", at_least(0.), "",
                             "The time between rows of " + file_name + ". Units: T. 0: see `" +

@@ -11,6 +11,7 @@ namespace tombolo
   void declare_outputs(const Entries &e)
   {
     e.flag("Write solution", "true", "Whether the fields are written for ParaView at each output.");
+    declare<TableFormat>(e);
     e.text("Further outputs", "", "",
            "Names of output plug-ins that are called besides the visualization and the probes.");
     e.plugins<Output<dim>>();

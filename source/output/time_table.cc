@@ -2,6 +2,7 @@
 #include <tombolo/output/time_table.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/state/records.h>
@@ -26,8 +27,19 @@ namespace tombolo
     }
   } // namespace
 
+  TableFormat::TableFormat(const Entries &e)
+  {
+    const std::string wanted =
+        e.choice("Table format", "csv", "csv|hdf5|csv and hdf5",
+                 "In which files the tables over time are: `csv`, a file of comma-separated values "
+                 "for each, or `hdf5`, one file histories.h5 with a dataset for each, whose "
+                 "attributes name columns and units.");
+    csv = wanted != "hdf5";
+    hdf5 = wanted != "csv";
+  }
+
   TimeTable::TimeTable(const std::string &file_name, const Rows rows)
-      : file_name(file_name), rows(rows)
+      : file_name(file_name), rows(rows), hdf5(file_name.substr(0, file_name.rfind('.')))
   {}
 
   bool TimeTable::is_chosen(const std::string &name) const
@@ -124,10 +136,38 @@ namespace tombolo
     return result + '\n';
   }
 
+  void TimeTable::append_row(const std::size_t index, std::vector<double> &values) const
+  {
+    for (const Column &column : columns)
+      if (column.is_in_file)
+        values.push_back(column.is_given[index] ? column.values[index]
+                                                : std::numeric_limits<double>::quiet_NaN());
+  }
+
+  void TimeTable::begin_hdf5(const std::uint64_t first_rows)
+  {
+    std::vector<Hdf5Table::Column> headings;
+    for (const Column &column : columns)
+      if (column.is_in_file)
+        headings.push_back({column.name, unit_labels.label(column.unit)});
+    hdf5.begin(*directory, headings, first_rows);
+  }
+
   bool TimeTable::has_other_columns(const UnitLabels &labels) const
   {
     return is_continued() && !header_at_checkpoint.empty() &&
            header(labels) != header_at_checkpoint;
+  }
+
+  void TimeTable::refuse_other_format() const
+  {
+    const bool has_files =
+        directory->size(file_name) > 0 || directory->size(Hdf5Table::file_name) > 0;
+    if (has_files && format.name() != format_at_checkpoint)
+      throw InputError("The run that is resumed has the tables of " + directory->path() +
+                       " with `Table format = " + format_at_checkpoint +
+                       "` in section \"Output\", not `" + format.name() +
+                       "`: set it back, or resume into another output directory.");
   }
 
   void TimeTable::open(const OutputDirectory &of_run, const UnitLabels &labels)
@@ -138,7 +178,10 @@ namespace tombolo
     if (rows == Rows::in_memory)
     {
       if (n_kept_rows > 0)
+      {
+        refuse_other_format();
         write_all_rows();
+      }
       return;
     }
     begin_row();
@@ -147,9 +190,13 @@ namespace tombolo
                        " are not those of the run that is resumed: set the entries of this output "
                        "back, or resume into another output directory.");
     if (is_continued())
+      refuse_other_format();
+    if (format.csv && is_continued())
       directory->truncate(file_name, bytes_at_checkpoint);
-    else
+    else if (format.csv)
       directory->write(file_name, [&](std::ostream &out) { out << header(unit_labels) << '\n'; });
+    if (format.hdf5)
+      begin_hdf5(rows_at_checkpoint);
   }
 
   void TimeTable::write_row()
@@ -159,7 +206,10 @@ namespace tombolo
       column.values.resize(n_kept_rows + 1, std::numeric_limits<double>::quiet_NaN());
       column.is_given.resize(n_kept_rows + 1, false);
     }
-    unwritten_rows += text_of_row(n_kept_rows);
+    if (format.csv)
+      unwritten_rows += text_of_row(n_kept_rows);
+    if (format.hdf5)
+      append_row(n_kept_rows, unwritten_values);
     if (rows == Rows::in_memory)
     {
       ++n_kept_rows;
@@ -172,20 +222,35 @@ namespace tombolo
   {
     if (rows == Rows::in_memory && columns.size() != n_columns_in_file)
       write_all_rows();
-    else if (!unwritten_rows.empty())
-      directory->append(file_name, unwritten_rows);
+    else
+    {
+      if (!unwritten_rows.empty())
+        directory->append(file_name, unwritten_rows);
+      if (!unwritten_values.empty())
+        hdf5.append(*directory, unwritten_values);
+    }
     unwritten_rows.clear();
+    unwritten_values.clear();
   }
 
   void TimeTable::write_all_rows()
   {
-    directory->write(file_name,
-                     [&](std::ostream &out)
-                     {
-                       out << header(unit_labels) << '\n';
-                       for (std::size_t i = 0; i < n_kept_rows; ++i)
-                         out << text_of_row(i);
-                     });
+    if (format.csv)
+      directory->write(file_name,
+                       [&](std::ostream &out)
+                       {
+                         out << header(unit_labels) << '\n';
+                         for (std::size_t i = 0; i < n_kept_rows; ++i)
+                           out << text_of_row(i);
+                       });
+    if (format.hdf5)
+    {
+      std::vector<double> values;
+      for (std::size_t i = 0; i < n_kept_rows; ++i)
+        append_row(i, values);
+      begin_hdf5(0);
+      hdf5.append(*directory, values);
+    }
     n_columns_in_file = columns.size();
   }
 
@@ -208,15 +273,28 @@ namespace tombolo
       flush();
       bytes_at_checkpoint = directory->size(file_name);
       header_at_checkpoint = header(unit_labels);
+      rows_at_checkpoint = hdf5.n_rows();
     }
     archive("bytes", bytes_at_checkpoint);
     if (archive.has("header"))
       archive("header", header_at_checkpoint);
+    serialize_format(archive);
+    if (format_at_checkpoint != TableFormat().name())
+      archive("rows in HDF5", rows_at_checkpoint);
+  }
+
+  void TimeTable::serialize_format(StateArchive &archive)
+  {
+    if (!archive.is_reading())
+      format_at_checkpoint = format.name();
+    if (archive.is_reading() ? archive.has("format") : format.hdf5)
+      archive("format", format_at_checkpoint);
   }
 
   void TimeTable::serialize_rows(StateArchive &archive)
   {
     const auto group = archive.group(file_name);
+    serialize_format(archive);
     std::vector<std::string> names, units;
     std::vector<double> values;
     std::vector<std::uint64_t> given;

@@ -10,13 +10,10 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cctype>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <sstream>
 #include <utility>
 
@@ -248,18 +245,6 @@ namespace tombolo
                << xml_escaped(entry) << "\"/>\n";
       text << "</Grid>\n";
       return text.str();
-    }
-
-    /** Where no regular file has this name, the reason for it: nothing that leads elsewhere is
-     * opened. */
-    std::string reason_not_a_file(const std::string &file)
-    {
-      struct stat status;
-      if (lstat(file.c_str(), &status) != 0)
-        return std::strerror(errno);
-      return S_ISLNK(status.st_mode)    ? "it is a link, and links are not followed"
-             : !S_ISREG(status.st_mode) ? "it is not a file"
-                                        : "";
     }
 
     /** The texts of the grids of the first outputs in a file; false where it is damaged. */

@@ -87,6 +87,7 @@ namespace tombolo
       parameters.attempt([&]
                          { OutputSchedule schedule(parameters.section("Output"), 0., end_time); });
     parameters.attempt([&] { UnitLabels labels(parameters.section("")); });
+    parameters.attempt([&] { TableFormat format(parameters.section("Output")); });
     parameters.attempt(
         [&]
         {

@@ -42,6 +42,7 @@ namespace tombolo
       exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
+    statistics.set_format(TableFormat(parameters.section("Output")));
     header.entries = text_of_entries(parameters);
     const bool is_continued = InitialState<dim>::read(parameters, *model, run_clock, log);
     if (model->heat)

@@ -35,4 +35,9 @@ namespace tombolo
   /** Opens a file as FileStream does, for writing. Returns its descriptor, or -1 and in @p problem
    * why it cannot be opened. */
   int open_new_file(const std::string &path, std::string &problem);
+
+  /** Where no regular file has this name, the reason for it: nothing that leads elsewhere is
+   * opened.
+   */
+  std::string reason_not_a_file(const std::string &path);
 } // namespace tombolo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/output_directory.h>
+#include <tombolo/output/hdf5_table.h>
 #include <tombolo/output/unit_labels.h>
 
 #include <cstdint>
@@ -11,14 +12,33 @@
 
 namespace tombolo
 {
+  class Entries;
   class Records;
   class Section;
   class StateArchive;
 
+  /** In which files the tables of a run are. */
+  struct TableFormat
+  {
+    TableFormat() = default;
+
+    /** Reads `Table format` of section Output. */
+    explicit TableFormat(const Entries &e);
+
+    /** The value of the entry. */
+    std::string name() const
+    {
+      return !hdf5 ? "csv" : csv ? "csv and hdf5" : "hdf5";
+    }
+
+    bool csv = true, hdf5 = false;
+  };
+
   /**
    * A table over time: a file of comma-separated values with a row per time and a header that names
-   * columns and units. The present row is filled by name; a new name makes a new column, whose
-   * field is empty in rows without a value. Values must agree on all ranks: rank 0 writes its own.
+   * columns and units, or a Hdf5Table, or both. The present row is filled by name; a new name makes
+   * a new column, whose field is empty in rows without a value. Values must agree on all ranks:
+   * rank 0 writes its own.
    *
    * Rows are stored in one of two ways. A table that is `in_memory` keeps all its rows, so that
    * columns may appear at any row, column() returns them, and a checkpoint contains them. A table
@@ -35,8 +55,15 @@ namespace tombolo
       in_file
     };
 
-    /** An empty table, to be written to the file @p file_name of the directory given to open(). */
+    /** An empty table, to be written to the file @p file_name of the directory given to open(). In
+     * HDF5 it has the same name without the ending. */
     TimeTable(const std::string &file_name, Rows rows);
+
+    /** Before open(). */
+    void set_format(const TableFormat &wanted)
+    {
+      format = wanted;
+    }
 
     /** The file has time, step and these columns only, by name without units; a `*` stands for any
      * text. Empty: all. */
@@ -70,8 +97,8 @@ namespace tombolo
     /** Begins the file, or continues it where an earlier state of this table was read:
      * rows after the checkpoint are removed. With rows in memory nothing is written before there is
      * a row; with rows in the file the present row determines the columns and is discarded. Throws
-     * RunError where the file cannot be written and InputError where has_other_columns().
-     * Collective. */
+     * RunError where the file cannot be written and InputError where has_other_columns() or the
+     * earlier run had the table in another format. Collective. */
     void open(const OutputDirectory &directory, const UnitLabels &unit_labels);
 
     /** Ends the present row and starts the next. With rows in memory the row is in the file when
@@ -89,7 +116,7 @@ namespace tombolo
     /** With rows in the file: whether a state was read, whose file open() continues. */
     bool is_continued() const
     {
-      return bytes_at_checkpoint > 0;
+      return bytes_at_checkpoint > 0 || format_at_checkpoint != TableFormat().name();
     }
 
     /** With rows in the file, before open(): whether the columns of the present row are not those
@@ -120,7 +147,12 @@ namespace tombolo
     Column &find_column(const std::string &name, const std::string &unit);
     std::string header(const UnitLabels &labels) const;
     std::string text_of_row(std::size_t index) const;
+    /** Numbers of a row for HDF5, behind @p values. */
+    void append_row(std::size_t index, std::vector<double> &values) const;
+    void begin_hdf5(std::uint64_t first_rows);
+    void refuse_other_format() const;
     void write_all_rows();
+    void serialize_format(StateArchive &archive);
     void serialize_rows(StateArchive &archive);
     void serialize_length_of_file(StateArchive &archive);
 
@@ -131,9 +163,12 @@ namespace tombolo
     std::size_t next_column = 0; ///< that a row in the same order as the last one fills next
     std::size_t n_kept_rows = 0; ///< in memory; the present row is the one after them
     std::size_t n_columns_in_file = 0;
-    std::string unwritten_rows;
-    std::string header_at_checkpoint;
-    std::uint64_t bytes_at_checkpoint = 0;
+    TableFormat format;
+    Hdf5Table hdf5;
+    std::string unwritten_rows;           ///< of the file of comma-separated values
+    std::vector<double> unwritten_values; ///< of that of HDF5
+    std::string header_at_checkpoint, format_at_checkpoint = TableFormat().name();
+    std::uint64_t bytes_at_checkpoint = 0, rows_at_checkpoint = 0; ///< the latter in HDF5
     UnitLabels unit_labels;
     std::unique_ptr<OutputDirectory> directory; ///< null before open()
   };

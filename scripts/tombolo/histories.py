@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Tables of a run in HDF5: those that `Table format = hdf5` writes."""
+
+from pathlib import Path
+
+from .errors import TomboloError
+
+FILE = "histories.h5"
+
+
+def opened(file):
+    try:
+        import h5py  # only where it is needed
+    except ImportError as error:
+        raise TomboloError(f"to read {file} python3-h5py is needed, which scripts/setup installs") from error
+    try:
+        return h5py.File(file, "r")
+    except OSError:
+        pass
+    try:  # of a run that was killed while it wrote rows, or that writes some just now
+        return h5py.File(file, "r", libver="latest", swmr=True)
+    except (OSError, ValueError) as error:
+        raise TomboloError(f"{file} is damaged: {error}") from error
+
+
+def has_table(path):
+    """Whether a run has the table that `path` names as a file of comma-separated values, there or in HDF5."""
+    path = Path(path)
+    file = path.with_name(FILE)
+    if path.exists() or path.suffix != ".csv" or not file.exists():
+        return path.exists()
+    with opened(file) as tables:
+        return path.stem in tables
+
+
+def read_table(path):
+    """(names of columns, units, rows as lists) of the table in HDF5 that `path` names."""
+    path = Path(path)
+    try:
+        with opened(path.with_name(FILE)) as tables:
+            table = tables[path.stem]
+            names, units = (list(table.attrs[key]) for key in ("columns", "units"))
+            return names, ["" if unit == "1" else unit for unit in units], table[:].tolist()
+    except (OSError, KeyError, ValueError) as error:
+        raise TomboloError(f"{path.with_name(FILE)} is damaged: {error}") from error
