@@ -6,6 +6,7 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/mesh/boundary_names.h>
+#include <tombolo/mesh/mesh_source.h>
 #include <tombolo/output/output_of_scene.h>
 
 #include <deal.II/base/mpi.h>
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 namespace tombolo
@@ -26,13 +28,16 @@ namespace tombolo
   {
     const char *const probes_file = "probes.csv";
 
-    const OutputOfScene of_probes(1, "probes", "its own Locations, Nodes, Where and Boundary",
-                                  [](const Section &output)
-                                  {
-                                    const Section probes = output.subsection("probes");
-                                    return probes.is_set("Locations") || probes.is_set("Nodes") ||
-                                           probes.is_set("Where") || probes.is_set("Boundary");
-                                  });
+    const OutputOfScene of_probes(
+        1, "probes", "its own Locations, Nodes, Mesh nodes, Where and Boundary",
+        [](const Section &output)
+        {
+          const Section probes = output.subsection("probes");
+          for (const char *const entry : {"Locations", "Nodes", "Mesh nodes", "Where", "Boundary"})
+            if (probes.is_set(entry))
+              return true;
+          return false;
+        });
 
     template <int dim>
     std::string text_of(const Point<dim> &point)
@@ -61,8 +66,15 @@ namespace tombolo
         e.text("Nodes", "", "",
                "Further nodes by number, separated by commas: the `persistent id` of particles in "
                "pictures, by which messages name nodes, too.");
-    for (const std::string &text : Utilities::split_string_list(of_nodes, ','))
-      read_number(text);
+    numbers = read_numbers("Nodes", of_nodes);
+    const std::string of_mesh = e.text(
+        "Mesh nodes", "", "",
+        "Further nodes by their number in the mesh file, separated by commas: the tag of a node of "
+        "gmsh, which is the number of the deck where scripts/import has made the file, or the "
+        "index "
+        "of a point of VTK, counted from 0. Corners of cells have one, also where the cells are "
+        "refined.");
+    mesh_numbers = read_numbers("Mesh nodes", of_mesh);
     where = e.optional<Predicate<dim>>("Where", "",
                                        "All nodes at whose initial position this holds, such as "
                                        "`x < 1e-9`, with `Boundary` those of them on it.");
@@ -70,10 +82,12 @@ namespace tombolo
         e.text("Boundary", "", "",
                "All nodes on these boundaries, names separated by commas, with `Where` those "
                "of them where it holds.");
-    wanted_choice = of_nodes + "|" + e.given("Where") + "|" + boundary;
-    if (numbers.empty() && !where && boundary.empty())
+    wanted_choice =
+        of_nodes + "|" + e.given("Where") + "|" + boundary + (of_mesh.empty() ? "" : "|" + of_mesh);
+    const bool has_choice = !numbers.empty() || !mesh_numbers.empty() || where || !boundary.empty();
+    if (!has_choice)
       choice = wanted_choice;
-    e.refuse(probes.empty() && numbers.empty() && !where && boundary.empty(), "Locations",
+    e.refuse(probes.empty() && !has_choice, "Locations",
              "give at least one location, for example `tip: 10, 0, 0`");
   }
 
@@ -119,15 +133,80 @@ namespace tombolo
   }
 
   template <int dim>
-  void Probes<dim>::read_number(const std::string &text)
+  std::vector<std::uint64_t> Probes<dim>::read_numbers(const std::string &entry,
+                                                       const std::string &list) const
   {
-    const bool is_number = !text.empty() && text.size() < 20 &&
-                           text.find_first_not_of("0123456789") == std::string::npos;
-    if (!is_number)
-      this->section.fail("Nodes", "\"" + text + "\" is not the number of a node");
-    numbers.push_back(std::stoull(text));
-    if (std::count(numbers.begin(), numbers.end(), numbers.back()) > 1)
-      this->section.fail("Nodes", "the node " + text + " is listed twice");
+    std::vector<std::uint64_t> result;
+    for (const std::string &text : Utilities::split_string_list(list, ','))
+    {
+      const bool is_number = !text.empty() && text.size() < 20 &&
+                             text.find_first_not_of("0123456789") == std::string::npos;
+      if (!is_number)
+        this->section.fail(entry, "\"" + text + "\" is not the number of a node");
+      result.push_back(std::stoull(text));
+      if (std::count(result.begin(), result.end(), result.back()) > 1)
+        this->section.fail(entry, "the node " + text + " is listed twice");
+    }
+    return result;
+  }
+
+  template <int dim>
+  std::vector<std::uint64_t> Probes<dim>::mesh_nodes(const OutputView<dim> &view) const
+  {
+    std::vector<std::uint64_t> result(mesh_numbers.size());
+    if (mesh_numbers.empty())
+      return result;
+    const std::string entry = "Mesh nodes";
+    const Section mesh = this->section.all().section("Mesh");
+    const std::string source = mesh.get("Type");
+    const std::vector<long long> of_vertices = Registry<MeshSource<dim>>::instance()
+                                                   .create(source, mesh.subsection(source))
+                                                   ->node_numbers();
+    if (of_vertices.empty())
+      this->section.fail(entry, "the mesh is not that of a file, and its nodes have no numbers of "
+                                "their own; give `Locations`, `Where`, `Boundary` or `Nodes`");
+    std::map<unsigned int, std::size_t> place_of_vertex;
+    for (std::size_t p = 0; p < mesh_numbers.size(); ++p)
+    {
+      const auto distance = [&](const long long number)
+      { return std::abs(static_cast<double>(number) - static_cast<double>(mesh_numbers[p])); };
+      const auto nearest = std::min_element(of_vertices.begin(), of_vertices.end(),
+                                            [&](const long long a, const long long b)
+                                            { return distance(a) < distance(b); });
+      if (static_cast<std::uint64_t>(*nearest) != mesh_numbers[p])
+        this->section.fail(entry, "no cell of the mesh file has a corner with the number " +
+                                      std::to_string(mesh_numbers[p]) + "; the nearest number is " +
+                                      std::to_string(*nearest));
+      place_of_vertex[static_cast<unsigned int>(nearest - of_vertices.begin())] = p;
+    }
+
+    // The vertices of the file are the first ones of the mesh, however its cells are divided.
+    struct Found
+    {
+      std::size_t place;
+      std::uint64_t id;
+    };
+    std::vector<Found> found;
+    const Nodes<dim> &nodes = *view.nodes;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      for (const unsigned int v : cell->vertex_indices())
+        if (const auto wanted = place_of_vertex.find(cell->vertex_index(v));
+            !cell->is_artificial() && wanted != place_of_vertex.end())
+          if (const auto node = cell->vertex_dof_index(v, 0); nodes.owned().is_element(node))
+            found.push_back({wanted->second,
+                             nodes.persistent_ids()[view.state->partition()->local_index(node)]});
+    for (const Found &node : of_all_ranks(found, nodes.communicator()))
+      result[node.place] = node.id;
+    return result;
+  }
+
+  template <int dim>
+  std::string Probes<dim>::name_of_chosen(const std::size_t index) const
+  {
+    const std::size_t of_mesh = index - numbers.size();
+    return index >= numbers.size() && of_mesh < mesh_numbers.size()
+               ? "mesh node " + std::to_string(mesh_numbers[of_mesh])
+               : "node " + std::to_string(chosen[index]);
   }
 
   template <int dim>
@@ -142,6 +221,8 @@ namespace tombolo
     };
     const Nodes<dim> &nodes = *view.nodes;
     const NodePartition &partition = *view.state->partition();
+    std::vector<std::uint64_t> listed = mesh_nodes(view);
+    listed.insert(listed.begin(), numbers.begin(), numbers.end());
     std::vector<Found> found;
     attempt_on_all_ranks<InputError>(
         nodes.communicator(),
@@ -166,8 +247,7 @@ namespace tombolo
           {
             const std::uint64_t number = nodes.persistent_ids()[i];
             const auto place = point_of<dim>(view.state->initial_position.node(i));
-            const bool is_listed =
-                std::find(numbers.begin(), numbers.end(), number) != numbers.end();
+            const bool is_listed = std::find(listed.begin(), listed.end(), number) != listed.end();
             if (is_listed || (is_in_region[i] && (!where || (*where)(place))))
               found.push_back({number, place, is_listed});
           }
@@ -177,7 +257,7 @@ namespace tombolo
               [](const Found &a, const Found &b) { return a.number < b.number; });
 
     std::vector<std::pair<std::uint64_t, Point<dim>>> result;
-    for (const std::uint64_t number : numbers)
+    for (const std::uint64_t number : listed)
     {
       const auto node = std::find_if(found.begin(), found.end(),
                                      [&](const Found &one) { return one.number == number; });
@@ -188,7 +268,7 @@ namespace tombolo
     for (const Found &node : found)
       if (!node.is_listed)
         result.emplace_back(node.number, node.place);
-    if (result.size() == numbers.size() && (where || !boundary.empty()))
+    if (result.size() == listed.size() && (where || !boundary.empty()))
       this->section.fail(where ? "Where" : "Boundary",
                          "there is no node beside those of `Nodes`; nothing would be written");
     return result;
@@ -219,12 +299,12 @@ namespace tombolo
       for (const auto &[number, place] : choose_nodes(view))
       {
         chosen.push_back(number);
-        add({"node " + std::to_string(number), place, {}});
+        add({name_of_chosen(chosen.size() - 1), place, {}});
       }
     }
     else
-      for (const std::uint64_t number : chosen)
-        add({"node " + std::to_string(number), {}, {}});
+      for (std::size_t index = 0; index < chosen.size(); ++index)
+        add({name_of_chosen(index), {}, {}});
     const double largest_cell = BodyPoint<dim>::largest_cell(*view.nodes);
     const bool are_known = places.size() == dim * probes.size();
     places.resize(dim * probes.size());

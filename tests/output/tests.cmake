@@ -46,3 +46,11 @@ foreach(rank_count 1 3)
   set_tests_properties(output.tables_in_hdf5.mpirun=${rank_count} PROPERTIES
     PROCESSORS ${rank_count})
 endforeach()
+
+foreach(rank_count 1 2 3)
+  add_test(NAME output.probes_at_nodes_of_a_mesh_file.mpirun=${rank_count}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_mesh_nodes.py ${rank_count}
+      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR}/scripts)
+  set_tests_properties(output.probes_at_nodes_of_a_mesh_file.mpirun=${rank_count} PROPERTIES
+    PROCESSORS ${rank_count})
+endforeach()

@@ -4,6 +4,8 @@
 #include <tombolo/base/input/registry.h>
 #include <tombolo/mesh/mesh.h>
 
+#include <vector>
+
 namespace tombolo
 {
   /** Where a mesh comes from: a plug-in, `set Type = ...` in section Mesh. */
@@ -15,6 +17,14 @@ namespace tombolo
 
     /** Fills an empty mesh on every rank. Throws InputError. Collective. */
     virtual void create(Mesh<dim> &mesh) const = 0;
+
+    /** The numbers that its nodes have at the source, by the vertices of the mesh that create()
+     * makes; empty where they have none. What is not asked for is not kept: a file is read again.
+     * Throws InputError. Collective. */
+    virtual std::vector<long long> node_numbers() const
+    {
+      return {};
+    }
   };
 
   template <int dim>

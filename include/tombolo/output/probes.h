@@ -24,7 +24,8 @@ namespace tombolo
    * the list. Of nodes at the same distance the one with the smallest persistent id is taken, so
    * the choice does not depend on the number of ranks. `Nodes` lists persistent ids, and all nodes
    * on `Boundary` and where `Where` holds are taken: these are called "node" and their persistent
-   * id at the start, and those of a region stand in its order.
+   * id at the start, and those of a region stand in its order. `Mesh nodes` lists numbers of the
+   * mesh file; these are called "mesh node" and their number there.
    */
   template <int dim>
   class Probes : public History<dim>
@@ -48,11 +49,17 @@ namespace tombolo
 
     void read_location(const std::string &text);
     void add(const Probe &probe);
-    void read_number(const std::string &text);
+    /** The numbers that an entry lists. Throws InputError. */
+    std::vector<std::uint64_t> read_numbers(const std::string &entry,
+                                            const std::string &list) const;
+    /** The persistent ids of `Mesh nodes`. Throws InputError. Collective. */
+    std::vector<std::uint64_t> mesh_nodes(const OutputView<dim> &view) const;
     /** Persistent ids and initial positions of the nodes that are given by number and region.
      * Throws InputError. Collective. */
     std::vector<std::pair<std::uint64_t, dealii::Point<dim>>>
     choose_nodes(const OutputView<dim> &view) const;
+    /** What one of these is called. */
+    std::string name_of_chosen(std::size_t index) const;
     /** The nodes next to the locations, at the start of the run; afterwards they stay the same ones
      * where cells are divided. Throws InputError. Collective. */
     void find_nodes(const OutputView<dim> &view);
@@ -62,11 +69,12 @@ namespace tombolo
 
     std::vector<Probe> probes; ///< those of locations first
     std::size_t n_locations = 0;
-    std::vector<std::uint64_t> numbers;  ///< of the entry `Nodes`
-    std::optional<Predicate<dim>> where; ///< of the region
-    std::string boundary;                ///< likewise
-    std::string wanted_choice, choice;   ///< what was asked for, and what is chosen
-    std::vector<std::uint64_t> chosen;   ///< of the nodes by number and region, at the start
-    std::vector<double> places;          ///< initial coordinates of the nodes, one after the other
+    std::vector<std::uint64_t> numbers;      ///< of the entry `Nodes`
+    std::vector<std::uint64_t> mesh_numbers; ///< of the entry `Mesh nodes`
+    std::optional<Predicate<dim>> where;     ///< of the region
+    std::string boundary;                    ///< likewise
+    std::string wanted_choice, choice;       ///< what was asked for, and what is chosen
+    std::vector<std::uint64_t> chosen;       ///< of the nodes by number and region, at the start
+    std::vector<double> places; ///< initial coordinates of the nodes, one after the other
   };
 } // namespace tombolo

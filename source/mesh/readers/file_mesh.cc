@@ -49,8 +49,7 @@ namespace tombolo
       const MPI_Comm communicator = communicator_of(mesh.triangulation);
       try
       {
-        const std::string text = decoded_text(read_input_file(section, "File", communicator));
-        const MeshFileContent content = is_of_gmsh ? read_gmsh(text, dim) : read_vtk(text, dim);
+        const MeshFileContent content = read(communicator);
         const auto n_cells = static_cast<double>(content.cells.size());
         refuse_more_than_memory(section, "File", n_cells, n_cells, communicator);
         assemble_mesh<dim>(content, scale, mesh);
@@ -61,7 +60,26 @@ namespace tombolo
       }
     }
 
+    /** The same. */
+    std::vector<long long> node_numbers() const override
+    {
+      try
+      {
+        return numbers_of_vertices<dim>(read(section.all().communicator()));
+      }
+      catch (const MeshFileError &error)
+      {
+        section.fail("File", "In \"" + file + "\", " + error.what());
+      }
+    }
+
   private:
+    MeshFileContent read(const MPI_Comm communicator) const
+    {
+      const std::string text = decoded_text(read_input_file(section, "File", communicator));
+      return is_of_gmsh ? read_gmsh(text, dim) : read_vtk(text, dim);
+    }
+
     Section section;
     std::string file;
     bool is_of_gmsh;

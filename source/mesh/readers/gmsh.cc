@@ -283,6 +283,7 @@ namespace tombolo
       if (!index_of_node.emplace(tag, index).second)
         scanner.fail("There are two nodes of number " + std::to_string(tag) + ".");
       content.nodes.emplace_back();
+      content.node_numbers.push_back(tag);
     }
 
     void GmshReader::read_nodes()

@@ -472,6 +472,22 @@ namespace tombolo
     MeshAssembly<dim>(content, scale, mesh).run();
   }
 
+  template <int dim>
+  std::vector<long long> numbers_of_vertices(const MeshFileContent &content)
+  {
+    std::vector<bool> is_corner(content.nodes.size(), false);
+    for (const auto &cell : content.cells)
+      for (unsigned int k = 0; k < dealii::GeometryInfo<dim>::vertices_per_cell; ++k)
+        is_corner[cell.nodes[k]] = true;
+    std::vector<long long> result;
+    for (std::size_t n = 0; n < content.nodes.size(); ++n)
+      if (is_corner[n])
+        result.push_back(content.node_numbers[n]);
+    return result;
+  }
+
+  template std::vector<long long> numbers_of_vertices<2>(const MeshFileContent &);
+  template std::vector<long long> numbers_of_vertices<3>(const MeshFileContent &);
   template void assemble_mesh(const MeshFileContent &, double, Mesh<2> &);
   template void assemble_mesh(const MeshFileContent &, double, Mesh<3> &);
 } // namespace tombolo

@@ -108,6 +108,7 @@ namespace tombolo
         std::array<double, 3> point;
         for (double &coordinate : point)
           coordinate = scanner.real("a coordinate of a point");
+        content.node_numbers.push_back(static_cast<long long>(content.nodes.size()));
         content.nodes.push_back(point);
       }
     }

@@ -4,6 +4,8 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/readers/mesh_file.h>
 
+#include <vector>
+
 namespace tombolo
 {
   /**
@@ -14,4 +16,9 @@ namespace tombolo
    */
   template <int dim>
   void assemble_mesh(const MeshFileContent &content, double scale, Mesh<dim> &mesh);
+
+  /** The numbers in the file of the nodes that cells have as corners: by the vertices of the mesh
+   * that assemble_mesh() makes. */
+  template <int dim>
+  std::vector<long long> numbers_of_vertices(const MeshFileContent &content);
 } // namespace tombolo

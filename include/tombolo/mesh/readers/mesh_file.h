@@ -33,6 +33,7 @@ namespace tombolo
   struct MeshFileContent
   {
     std::vector<std::array<double, 3>> nodes;
+    std::vector<long long> node_numbers; ///< in the file
     std::vector<MeshFileElement> cells;
     /** A face may stand here several times, with several ids. */
     std::vector<MeshFileElement> faces;
