@@ -222,6 +222,7 @@ namespace tombolo
     last = now;
     time_of_row = at.middle_of_next_step();
     time_of_work = at.time;
+    step_of_row = at.step;
     for (std::size_t k = 0; k < present_largest.size(); ++k)
       largest[k] = std::max(largest[k], present_largest[k]);
   }
@@ -231,7 +232,8 @@ namespace tombolo
   {
     if (!kind.summary.empty())
     {
-      ask(at, false);
+      if (step_of_row != at.step) // the row has told it already
+        ask(at, false);
       summary_at_output = present_summary;
     }
     History<dim>::write(at, statistics);

@@ -6,7 +6,9 @@
 #include <tombolo/output/output_of_scene.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -190,13 +192,14 @@ namespace tombolo
     void end_row(const OutputView<dim> &view) override;
 
     HistoryOfBalances kind;
-    std::vector<double> reference_point;   ///< of moments; empty: that of the items [L]
-    const OutputView<dim> *view = nullptr; ///< while items are asked
-    bool adds_columns = false;             ///< while they are asked for a row
-    std::vector<ImpulseBalance> now, last; ///< at this row, and at the one before
-    double time_of_row = 0;                ///< until which impulses of the last row go
-    double time_of_work = 0;               ///< until which its works go
-    std::vector<std::string> keys;         ///< of one item in the summary
+    std::vector<double> reference_point;      ///< of moments; empty: that of the items [L]
+    const OutputView<dim> *view = nullptr;    ///< while items are asked
+    bool adds_columns = false;                ///< while they are asked for a row
+    std::vector<ImpulseBalance> now, last;    ///< at this row, and at the one before
+    double time_of_row = 0;                   ///< until which impulses of the last row go
+    double time_of_work = 0;                  ///< until which its works go
+    std::optional<std::uint64_t> step_of_row; ///< of the last row of this process
+    std::vector<std::string> keys;            ///< of one item in the summary
     std::vector<double> present_summary, summary_at_output; ///< impulse and `keys` of each item
     std::vector<double> present_largest, largest;           ///< one of each item
   };
