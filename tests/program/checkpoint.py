@@ -469,6 +469,11 @@ class BitwiseContacts(BitwiseCase):
         self.write("parts.prm", text + "set Output directory = output\n")
         self.check("parts.prm", 200, (0.8,), 1)
         self.check("parts.prm", 200, (0.75,), 2)
+        shutil.copy(os.path.join(directory, "two_parts.prm"), self.path("two_parts.prm"))
+        with open(os.path.join(directory, "two_parts_rub.prm")) as file:
+            self.write("parts.prm", file.read() + "set Output directory = output\n"
+                       "subsection Output\n  set Write solution = true\nend\n")
+        self.check("parts.prm", 200, (0.6,), 2)
 
     def write_rubbing_blocks(self):
         """The blocks that rub of the regression cases; they conduct heat and bond where it is hot."""

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
+#include <numeric>
 
 namespace tombolo
 {
@@ -178,6 +180,14 @@ namespace tombolo
         result |= 1u << m;
     }
     return result;
+  }
+
+  unsigned long n_labels_here(const std::vector<FragmentOfParticle> &fragments,
+                              const std::vector<std::uint64_t> &ids)
+  {
+    return std::inner_product(fragments.begin(), fragments.end(), ids.begin(), 0ul, std::plus<>(),
+                              [](const FragmentOfParticle &fragment, const std::uint64_t id)
+                              { return fragment.label == id; });
   }
 
   std::vector<FragmentOfParticle> find_fragments(const Stencils &shape,

@@ -101,7 +101,7 @@ namespace tombolo
     if (!setup.has_mechanics && self_contact)
       section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
     if (self_contact && setup.heat == nullptr)
-      FragmentFriction<dim>::refuse_without_heat(section);
+      RubbingLaw::refuse_without_heat(section);
     refuse_images_of_images<dim>(section, rows->support_entry(), *setup.nodes->images(),
                                  set.initial_positions(), set.initial_supports(),
                                  setup.communicator);
@@ -171,12 +171,6 @@ namespace tombolo
     IndexSet nodes = rows->required_nodes(set);
     for (const SurfaceFibre &fibre : fibres)
       nodes.add_indices(fibre.node.begin(), fibre.node.end());
-    if (self_contact)
-    {
-      std::vector<types::global_dof_index> near = self_contact->required_nodes();
-      std::sort(near.begin(), near.end());
-      nodes.add_indices(near.begin(), near.end());
-    }
     nodes.compress();
     return nodes;
   }
@@ -187,8 +181,6 @@ namespace tombolo
     rows->set_partition(partition);
     if (smoothing_settings.affine)
       rows->store_reference(set, kernel, partition.shared_from_this());
-    if (self_contact)
-      self_contact->set_partition(partition);
   }
 
   template <int dim>
@@ -204,14 +196,9 @@ namespace tombolo
   NeighbourhoodChange ParticleMethod<dim>::update_neighbourhoods(const NodalVector &position)
   {
     const NeighbourhoodChange of_rows = update_rows(position);
-    if (!self_contact)
-      return of_rows;
-    if (of_rows != NeighbourhoodChange::none)
-      self_contact->forget_fragments();
-    if (!self_contact->update(position, bonds.any()))
-      return of_rows;
-    return of_rows == NeighbourhoodChange::none ? NeighbourhoodChange::ghosts
-                                                : NeighbourhoodChange::neighbours;
+    if (self_contact)
+      self_contact->set_rows(of_rows != NeighbourhoodChange::none, bonds.any());
+    return of_rows;
   }
 
   template <int dim>

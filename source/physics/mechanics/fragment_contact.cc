@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -18,60 +19,58 @@ namespace tombolo
 
   namespace
   {
-    /** Of the parts whose fragments feel each other. */
+    /** The parts whose particles touch others. */
     template <int dim>
-    std::vector<SelfContact<dim> *> contacts_of(const Model<dim> &model)
+    std::vector<typename SpherePairs<dim>::Part> parts_in_contact(const Model<dim> &model)
     {
-      std::vector<SelfContact<dim> *> result;
+      std::vector<typename SpherePairs<dim>::Part> result;
       for (ParticleFormulation<dim> *const particles : model.particle_parts())
         if (SelfContact<dim> *const contact = particles->fragment_contact())
-          result.push_back(contact);
+          result.push_back({contact, particles});
       return result;
     }
 
-    /** The sum over parts and ranks. Collective. */
-    template <int dim>
-    FragmentCounts sum_of_counts(const Model<dim> &model)
+    /** Forces between parts were kept beside those of the points before. */
+    template <typename Archive>
+    void refuse_earlier_records(Archive &archive)
     {
-      FragmentCounts sum;
-      for (const SelfContact<dim> *const contact : contacts_of(model))
-      {
-        sum.n_fragments += contact->counts().n_fragments;
-        sum.n_touching += contact->counts().n_touching;
-      }
-      sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, model.communicator);
-      sum.n_touching = Utilities::MPI::sum(sum.n_touching, model.communicator);
-      return sum;
-    }
-
-    template <int dim>
-    bool has_friction(const Model<dim> &model)
-    {
-      const auto contacts = contacts_of(model);
-      return std::any_of(contacts.begin(), contacts.end(),
-                         [](const auto *contact) { return contact->rubs(); });
+      const std::string name = "contact between parts";
+      if (archive.is_reading() && archive.has(name))
+        archive.fail("it is of a version in which contact between particle parts kept forces and "
+                     "energies of its own (\"" +
+                     name +
+                     "\"); this one keeps them with the particles. Its run can be finished with "
+                     "that version.");
     }
   } // namespace
 
   template <int dim>
   FragmentContact<dim>::FragmentContact(const Model<dim> &model)
-      : model(model), revision_of_cells(model.revisions.cells), rubs(has_friction(model)),
+      : model(model), revision_of_cells(model.revisions.cells),
+        contact(parts_in_contact(model), *model.nodes, *model.bodies),
         forces(this->actions.add("contact of fragments", ActsAt::positions))
   {
-    if (!rubs)
+    if (!contact.rubs())
       forces.stays_on_rank();
+    if (parts_in_contact(model).size() > 1)
+    {
+      this->roles.divided_cells = ProcessRole::is_refused;
+      this->records.archived([](auto &archive) { refuse_earlier_records(archive); });
+    }
     this->observed.step_limits.connect(
         [&](const double stable_step, double &fraction)
-        {
-          for (const SelfContact<dim> *const contact : contacts_of(model))
-            fraction = std::min(fraction, contact->stable_fraction(stable_step));
-        });
-    this->observed.column("fragments", "1",
-                          [&] { return static_cast<double>(sum_of_counts(model).n_fragments); });
+        { fraction = std::min(fraction, contact.stable_fraction(stable_step)); });
+    const auto n_fragments = [&]
+    { return Utilities::MPI::sum(contact.counts().n_fragments, model.communicator); };
+    this->observed.column("fragments", "1", [=] { return static_cast<double>(n_fragments()); });
     this->observed.column("particles in self-contact", "1",
-                          [&] { return static_cast<double>(sum_of_counts(model).n_touching); });
-    this->observed.result("fragments", [&] { return sum_of_counts(model).n_fragments; });
-    if (!rubs || !model.heat)
+                          [&]
+                          {
+                            return static_cast<double>(Utilities::MPI::sum(
+                                contact.counts().n_touching, model.communicator));
+                          });
+    this->observed.result("fragments", [=] { return n_fragments(); });
+    if (!contact.rubs() || !model.heat)
       return;
     heat = &this->actions.add_heat("heat of fragments", "self-contact friction heat");
     heat->stays_on_rank();
@@ -85,16 +84,12 @@ namespace tombolo
     if (heat != nullptr)
       of_nodes = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
                   &model.heat->state.pending, heat};
-    NodalVector &loads = rubs ? forces.at_all_nodes() : forces.at_touched_nodes();
-    for (ParticleFormulation<dim> *const particles : model.particle_parts())
-      if (SelfContact<dim> *const contact = particles->fragment_contact())
-      {
-        if (revision_of_cells != model.revisions.cells)
-          contact->forget_fragments();
-        contact->add_forces(input, model.element_mass, particles->stencils(), particles->points(),
-                            loads, forces.touched_nodes(), of_nodes);
-      }
+    if (revision_of_cells != model.revisions.cells)
+      contact.forget_pairs();
     revision_of_cells = model.revisions.cells;
+    contact.add_forces(input, model.element_mass,
+                       contact.rubs() ? forces.at_all_nodes() : forces.at_touched_nodes(),
+                       forces.touched_nodes(), of_nodes);
   }
 
   namespace
@@ -110,9 +105,14 @@ namespace tombolo
                                    "it acts between fragments that move");
       }
 
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
       {
-        return contacts_of(model).empty() ? nullptr : std::make_unique<FragmentContact<dim>>(model);
+        constexpr std::size_t most_parts = 50; // bits of an exact double
+        const std::size_t n_parts = parts_in_contact(model).size();
+        if (n_parts > most_parts)
+          parameters.section("").fail("Parts", "allowed are 50 parts with self-contact.");
+        return n_parts == 0 ? nullptr : std::make_unique<FragmentContact<dim>>(model);
       }
     };
   } // namespace

@@ -53,6 +53,11 @@ namespace tombolo
                                                  const NodePartition &partition,
                                                  const Images &images = *Images::none());
 
+  /** How many fragments have their label from a particle of this rank, of which @p ids are the
+   * identifiers. */
+  unsigned long n_labels_here(const std::vector<FragmentOfParticle> &fragments,
+                              const std::vector<std::uint64_t> &ids);
+
   /** The mirrors of an image, as bits. */
   unsigned int mirrors_of(const Images::Map &reflection, const Images &images);
 } // namespace tombolo

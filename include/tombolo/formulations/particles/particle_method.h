@@ -28,10 +28,7 @@ namespace tombolo
     dealii::IndexSet required_nodes() const override;
     std::vector<ImageNode> required_image_nodes() const override
     {
-      std::vector<ImageNode> result = rows->required_image_nodes();
-      if (self_contact)
-        self_contact->add_image_nodes(result);
-      return result;
+      return rows->required_image_nodes();
     }
     void set_partition(const NodePartition &partition) override;
     EnergyAccounts energies() const override;

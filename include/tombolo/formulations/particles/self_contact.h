@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/fragment_friction.h>
 #include <tombolo/state/material_points.h>
-#include <tombolo/state/nodal_vector.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -24,7 +23,7 @@ namespace tombolo
     unsigned long n_touching = 0;  ///< particles that others push
   };
 
-  /** The particles of a part on this rank, as self-contact knows them; in the order of rows. */
+  /** The particles of a part on this rank, as contact knows them; in the order of rows. */
   struct ContactParticles
   {
     std::vector<dealii::types::global_dof_index> nodes; ///< ascending
@@ -35,27 +34,19 @@ namespace tombolo
     std::vector<double> copies;
   };
 
+  /** What contact keeps of a part from step to step, beside its points. */
+  template <int dim>
+  struct ContactOfPart
+  {
+    double stored = 0, dissipated = 0; ///< along normals, of this rank [M L^2/T^2]
+    FragmentCounts counts;             ///< of this rank; a fragment is counted where its label is
+    std::vector<bool> has_grown;       ///< particles, since pairs were found last
+    FrictionOfPart<dim> friction;
+  };
+
   /**
-   * Contact between the fragments of one part: bodies that no chain of bonds connects, debris
-   * without bonds among them. Each particle is a sphere (a disc) of the radius ½ V^(1/dim) of its
-   * initial volume. Where those of two particles of different fragments overlap by δ, a spring and
-   * a damper push both apart along the line between them,
-   *
-   *   f = k δ + b ⟨δ̇⟩,  k = s μ (c/h)²,  b = 2 ζ √(k μ),  μ = m̂_I m̂_J / (m̂_I + m̂_J),
-   *
-   * with the speed c of longitudinal waves and the smallest spacing h of the particles of the part,
-   * and with ⟨δ̇⟩ the speed of approach. There is no adhesion; friction and conduction are those of
-   * FragmentFriction. Both ends compute the same force from the same numbers, so that momentum is
-   * kept to round-off. Two particles that
-   * overlap when they come apart, or when cells make one of them, get smaller spheres, so that
-   * fragments begin to touch without a force. Two nodes of elements are left to the elements.
-   *
-   * At planes of symmetry particles also meet the images of others and their own ones, unless a
-   * chain of bonds connects both in the whole body. A particle on a plane has the sphere and the
-   * mass that it has in the whole body, and gets its share of the force.
-   *
-   * What damping takes is the work of the normal forces, by the mean of those at both ends of each
-   * step, less what their springs store.
+   * The contact of one part of particles: its law, its particles, and what is kept of them. Forces
+   * and pairs are those of SphereContact, which sees all parts with self-contact.
    */
   template <int dim>
   class SelfContact
@@ -68,11 +59,22 @@ namespace tombolo
     void set_images(const std::shared_ptr<const Images> &images)
     {
       images_of_part = images;
-      neighbourhoods.set_images(images);
     }
 
     /** What points must hold. */
     std::vector<FieldDescription> variables() const;
+
+    /** The addresses of these variables, by particle. */
+    struct Columns
+    {
+      std::array<double *, dim> force;          ///< of the step before, without friction
+      std::array<double *, dim> position;       ///< at its end
+      std::array<double *, node_stride> labels; ///< the first n_tags() of fragments (FragmentTag)
+      double *shrinkage;                        ///< of the radius, over the initial one
+    };
+    Columns columns(MaterialPoints &points) const;
+    /** How many numbers tell the fragment of a particle. */
+    unsigned int n_tags() const;
 
     /** Before anything else, and whenever there are more particles. @p wave_rate is c/h, the same
      * each time. Collective. */
@@ -83,113 +85,95 @@ namespace tombolo
      * broken bond on. @p partition as in find_fragments(). Collective. */
     unsigned long set_start(bool grows, const Stencils &shape, const NodePartition &partition);
 
-    /** Before each force, with current ghosts of @p position: looks for pairs anew where that is
-     * due. @p has_broken_bonds is that of all ranks. Returns whether the partition can lack what
-     * is required on any rank. Collective. */
-    bool update(const NodalVector &position, bool has_broken_bonds);
-
-    /** Rows have lost neighbours or have other ones, or elements have gone: fragments and pairs are
-     * to be found again. */
-    void forget_fragments()
+    /** In each step: whether rows have lost neighbours or have other ones, and whether any has
+     * lost some, on any rank. */
+    void set_rows(const bool have_changed, const bool are_torn)
     {
-      pairs_are_current = false;
+      revision_of_rows += have_changed ? 1 : 0;
+      is_torn = are_torn;
     }
 
-    /** Nodes whose values this rank must see. */
-    const std::vector<dealii::types::global_dof_index> &required_nodes() const
+    /** Whether there can be several fragments. */
+    bool is_apart() const
     {
-      return is_searched ? neighbourhoods.global_nodes() : particles.nodes;
+      return is_apart_at_start || is_torn;
     }
 
-    /** Adds the images of nodes whose values this rank must see. */
-    template <typename List>
-    void add_image_nodes(List &nodes) const
+    /** In the whole body. */
+    const ContactParticles &particles() const
     {
-      if (is_searched)
-        nodes.insert(nodes.end(), neighbourhoods.images().begin(), neighbourhoods.images().end());
+      return all_particles;
     }
 
-    /** Translates node numbers to those of a partition that has what is required. */
-    void set_partition(const NodePartition &partition)
+    /** What these count are changes of particles, and of rows as well. The same on all ranks. */
+    unsigned long particles_revision() const
     {
-      pairs_are_current = false;
-      if (is_searched)
-        neighbourhoods.set_partition(partition, candidates);
+      return revision_of_particles;
+    }
+    unsigned long rows_revision() const
+    {
+      return revision_of_rows;
     }
 
-    /** Adds the forces on this rank's particles to @p loads, forces at positions, and their nodes
-     * to @p loaded_nodes; with friction, loads of other nodes, ghosts among them, as well. @p
-     * element_mass is that of elements at owned nodes. @p points keep forces and fragments.
-     * Collective. */
-    void add_forces(const MechanicalInput &input, const NodalVector &element_mass,
-                    const Stencils &shape, MaterialPoints &points, NodalVector &loads,
-                    std::vector<unsigned int> &loaded_nodes, const FragmentHeat &heat);
+    /** @name The law */
+    ///@{
+    double frequency() const ///< √(k/μ) [1/T]
+    {
+      return law_frequency;
+    }
+    double damping() const ///< over the critical one
+    {
+      return law_damping;
+    }
+    const RubbingLaw &rubbing() const
+    {
+      return law_rubbing;
+    }
+    ///@}
+
+    /** The largest m̂, over all ranks [M]. */
+    double largest_mass() const
+    {
+      return mass;
+    }
 
     /** The share of @p stable_step, the limit without contact, that springs and dampers leave: to a
      * particle of a body with five others on its free side, or to debris among twelve. */
     double stable_fraction(double stable_step) const;
 
+    /** The share that is left where others push from @p n_pairs sides with springs of ω = @p
+     * angle over the step; @p of_body is 4 for a particle of a body, 0 for one alone. */
+    static double stable_fraction(double of_body, double n_pairs, double angle, double damping);
+
     /** What springs store, and what has been taken by damping, by spheres that shrink and by the
      * steps, and by friction: this rank's shares. */
     void account(EnergyAccounts &accounts) const;
 
-    /** As last looked for, over this rank; each fragment is counted where its label is. */
+    /** As last looked for, over this rank. */
     FragmentCounts counts() const
     {
-      return {n_fragments, n_touching};
+      return kept.counts;
     }
 
-    /** Whether fragments rub or conduct. */
+    /** Whether particles rub or conduct. */
     bool rubs() const
     {
-      return friction != nullptr;
+      return law_rubbing.rubs() || law_rubbing.conducts();
     }
 
     /** Beside points. */
     void list(Records &records);
 
+    ContactOfPart<dim> kept;
+
   private:
     explicit SelfContact(const Entries &e);
 
-    /** Finds fragments and the pairs of different ones. Collective. */
-    void find_pairs(const NodalVector &position, const NodalVector &element_mass,
-                    const Stencils &shape, MaterialPoints &points);
-    /** How many tags a node has. */
-    unsigned int n_tags() const;
-    double present_radius(const unsigned int i, const double shrinkage) const
-    {
-      return 0.5 * std::pow(particles.volumes[i], 1. / dim) * (1. - shrinkage);
-    }
-    /** Which particles of this rank touch another fragment. */
-    void find_touching(const NodalVector &position);
-    /** Makes spheres of pairs that were none before as small as it takes for no overlap.
-     * Collective. */
-    void shrink_spheres(const NodalVector &position, MaterialPoints &points);
-
-    double stiffness, damping;
-    MPI_Comm communicator = MPI_COMM_NULL;
+    double stiffness, law_damping, law_frequency = 0, mass = 0;
+    RubbingLaw law_rubbing;
     std::shared_ptr<const Images> images_of_part = Images::none();
-    ContactParticles particles;
-    std::vector<double> shares; // in the piece of the body, of particles of the whole one
-    bool is_apart_at_start = false;
-    double frequency = 0; // √(k/μ) [1/T]
-    double stored = 0, dissipated = 0;
-
-    // Candidates, found with a skin; rows have no shape functions.
-    std::vector<double> supports, present_position; // node_stride a particle
-    Neighbourhoods<dim> neighbourhoods;
-    Stencils candidates;
-    bool is_searched = false;
-    std::vector<bool> has_grown; // by particle, since pairs were found last
-
-    // Pairs of different fragments among them, by particle.
-    bool pairs_are_current = false;
-    FragmentPairs pairs;
-    // The fragment, and whether it is a node of elements; now, and when last found.
-    NodalVector tags, former_tags;
-    NodalVector spheres; // radius, mass, area
-    unsigned long n_fragments = 0, n_touching = 0;
-    std::unique_ptr<FragmentFriction<dim>> friction; // null: fragments neither rub nor conduct
-    std::vector<bool> is_touching;                   // particles, in this step; with friction alone
+    ContactParticles all_particles;
+    bool is_apart_at_start = false, is_torn = false;
+    unsigned long revision_of_particles = 0, revision_of_rows = 0;
   };
 } // namespace tombolo

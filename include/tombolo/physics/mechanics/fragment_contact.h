@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/formulations/particles/sphere_contact.h>
 #include <tombolo/model/process.h>
 
 namespace tombolo
 {
-  /** Contact between fragments of particle parts: bodies that no chain of bonds connects push each
-   * other away, and rub and conduct where the part asks for it. What it stores and dissipates
-   * stands among the energies of the parts. */
+  /** Contact between particles: fragments of a part, bodies that no chain of bonds connects, and
+   * bodies of different parts with self-contact push each other away, and rub and conduct where
+   * their parts ask for it. What it stores and dissipates stands among the energies of the parts.
+   */
   template <int dim>
   class FragmentContact : public Process<dim>
   {
@@ -16,10 +18,15 @@ namespace tombolo
 
     explicit FragmentContact(const Model<dim> &model);
 
+    SphereContact<dim> &between_particles()
+    {
+      return contact;
+    }
+
   private:
     const Model<dim> &model;
     unsigned long revision_of_cells;
-    bool rubs; // some part does, or conducts
+    SphereContact<dim> contact;
     Action &forces;
     HeatAction *heat = nullptr; // null where nothing heats
   };

@@ -82,10 +82,9 @@ namespace
         std::copy_n(given_velocity->node(i), node_stride, velocity.node(i));
     velocity.update_ghosts();
     std::vector<unsigned int> nodes;
-    ParticleFormulation<2> &particles = *body.part().particles;
-    particles.fragment_contact()->add_forces({&state.position, &velocity, 0.1},
-                                             body.model->element_mass, particles.stencils(),
-                                             particles.points(), loads, nodes, {});
+    SphereContact<2> &contact = body.model->find_process<FragmentContact<2>>()->between_particles();
+    contact.add_forces({&state.position, &velocity, 0.1}, body.model->element_mass, loads, nodes,
+                       {});
     const std::vector<std::uint64_t> label = labels(body);
     std::vector<Particle> own;
     for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
