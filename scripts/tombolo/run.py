@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 from .errors import TomboloError, nearest
+from .histories import has_table
 from .table import Table
 
 TABLES = {"statistics": "statistics", "contacts": "contact", "conditions": "conditions", "sections": "sections",
@@ -13,7 +14,8 @@ TABLES = {"statistics": "statistics", "contacts": "contact", "conditions": "cond
 
 class Run:
     """The output directory of a run. Each table is an attribute: `statistics`, `contacts`,
-    `conditions`, `sections`, `parts`, `probes`, `specimen`."""
+    `conditions`, `sections`, `parts`, `probes`, `specimen`, and by the name of its file that of a process
+    from outside, such as `springs`."""
 
     def __init__(self, directory):
         self.directory = Path(directory)
@@ -24,9 +26,10 @@ class Run:
 
     def __getattr__(self, name):
         """A table, which is read at its first use."""
-        if name not in TABLES:
+        path = self.directory / f"{TABLES.get(name, name)}.csv"
+        if name not in TABLES and (name.startswith("_") or not has_table(path)):
             raise AttributeError(f'a run has no "{name}".' + nearest(name, [*TABLES, "summary"]))
-        table = Table(self.directory / f"{TABLES[name]}.csv")
+        table = Table(path)
         setattr(self, name, table)
         return table
 
