@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/model/follow_divisions.h>
 #include <tombolo/model/mesh_transfer.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
@@ -39,19 +40,6 @@ namespace tombolo
       }
     }
 
-    /** Where nodes were when the state of the points was found, before the last motion; without
-     * the smoothing of its velocity. Collective. */
-    NodalVector position_of_points(const NodalState &state, const Clock &clock)
-    {
-      NodalVector result(state.partition());
-      result.copy_from(state.unsmoothed_velocity);
-      result.distribute();
-      const auto n = std::size_t(state.partition()->n_local()) * node_stride;
-      for (std::size_t i = 0; i < n; ++i)
-        result.data()[i] = state.position.data()[i] - clock.previous_step * result.data()[i];
-      return result;
-    }
-
     template <int dim>
     void write_state(Model<dim> &model, const Clock &clock, const std::string &file)
     {
@@ -70,7 +58,8 @@ namespace tombolo
       const MeshTransfer<dim> transfer(model, archive);
       serialize_model(model, archive, &transfer);
       if (model.has_mechanics)
-        transfer.settle_volumes(model, position_of_points(model.state, clock));
+        // Where nodes were when the state of the points was found.
+        transfer.settle_volumes(model, earlier_position(model.state, clock.previous_step));
       transfer.restore_momentum(model);
       if (model.heat)
         find_enthalpies(*model.heat);
