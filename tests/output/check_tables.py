@@ -31,6 +31,12 @@ TABLES = {"statistics", "contact", "conditions", "parts", "probes"}
 SETTINGS = ("End time = 0.8", "Output/visualization/Precision = single", "Output/Further outputs = part history",
             "Output/probes/Locations = tip: 2, 1, 1", "Output/probes/Steps = 1", "Output/contact history/Steps between rows = 3",
             "Output/contact history/Columns = floor *, ball penetration")
+OPENS_AND_DIES = """
+import os, sys, h5py
+file = h5py.File(sys.argv[1], "r+", libver="latest")
+file.swmr_mode = True
+os._exit(1)
+"""
 CHECKPOINTS = ("Checkpoint/Step interval = 7", "Checkpoint/Keep = 1000")
 
 
@@ -135,6 +141,17 @@ class Tables(unittest.TestCase):
         self.assertIn("with `Table format = hdf5` in section \"Output\", not `csv`", said)
         self.run_scene("output", HDF5, *CHECKPOINTS, options=option)
         self.run_scene("elsewhere", *CHECKPOINTS, options=option)
+
+    @unittest.skipUnless(RANKS == "1", "one number of ranks is enough")
+    def test_a_file_that_a_killed_run_had_open_is_read_and_continued(self):
+        output, _ = self.run_scene("output", HDF5, *CHECKPOINTS)
+        before = self.tables(output)
+        subprocess.run([sys.executable, "-c", OPENS_AND_DIES, str(output / "histories.h5")], check=False)
+        with self.assertRaises(OSError):
+            h5py.File(output / "histories.h5", "r")
+        np.testing.assert_array_equal(Table(output / "probes.csv")["time"], before["probes"][2][:, 0])
+        self.run_scene("output", HDF5, *CHECKPOINTS, options=("--resume",))
+        self.check_same(self.tables(output), before)
 
     @unittest.skipUnless(RANKS == "1", "one number of ranks is enough")
     def test_files_of_an_earlier_run_and_links_are_not_written_through(self):
