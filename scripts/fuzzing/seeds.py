@@ -10,6 +10,8 @@ import os
 import re
 import struct
 
+import body_meshes  # tests/regression
+
 # A run of a seed makes about so many steps.
 STEPS = 6
 MOST_CELLS = {2: 8, 3: 5}
@@ -115,7 +117,9 @@ def with_its_files(root, main):
             open_names.append(os.path.normpath(os.path.join(directory, other.decode())))
         for other in MESH_FILE.findall(files[name]):
             mesh = os.path.normpath(os.path.join(directory, other.decode()))
-            if os.path.isfile(os.path.join(root, mesh)):
+            if mesh in body_meshes.OF_TESTS:
+                files[mesh] = body_meshes.OF_TESTS[mesh]().text().encode()
+            elif os.path.isfile(os.path.join(root, mesh)):
                 files[mesh] = read(os.path.join(root, mesh))
     return files
 

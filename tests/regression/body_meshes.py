@@ -1,20 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Writes the meshes of the cases of contact between bodies.
+"""Writes the meshes of the cases of contact between bodies and the surfaces of their tools.
 
 usage: body_meshes.py
 
-They are written beside the parameter files that read them. Each is a file of gmsh, format 2.2, of blocks that share no node: `bars.msh` (two bars of other
-faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that meet in a plane with
-faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
-from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
-round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
-`flush_blocks.msh` and `flush_blocks_3d.msh` (two equal blocks with a common face), `flush_wholes.msh` and
-`flush_wholes_3d.msh` (of which they are a half and a quarter),
-`mirrored_half.msh` and `mirrored_whole.msh` (a block on a plane of symmetry and one beside it that is off the plane),
-`cut.msh` (a work piece and a tool that cuts it), `spheres.msh` (two bodies with round faces in space),
-`punch.msh` (a block on a wider one), `flat_shoulder.msh` (two plates side by side and a
-cylinder on them).
+They are written beside the parameter files that read them: those of OF_TESTS in tests/regression,
+where git ignores them since run_case.py makes its own, and those of SHIPPED below parameter_files.
+A mesh is a file of gmsh, format 2.2, of blocks that share no node; a surface is an .obj of
+polygons.
 """
 
 import itertools
@@ -25,8 +18,8 @@ from pathlib import Path
 class Mesh:
     """Quadrilaterals or hexahedra of lattices, with names of blocks and of their boundaries."""
 
-    def __init__(self, dim):
-        self.dim = dim
+    def __init__(self, dim, digits=17):
+        self.dim, self.digits = dim, digits
         self.nodes, self.elements, self.names = [], [], []
 
     def group(self, dim, name):
@@ -34,9 +27,10 @@ class Mesh:
             self.names.append((dim, name))
         return self.names.index((dim, name)) + 1
 
-    def add_block(self, name, coordinates, place, boundaries):
+    def add_block(self, name, coordinates, place, boundaries, by_rows=False):
         """A lattice of these coordinates by axis. `place` moves a node; `boundaries` takes (axis,
-        end) to the name of a boundary."""
+        end) to the name of a boundary. The cells are numbered along the last axis first, or
+        `by_rows` along the first one like the nodes."""
         counts = [len(axis) for axis in coordinates]
         numbers = {}
         for index in itertools.product(*(range(n) for n in reversed(counts))):
@@ -47,7 +41,8 @@ class Mesh:
         group = self.group(self.dim, name)
         square = [(0, 0), (1, 0), (1, 1), (0, 1)]
         corners = square if self.dim == 2 else [(i, j, k) for k in (0, 1) for i, j in square]
-        for index in itertools.product(*(range(n - 1) for n in counts)):
+        cells = itertools.product(*(range(n - 1) for n in counts))
+        for index in sorted(cells, key=lambda index: index[::-1]) if by_rows else cells:
             self.elements.append((3 if self.dim == 2 else 5, group,
                                   [numbers[tuple(i + c for i, c in zip(index, corner))]
                                    for corner in corners]))
@@ -133,16 +128,45 @@ class Mesh:
         for end, foot in ((lower, base), (upper, last)):
             self.elements += [(3, end, [foot + k for k in quad]) for quad in quads]
 
-    def write(self, path):
+    def text(self):
         lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(self.names))]
         lines += [f'{dim} {k + 1} "{name}"' for k, (dim, name) in enumerate(self.names)]
         lines += ["$EndPhysicalNames", "$Nodes", str(len(self.nodes))]
-        lines += [f"{k + 1} " + " ".join(f"{x:.17g}" for x in node)
+        lines += [f"{k + 1} " + " ".join(f"{x:.{self.digits}g}" for x in node)
                   for k, node in enumerate(self.nodes)]
         lines += ["$EndNodes", "$Elements", str(len(self.elements))]
         lines += [f"{k + 1} {kind} 2 {group} {group} " + " ".join(map(str, nodes))
                   for k, (kind, group, nodes) in enumerate(self.elements)]
-        path.write_text("\n".join(lines + ["$EndElements", ""]), encoding="utf-8")
+        return "\n".join(lines + ["$EndElements", ""])
+
+
+class Surface:
+    """Polygons of points, which are numbered from one, most of them in rings about the axis z."""
+
+    def __init__(self, what, n_around):
+        self.what, self.n_around = what, n_around
+        self.points, self.facets = [], []
+
+    def add_ring(self, radius, height):
+        """The number of its first point."""
+        self.points += [(radius * math.cos(angle), radius * math.sin(angle), height)
+                        for angle in even(0., 2. * math.pi, self.n_around)[:-1]]
+        return len(self.points) - self.n_around + 1
+
+    def join(self, low, high):
+        """Facets between two rings, or a ring and the first or last point, by first numbers."""
+        is_end = {1, len(self.points)}
+        for k in range(self.n_around):
+            after = (k + 1) % self.n_around
+            below = [low] if low in is_end else [low + k, low + after]
+            self.facets.append(below + ([high] if high in is_end else [high + after, high + k]))
+
+    def text(self):
+        lines = [f"# {self.what}"]
+        lines += ["v " + " ".join(f"{round(x, 12) + 0.:.9g}" for x in point)
+                  for point in self.points]
+        lines += ["f " + " ".join(map(str, facet)) for facet in self.facets]
+        return "\n".join(lines + [""])
 
 
 def even(low, high, n):
@@ -379,21 +403,117 @@ def rings(inner, outer):
     return mesh
 
 
+def two_blocks(dim):
+    """Blocks in cells of a third that fly at each other, the right one a little higher."""
+    mesh = Mesh(dim, 17 if dim == 2 else 12)
+    n, lows = ((15, 6), (0.21,)) if dim == 2 else ((6, 3, 3), (0.11, 0.21))
+    for left in ((0.,) * dim, (n[0] / 3. + 1., *lows)):
+        lattice = [[low + i * (1. / 3.) for i in range(count + 1)] for low, count in zip(left, n)]
+        mesh.add_block("blocks", lattice, lambda *point: point, {}, by_rows=True)
+    return mesh
+
+
+def static_drag():
+    """A block on a longer one."""
+    return stacked(([even(0., 6., 12), even(0., 1., 2)], [even(0.6, 2.6, 5), even(1., 1.5, 2)]))
+
+
+def static_stack():
+    """A quarter of three blocks on each other."""
+    return stacked([[even(0., width, n)] * 2 + [even(low, low + 1., 2)]
+                    for width, n, low in ((2., 4, 0.), (1.5, 3, 1.), (2., 4, 2.))])
+
+
+def stacked(blocks):
+    """Lattices with names of their lower and upper faces."""
+    mesh = Mesh(len(blocks[0]), 12)
+    axis = mesh.dim - 1
+    for number, lattice in enumerate(blocks, 1):
+        faces = {(axis, k): f"b{number} {'xyz'[axis]}{end}" for k, end in enumerate(("min", "max"))}
+        mesh.add_block(f"b{number}", lattice, lambda *point: point, faces, by_rows=True)
+    return mesh
+
+
+def cup():
+    """A thin wall of a cone of 36 degrees about the axis z, the radii from one to two inside."""
+    mesh = Mesh(3, 16)
+    half, n, rows = math.pi / 10., 32, 6
+    for depth in (0., 0.2):
+        for inside in even(1., 2., rows):
+            radius = inside + depth * math.cos(half)
+            height = inside / math.tan(half) - depth * math.sin(half)
+            mesh.nodes += [(radius * math.cos(angle), radius * math.sin(angle), height)
+                           for angle in even(0., 2. * math.pi, n)[:-1]]
+    group = mesh.group(3, "cup")
+    for first in range(1, n * rows + 1, n):
+        for k in range(n):
+            face = [first + k, first + (k + 1) % n, first + n + (k + 1) % n, first + n + k]
+            mesh.elements.append((5, group, face + [node + n * (rows + 1) for node in face]))
+    return mesh
+
+
+def sphere():
+    surface = Surface("A sphere of radius 10, of polygons, fine at its lowest point.", 48)
+    surface.points.append((0., 0., -10.))
+    angles = [0.015 * k for k in range(1, 13)]
+    angles += [0.21, 0.26, 0.34, 0.46, 0.64, 0.9, 1.2, 1.6, 2., 2.4, 2.8]
+    rings = [surface.add_ring(10. * math.sin(angle), -10. * math.cos(angle)) for angle in angles]
+    surface.points.append((0., 0., 10.))
+    for low, high in zip([1] + rings, rings + [len(surface.points)]):
+        surface.join(low, high)
+    return surface
+
+
+def cone():
+    surface = Surface("A cone of 36 degrees and a cylinder of radius 2.5, 360 facets around.", 360)
+    surface.points.append((0., 0., 0.))
+    edge, top = surface.add_ring(2.5, 2.5 / math.tan(math.pi / 10.)), surface.add_ring(2.5, 10.)
+    surface.points.append((0., 0., 10.))
+    surface.join(1, edge)
+    surface.join(edge, top)
+    surface.facets.append(range(top, top + surface.n_around))
+    return surface
+
+
+# What nobody but the tests reads, by the name of the file.
+OF_TESTS = {
+    **{f"{make.__name__}.msh": make
+       for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, spheres, punch, static_drag,
+                    static_stack, cup)},
+    "flush_blocks.msh": flush_blocks,
+    "flush_blocks_3d.msh": lambda: flush_blocks(3),
+    "flush_wholes.msh": lambda: flush_blocks(2, -2.),
+    "flush_wholes_3d.msh": lambda: flush_blocks(3, -2.),
+    "mirrored_half.msh": lambda: mirrored(False),
+    "mirrored_whole.msh": lambda: mirrored(True),
+    "small_rings.msh": lambda: rings(15., 20.),
+    "two_blocks.msh": lambda: two_blocks(2),
+    "two_blocks_3d.msh": lambda: two_blocks(3),
+    "sphere.obj": sphere,
+    "cone.obj": cone,
+}
+# By the path below parameter_files.
+SHIPPED = {
+    "smoothed_particles/colliding_rings.msh": lambda: rings(30., 40.),
+    "machining/cut.msh": cut,
+    "friction_stir_welding/flat_shoulder.msh": flat_shoulder,
+    **{f"contact/{make.__name__}.msh": make for make in (bars, cylinders, pressed_plate)},
+}
+
+
+def write(name, directory):
+    """Writes a file of OF_TESTS; its path."""
+    path = Path(directory) / name
+    path.write_text(OF_TESTS[name]().text(), encoding="utf-8")
+    return path
+
+
 def main():
-    project = Path(__file__).resolve().parents[2]
-    flush_blocks(3).write(project / "tests" / "regression" / "flush_blocks_3d.msh")
-    for dim, name in ((2, "flush_wholes"), (3, "flush_wholes_3d")):
-        flush_blocks(dim, -2.).write(project / "tests" / "regression" / f"{name}.msh")
-    for is_whole, name in ((False, "mirrored_half"), (True, "mirrored_whole")):
-        mirrored(is_whole).write(project / "tests" / "regression" / f"{name}.msh")
-    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, flush_blocks, spheres, punch):
-        make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
-    rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
-    rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")
-    cut().write(project / "parameter_files" / "machining" / "cut.msh")
-    flat_shoulder().write(project / "parameter_files" / "friction_stir_welding" / "flat_shoulder.msh")
-    for make in (bars, cylinders, pressed_plate):
-        make().write(project / "parameter_files" / "contact" / f"{make.__name__}.msh")
+    here = Path(__file__).resolve().parent
+    for name in OF_TESTS:
+        write(name, here)
+    for name, make in SHIPPED.items():
+        (here.parents[1] / "parameter_files" / name).write_text(make().text(), encoding="utf-8")
 
 
 if __name__ == "__main__":

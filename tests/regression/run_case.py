@@ -9,7 +9,8 @@ A case is a JSON object:
   "what"    one sentence: what the case proves
   "let"     names and texts; "{name}" anywhere below stands for the text
   "runs"    list of {"name", "file", "ranks", "set": {"Section/Entry": value}, "options": [...]};
-            the file is looked for beside the case, then in the project
+            the file is looked for beside the case, then in the project;
+            the mesh it names may be one that body_meshes.py writes
   "checks"  list of {"what", "value", "at_most", "at_least", "equals"}; the value is a Python
             expression of the functions below (see class Results); at least one bound is needed,
             and a value that is not a finite number fails
@@ -41,6 +42,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+import body_meshes
 import loaded
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -325,6 +327,8 @@ class Results:
 
 def run_all(runs, case, output, arguments):
     """Runs of one rank side by side, then the others one after the other."""
+    output.mkdir(parents=True, exist_ok=True)
+    write_meshes(runs, case, output)
     loaded.start_of(arguments.program)
     # A program removes its session of MPI while another one makes its own.
     sessions = queue.Queue()
@@ -349,18 +353,41 @@ def run_all(runs, case, output, arguments):
             shutil.rmtree(sessions.get(), ignore_errors=True)
 
 
+def scene_of(run, case):
+    """The parameter file of a run."""
+    for path in (case.parent / run["file"], PROJECT / run["file"]):
+        if path.is_file():
+            return path
+    raise CaseError(f"there is no file {run['file']}")
+
+
+def text_of(path):
+    """What stands in a parameter file and in those that it includes."""
+    text = path.read_text(encoding="utf-8")
+    included = re.findall(r"^\s*include\s+(\S+)", text, re.MULTILINE)
+    return "\n".join([text] + [text_of(path.parent / name) for name in included])
+
+
+def write_meshes(runs, case, output):
+    """Writes the meshes that scenes or their settings name into the working directory of the runs."""
+    scenes = {scene_of(run, case) for run in runs}
+    text = json.dumps(runs) + "".join(map(text_of, scenes))
+    for name in body_meshes.OF_TESTS:
+        if name in text:
+            mesh = body_meshes.write(name, output)
+            for beside in {scene.parent / name for scene in scenes}:
+                if beside.exists() and beside.read_bytes() != mesh.read_bytes():
+                    raise CaseError(f"{beside} would be taken, but is not what body_meshes.py writes")
+
+
 def run_program(run, case, output, arguments, session):
     """Runs the program once into output/name, with MPI's session in a directory."""
     directory = output / run["name"]
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
-    candidates = [case.parent / run["file"], PROJECT / run["file"]]
-    found = [path for path in candidates if path.is_file()]
-    if not found:
-        raise CaseError(f"there is no file {run['file']}")
     settings = {"Output/Write solution": "false", **run.get("set", {}),
                 "Output directory": str(directory)}
-    command = [*loaded.start_of(arguments.program), *run.get("options", []), str(found[0])]
+    command = [*loaded.start_of(arguments.program), *run.get("options", []), str(scene_of(run, case))]
     for entry, value in settings.items():
         command += ["--set", f"{entry} = {value}"]
     ranks = int(run.get("ranks", 1))
@@ -370,7 +397,7 @@ def run_program(run, case, output, arguments, session):
                        OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe", OMP_NUM_THREADS="1",
                        OMPI_MCA_hwloc_base_binding_policy="none",
                        OMPI_MCA_mpi_yield_when_idle="1", DEAL_II_NUM_THREADS="1", TMPDIR=session)
-    result = subprocess.run(command, env=environment, stdout=subprocess.PIPE,
+    result = subprocess.run(command, cwd=output, env=environment, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, text=True, check=False)
     directory.mkdir(exist_ok=True)
     (directory / "printed.txt").write_text(result.stdout, encoding="utf-8")
@@ -400,11 +427,16 @@ def bounds_of(check):
     return ", ".join(f"{word} {check[key]}" for key, word in words.items() if key in check)
 
 
+def found_program(name):
+    """The path of a program, which holds in any directory."""
+    return os.path.abspath(shutil.which(name) or name)
+
+
 def main():
     parser = argparse.ArgumentParser(description="Runs a case and checks its results.")
     parser.add_argument("case", type=Path)
-    parser.add_argument("--program", required=True, help="path of tombolo")
-    parser.add_argument("--mpiexec", default="mpirun")
+    parser.add_argument("--program", type=found_program, required=True, help="path of tombolo")
+    parser.add_argument("--mpiexec", type=found_program, default="mpirun")
     parser.add_argument("--output", type=Path, help="where the runs leave their results")
     parser.add_argument("--jobs", type=int, default=1, help="runs of one rank at a time")
     parser.add_argument("--report", action="store_true", help="print rows of a table in Markdown")

@@ -10,6 +10,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import body_meshes
+
 RUNNER = Path(__file__).with_name("run_case.py")
 # Writes what it was told through --set: table = the rows of statistics.csv. meet = how many runs must
 # have begun before it ends.
@@ -22,7 +24,8 @@ out.mkdir(parents=True, exist_ok=True)
 while len(list(out.parent.glob("*/begun"))) < int(given.get("meet", 0)):
     time.sleep(0.01)
 (out / "statistics.csv").write_text(given["table"].replace("|", chr(10)))
-(out / "summary.json").write_text('{"steps": 3}')
+meshes = len(list(pathlib.Path().glob("*.msh")))
+(out / "summary.json").write_text('{"steps": 3, "meshes": %d}' % meshes)
 print("largest share of bytes 0.51")
 sys.exit(int(given.get("exit", 0)))
 """
@@ -89,6 +92,17 @@ class Runner(unittest.TestCase):
         self.assertEqual(self.code(same, (TABLE, TABLE + "|2,3,0.5")), 1)
         self.assertEqual(self.code([{"value": "difference('r0', 'r1')", "at_most": 1e-6}],
                                    (TABLE, near)), 0)
+
+    def test_a_mesh_that_is_named_is_written_and_not_taken_from_elsewhere(self):
+        written = [{"value": "summary('r0', 'meshes')", "equals": 1}]
+        self.assertEqual(self.code(written), 1)
+        (self.root / "scene.prm").write_text("include body.prm\n")
+        (self.root / "body.prm").write_text("  set File = static_drag.msh\n")
+        self.assertEqual(self.code(written), 0)
+        (self.root / "static_drag.msh").write_text("")
+        self.assertEqual(self.code(written), 1)
+        (self.root / "static_drag.msh").write_text(body_meshes.static_drag().text())
+        self.assertEqual(self.code(written), 0)
 
     def test_a_number_is_found_in_what_was_printed(self):
         share = "audit('r0', 'share of bytes ([0-9.]+)')"
