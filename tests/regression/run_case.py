@@ -15,9 +15,12 @@ A case is a JSON object:
             expression of the functions below (see class Results); at least one bound is needed,
             and a value that is not a finite number fails
 
-A run or a check with "for": {"name": [texts]} stands for one of each combination. --jobs makes so many
-runs of one rank at a time; no run may need another one. --report prints the checks as rows of a table
-in Markdown. Exit code 0 only if every run ended as it should and every check holds.
+  "sets"    names and settings; a run with "with": [names] has these as well
+
+A run or a check with "for": {"name": [texts]} stands for one of each combination, and one with
+"for": {"name other": [[text, text]]} for one of each of these pairs. --jobs makes so many runs of one
+rank at a time; no run may need another one. --report prints the checks as rows of a table in
+Markdown. Exit code 0 only if every run ended as it should and every check holds.
 """
 
 import argparse
@@ -66,16 +69,31 @@ def filled(value, names):
     return value
 
 
-def expanded(entries, names, known):
-    """Entries with "for" written out."""
+def expanded(entries, case, known):
+    """Entries of a case with "for" and "with" written out."""
     for entry in entries:
         unknown = set(entry) - known
         if unknown:
             raise CaseError(f"unknown key {sorted(unknown)} in {entry}")
         loop = entry.get("for", {})
         for values in itertools.product(*loop.values()):
-            body = {key: value for key, value in entry.items() if key != "for"}
-            yield filled(body, {**names, **dict(zip(loop, values))})
+            names = dict(case.get("let", {}))
+            for key, value in zip(loop, values):
+                names.update(zip(key.split(), value) if isinstance(value, list) else [(key, value)])
+            body = {key: value for key, value in entry.items() if key not in ("for", "with")}
+            for common in reversed(filled(entry.get("with", []), names)):
+                body["set"] = {**case["sets"][common], **body.get("set", {})}
+            yield filled(body, names)
+
+
+def runs_of(case):
+    return list(expanded(case["runs"], case, {"name", "file", "ranks", "set", "options", "exit", "for",
+                                              "with"}))
+
+
+def checks_of(case):
+    return list(expanded(case["checks"], case, {"what", "value", "at_most", "at_least", "equals",
+                                                "for"}))
 
 
 def compressed_array(element):
@@ -446,11 +464,7 @@ def main():
     failures = 0
     try:
         case = json.loads(arguments.case.read_text(encoding="utf-8"))
-        names = case.get("let", {})
-        runs = list(expanded(case["runs"], names, {"name", "file", "ranks", "set", "options", "exit",
-                                                   "for"}))
-        checks = list(expanded(case["checks"], names, {"what", "value", "at_most", "at_least",
-                                                       "equals", "for"}))
+        runs, checks = runs_of(case), checks_of(case)
         if not checks:
             raise CaseError("a case without checks proves nothing")
         if len({run["name"] for run in runs}) != len(runs):

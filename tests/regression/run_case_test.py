@@ -45,8 +45,11 @@ class Runner(unittest.TestCase):
     def code(self, checks, tables=(TABLE, TABLE), jobs=1, **settings):
         runs = [{"name": f"r{i}", "file": "scene.prm", "set": {"table": table, **settings}}
                 for i, table in enumerate(tables)]
+        return self.code_of({"what": "", "runs": runs, "checks": checks}, jobs)
+
+    def code_of(self, content, jobs=1):
         case = self.root / "case.json"
-        case.write_text(json.dumps({"what": "", "runs": runs, "checks": checks}))
+        case.write_text(json.dumps(content))
         return subprocess.run([sys.executable, str(RUNNER), str(case), "--program",
                                str(self.program), "--output", str(self.root / "out"), "--jobs", str(jobs)],
                               capture_output=True, text=True, check=False).returncode
@@ -92,6 +95,18 @@ class Runner(unittest.TestCase):
         self.assertEqual(self.code(same, (TABLE, TABLE + "|2,3,0.5")), 1)
         self.assertEqual(self.code([{"value": "difference('r0', 'r1')", "at_most": 1e-6}],
                                    (TABLE, near)), 0)
+
+    def test_pairs_and_common_settings_are_written_out(self):
+        content = {"what": "", "sets": {"last": {"table": "time [T],x [L]|0,{x}"}, "bad": {"exit": 2}},
+                   "runs": [{"name": "{run}", "for": {"run x": [["r0", 3], ["r1", 4]]},
+                             "file": "scene.prm", "with": ["bad", "last"], "set": {"exit": 0}}],
+                   "checks": [{"value": "stat('{run}', 'x')", "for": {"run x": [["r0", 3], ["r1", 4]]},
+                               "equals": "{x}"}]}
+        self.assertEqual(self.code_of(content), 0)
+        content["checks"][0]["for"]["run x"][1][1] = 3
+        self.assertEqual(self.code_of(content), 1)
+        content["runs"][0]["with"] = ["lost"]
+        self.assertEqual(self.code_of(content), 1)
 
     def test_a_mesh_that_is_named_is_written_and_not_taken_from_elsewhere(self):
         written = [{"value": "summary('r0', 'meshes')", "equals": 1}]
