@@ -17,7 +17,8 @@ A case is an object:
   ranks      rank counts to run on; 1 and 2 unless given
   leaves     names that must be in the output directory afterwards; if not given, there must be none
 
-Nothing may be printed twice or show a stack trace.
+Nothing may be printed twice or show a stack trace. Before the cases there may be an object {"let":
+{name: value}}; "{name}" in a case stands for this text, or pair of "replace".
 """
 
 import json
@@ -60,6 +61,21 @@ def parameter_text(case):
             raise ValueError("%r stands %d times in %s" % (old, text.count(old), name))
         text = text.replace(old, new)
     return text
+
+
+def cases_of(path):
+    with open(path) as file:
+        cases = json.load(file)
+    names = cases.pop(0)["let"] if "let" in cases[0] else {}
+
+    def filled(value):
+        if isinstance(value, dict):
+            return {key: filled(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [filled(item) for item in value]
+        return names.get(value[1:-1], value) if isinstance(value, str) and value[:1] == "{" else value
+
+    return [filled(case) for case in cases]
 
 
 def problems_of(case, program, mpiexec, ranks, session_directories):
@@ -120,8 +136,7 @@ def problems_of(case, program, mpiexec, ranks, session_directories):
 def main():
     program, mpiexec, ranks, case_file = sys.argv[1:5]
     ranks = int(ranks)
-    with open(case_file) as file:
-        cases = json.load(file)
+    cases = cases_of(case_file)
     if len(sys.argv) > 5:
         cases = [case for case in cases if sys.argv[5] in case["name"]]
     names = [case["name"] for case in cases]
