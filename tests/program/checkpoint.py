@@ -26,7 +26,8 @@ import command_line
 import loaded
 import run_cases
 
-sys.path.insert(0, os.path.join(os.path.dirname(run_cases.HERE), "regression"))
+REGRESSION = os.path.join(os.path.dirname(run_cases.HERE), "regression")
+sys.path.insert(0, REGRESSION)
 import body_meshes
 
 # What a summary says of the machine and the time.
@@ -59,33 +60,24 @@ IMPACT = (PROBES, ["  set Formulation = hexahedron\n  set Material    = steel\n"
                   "  set Safety factor = 0.5"))
 
 
+def scene_of_regression(name, *changes):
+    text = run_cases.changed_file(os.path.join(REGRESSION, name), changes)
+    return text + "set Output directory = output\n"
+
+
 def block(smoothing="affine", cells="6, 4, 4"):
     """The stretched block of the regression cases, smaller, with a lattice filter."""
-    path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "stretch.prm")
-    with open(path) as file:
-        text = file.read()
-    for old, new in (("10, 6, 6", cells), ("Times = 10", "Times = 1, 3"),
-                     ("set Smoothing           = affine", "set Smoothing = " + smoothing),
-                     ("x > -1", "x < 1e-9 || x > 0.999"),
-                     ("= 0.1*x; 0; 0", "= 0.1*x; free; free"),
-                     ("set End time   = 10", "set End time   = 4")):
-        if text.count(old) != 1:
-            raise ValueError(old)
-        text = text.replace(old, new)
-    return text + "set Output directory = output\n"
+    return scene_of_regression(
+        "stretch.prm", ("10, 6, 6", cells), ("Times = 10", "Times = 1, 3"),
+        ("set Smoothing           = affine", "set Smoothing = " + smoothing),
+        ("x > -1", "x < 1e-9 || x > 0.999"), ("= 0.1*x; 0; 0", "= 0.1*x; free; free"),
+        ("set End time   = 10", "set End time   = 4"))
 
 
 def torn_bar(end="16", *changes):
     """The bar that tears of the regression cases, its bonds breaking until half of the time."""
-    path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "tear.prm")
-    with open(path) as file:
-        text = file.read()
-    for old, new in (("End time           = 60", "End time = " + end),
-                     ("Number = 30", "Number = 4"), ("Fixed = 0.0625", "Fixed = 0.25")) + changes:
-        if text.count(old) != 1:
-            raise ValueError(old)
-        text = text.replace(old, new)
-    return text + "set Output directory = output\n"
+    return scene_of_regression("tear.prm", ("End time           = 60", "End time = " + end),
+                               ("Number = 30", "Number = 4"), ("Fixed = 0.0625", "Fixed = 0.25"), *changes)
 
 
 RENEWED = ("    set Bond failure", "    set Configuration = updated Lagrangian\n"
@@ -99,19 +91,13 @@ class Case(command_line.Case):
 
     def write_colliding_bar(self, end, damping, configuration="total Lagrangian"):
         """The bar that tears and meets itself again, sooner than in the regression cases."""
-        directory = os.path.join(os.path.dirname(run_cases.HERE), "regression")
-        shutil.copy(os.path.join(directory, "tear.prm"), self.path("tear.prm"))
-        with open(os.path.join(directory, "self_contact.prm")) as file:
-            text = file.read()
-        for old, new in (("End time           = 350", "End time = " + end),
-                         ("Self-contact = true", "Self-contact = true\n    set Self-contact damping = "
-                          + damping + "\n    set Smoothing = paper\n    set Configuration = "
-                          + configuration),
-                         ("t < 70, 1e-3", "t < 70, 3e-3"), ("t < 70, -1e-3", "t < 70, -3e-3")):
-            if text.count(old) != 1:
-                raise ValueError(old)
-            text = text.replace(old, new)
-        self.write("bar.prm", text + "set Output directory = output\nset Largest energy error = 0\n"
+        shutil.copy(os.path.join(REGRESSION, "tear.prm"), self.path("tear.prm"))
+        text = scene_of_regression(
+            "self_contact.prm", ("End time           = 350", "End time = " + end),
+            ("Self-contact = true", "Self-contact = true\n    set Self-contact damping = " + damping +
+             "\n    set Smoothing = paper\n    set Configuration = " + configuration),
+            ("t < 70, 1e-3", "t < 70, 3e-3"), ("t < 70, -1e-3", "t < 70, -3e-3"))
+        self.write("bar.prm", text + "set Largest energy error = 0\n"
                    "subsection Time step\n  set Fixed = 0.25\nend\nsubsection Output\n  set Number = 6\nend\n")
 
     def write_small_rod(self, *changes, checkpoints=""):
@@ -250,18 +236,14 @@ class BitwiseDivisions(BitwiseCase):
     def test_cells_that_are_divided_and_joined_in_the_run(self):
         """With heat, a symmetry plane, and histories beside the pictures."""
         path = os.path.join(command_line.SOURCE, "parameter_files", "adaptive_refinement", "pulse.prm")
-        with open(path) as file:
-            text = file.read()
-        for old, new in (("set End time         = 8", "set End time = 3"),
-                         ("Cells        = 40, 4", "Cells = 20, 2"),
-                         ("set Conditions       = pulse", "set Conditions = pulse, axis"),
-                         ("set Number = 8", "set Number = 3\n  subsection probes\n    set Locations = 5, 1\n  end"),
-                         ("subsection Exact solution", "subsection Condition: axis\n  set Type = symmetry\n"
-                          "  set Boundary = y min\nend\nsubsection Exact solution"),
-                         ("ratio = 0\n  end", "ratio = 0\n  end\n  subsection Heat\n    set Specific heat capacity = "
-                          "1\n    set Conductivity = 1\n    set Initial temperature = 300\n  end")):
-            self.assertEqual(text.count(old), 1, old)
-            text = text.replace(old, new)
+        text = run_cases.changed_file(path, (
+            ("set End time         = 8", "set End time = 3"), ("Cells        = 40, 4", "Cells = 20, 2"),
+            ("set Conditions       = pulse", "set Conditions = pulse, axis"),
+            ("set Number = 8", "set Number = 3\n  subsection probes\n    set Locations = 5, 1\n  end"),
+            ("subsection Exact solution", "subsection Condition: axis\n  set Type = symmetry\n"
+             "  set Boundary = y min\nend\nsubsection Exact solution"),
+            ("ratio = 0\n  end", "ratio = 0\n  end\n  subsection Heat\n    set Specific heat capacity = "
+             "1\n    set Conductivity = 1\n    set Initial temperature = 300\n  end")))
         text = text[:text.index("set Output directory")] + text[text.index("set End time"):]
         self.write("pulse.prm", text + "set Output directory = output\n")
         self.check("pulse.prm", 5, (0.7,), 1)
@@ -281,13 +263,10 @@ class BitwiseDivisions(BitwiseCase):
 class BitwiseRefills(BitwiseCase):
     def test_smoothed_cells_that_are_refilled(self):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "trade_study", "scenes")
-        with open(os.path.join(directory, "sheared_block.prm")) as file:
-            text = file.read()
-        for old, new in (("End time           = 1000", "End time           = 150"),
-                         ("Number         = 30", "Number         = 6"),
-                         ("Write solution = false", "Write solution = true")):
-            self.assertIn(old, text)
-            text = text.replace(old, new)
+        text = run_cases.changed_file(os.path.join(directory, "sheared_block.prm"), (
+            ("End time           = 1000", "End time           = 150"),
+            ("Number         = 30", "Number         = 6"),
+            ("Write solution = false", "Write solution = true")))
         self.write("block.prm", text + "set Output directory = output\n")
         self.check("block.prm", 250, (0.9,), 1)
         self.check("block.prm", 250, (0.7,), 2)
@@ -300,7 +279,7 @@ class BitwiseRefills(BitwiseCase):
         self.check("block.prm", 250, (0.7,), 2)
 
     def test_smoothed_cells_that_are_refilled_beside_a_rigid_part(self):
-        self.write("block.prm", f"include {command_line.SOURCE}/tests/regression/refill_beside_rigid.prm\n"
+        self.write("block.prm", f"include {REGRESSION}/refill_beside_rigid.prm\n"
                    "set Output directory = output\nsubsection Output\n  set Write solution = true\nend\n")
         self.check("block.prm", 3, (0.7,), 1)
         self.check("block.prm", 3, (0.9,), 2)
@@ -330,8 +309,7 @@ class BitwiseKernels(BitwiseCase):
         self.check("block.prm", 5, (0.4,), 2)
 
     def test_smoothed_particles_with_pair_terms(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
-        self.write("body.prm", f"include {directory}/pair_body.prm\nset Output directory = output\n"
+        self.write("body.prm", f"include {REGRESSION}/pair_body.prm\nset Output directory = output\n"
                    "set End time = 8\nsubsection Part: square\n  subsection smoothed particle\n"
                    "    set Artificial viscosity = true\n    set Artificial stress = true\n"
                    "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
@@ -341,19 +319,14 @@ class BitwiseKernels(BitwiseCase):
         self.check("body.prm", 4, (0.6,), 2)
 
     def test_smoothed_particles_beside_elements_that_tear_and_heat(self):
-        path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "smoothed_bar.prm")
-        with open(path) as file:
-            text = file.read()
         for configuration, ranks in (("total Lagrangian", 2), ("current", 2),
                                      ("current\n    set Gradient = paper", 1),
                                      ("updated Lagrangian\n    set Rebuild interval = 7", 2)):
-            changed = text
-            for old, new in (("set Configuration = total Lagrangian", "set Configuration = " + configuration),
-                             ("End time           = 60", "End time = 12"), ("Fixed = 0.0625", "Fixed = 0.25"),
-                             ("Number         = 30", "Number = 4"), ("solution = false", "solution = true")):
-                self.assertEqual(changed.count(old), 1, old)
-                changed = changed.replace(old, new)
-            self.write("bar.prm", changed + "set Output directory = output\nset Largest energy error = 0\n")
+            text = scene_of_regression(
+                "smoothed_bar.prm", ("set Configuration = total Lagrangian", "set Configuration = " + configuration),
+                ("End time           = 60", "End time = 12"), ("Fixed = 0.0625", "Fixed = 0.25"),
+                ("Number         = 30", "Number = 4"), ("solution = false", "solution = true"))
+            self.write("bar.prm", text + "set Largest energy error = 0\n")
             self.check("bar.prm", 6, (0.7,), ranks)
 
 
@@ -415,9 +388,8 @@ class BitwiseImpacts(BitwiseCase):
         self.check("bar.prm", 20, (0.6,), 2)
 
     def test_bar_that_fails_by_damage(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
         for scene in ("ductile_erosion", "ductile_conversion"):
-            self.write("bar.prm", f"include {directory}/{scene}.prm\nset Output directory = output\n"
+            self.write("bar.prm", f"include {REGRESSION}/{scene}.prm\nset Output directory = output\n"
                        "set End time = 8e-6\nsubsection Output\n  set Number = 4\nend\n")
             self.check("bar.prm", 20, (0.9,), 1)
             self.check("bar.prm", 20, (0.4,), 2)
@@ -432,24 +404,17 @@ class BitwiseImpacts(BitwiseCase):
 
 class BitwiseContacts(BitwiseCase):
     def test_rigid_part_that_tumbles_and_bounces(self):
-        path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
-        with open(path) as file:
-            text = file.read()
-        for old, new in (("set End time  = 0.5", "set End time  = 0.15"),
-                         ("set Damping   = 0", "set Friction  = 0.2"),
-                         ("= free\n", "= free\n    set Initial spin = 3, 10, -2\n"),
-                         ("solution = false", "solution = true"), ("rows = 1", "rows = 7")):
-            if text.count(old) != 1:
-                raise ValueError(old)
-            text = text.replace(old, new)
-        self.write("rigid.prm", text + "set Output directory = output\n")
+        self.write("rigid.prm", scene_of_regression(
+            "rigid_drop.prm", ("set End time  = 0.5", "set End time  = 0.15"),
+            ("set Damping   = 0", "set Friction  = 0.2"),
+            ("= free\n", "= free\n    set Initial spin = 3, 10, -2\n"),
+            ("solution = false", "solution = true"), ("rows = 1", "rows = 7")))
         self.check("rigid.prm", 240, (0.8,), 1)
         self.check("rigid.prm", 240, (0.5,), 2)
 
     def test_contact_with_the_surface_of_a_part_with_friction_and_heat(self):
-        regression = os.path.join(os.path.dirname(run_cases.HERE), "regression")
         body_meshes.write("half_spaces.msh", self.path())
-        self.write("part.prm", f"include {regression}/part_half_spaces.prm\n"
+        self.write("part.prm", f"include {REGRESSION}/part_half_spaces.prm\n"
                    "set Output directory = output\nset End time = 0.004\n"
                    "subsection Contact: joint\n  set Friction = 0.3\n  set Heat fraction = by effusivity\nend\n"
                    "subsection Heat\n  subsection explicit\n    set Maximum = 4e-5\n  end\nend\n"
@@ -459,11 +424,9 @@ class BitwiseContacts(BitwiseCase):
         self.check("part.prm", 20, (0.5,), 2)
 
     def test_two_parts_that_collide(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
         body_meshes.write("two_blocks.msh", self.path())
-        with open(os.path.join(directory, "two_parts.prm")) as file:
-            text = file.read().replace("set Write solution = false", "set Write solution = true")
-        self.write("parts.prm", text + "set Output directory = output\n")
+        self.write("parts.prm", scene_of_regression(
+            "two_parts.prm", ("Write solution = false", "Write solution = true")))
         self.check("parts.prm", 200, (0.8,), 1)
         self.check("parts.prm", 200, (0.75,), 2)
         shutil.copy(os.path.join(directory, "two_parts.prm"), self.path("two_parts.prm"))
@@ -474,17 +437,11 @@ class BitwiseContacts(BitwiseCase):
 
     def write_rubbing_blocks(self):
         """The blocks that rub of the regression cases; they conduct heat and bond where it is hot."""
-        directory = os.path.join(os.path.dirname(run_cases.HERE), "regression")
         body_meshes.write("rubbing.msh", self.path())
-        with open(os.path.join(directory, "rubbing.prm")) as file:
-            text = file.read()
-        for old, new in (("Write solution = false", "Write solution = true"),
-                         ("  set Friction        = 0.3", "  set Friction = 0.3\n  set Conductance = 0.3\n"
-                          "  set Bonding temperature = 0.5")):
-            if text.count(old) != 1:
-                raise ValueError(old)
-            text = text.replace(old, new)
-        self.write("rubbing.prm", text + "set Output directory = output\n")
+        self.write("rubbing.prm", scene_of_regression(
+            "rubbing.prm", ("Write solution = false", "Write solution = true"),
+            ("  set Friction        = 0.3", "  set Friction = 0.3\n  set Conductance = 0.3\n"
+             "  set Bonding temperature = 0.5")))
 
     def test_bodies_that_rub_conduct_and_bond(self):
         self.write_rubbing_blocks()

@@ -65,13 +65,8 @@ class Mistakes(command_line.Case):
         return [message for _, message in found], printed
 
     def write_twenty(self, *changes):
-        with open(os.path.join(run_cases.HERE, "twenty_mistakes.prm")) as file:
-            text = file.read()
-        for old, new in changes:
-            self.assertEqual(text.count(old), 1, old)
-            text = text.replace(old, new)
         with open(self.path("case.prm"), "w") as file:
-            file.write(text)
+            file.write(run_cases.changed_file(os.path.join(run_cases.HERE, "twenty_mistakes.prm"), changes))
 
     def test_twenty_mistakes_are_told_at_once_in_the_order_of_the_file(self):
         self.write_twenty()

@@ -50,17 +50,21 @@ def run(command, directory, environment=None):
         return code, printed.read().decode(errors="replace")
 
 
+def changed_file(path, changes):
+    """The text of a file with changes, pairs of an old text, which stands in it once, and a new one."""
+    with open(path) as file:
+        text = file.read()
+    for old, new in changes:
+        if text.count(old) != 1:
+            raise ValueError("%r stands %d times in %s" % (old, text.count(old), path))
+        text = text.replace(old, new)
+    return text
+
+
 def parameter_text(case):
     if "text" in case:
         return case["text"]
-    name = case.get("file", "rod.prm")
-    with open(os.path.join(HERE, name)) as file:
-        text = file.read()
-    for old, new in case.get("replace", []):
-        if text.count(old) != 1:
-            raise ValueError("%r stands %d times in %s" % (old, text.count(old), name))
-        text = text.replace(old, new)
-    return text
+    return changed_file(os.path.join(HERE, case.get("file", "rod.prm")), case.get("replace", []))
 
 
 def cases_of(path):
