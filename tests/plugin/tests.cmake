@@ -19,3 +19,12 @@ add_test(NAME install_to_a_prefix
   COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR}
     --prefix ${PROJECT_BINARY_DIR}/tests/prefix)
 set_tests_properties(install_to_a_prefix PROPERTIES FIXTURES_SETUP installed_prefix)
+
+# Projects of their own, which find it, build a plug-in and run it.
+foreach(kind formulation material process)
+  set(plugin_source ${PROJECT_SOURCE_DIR}/tests/plugin_${kind})
+  add_test(NAME plugin_a_${kind}_from_outside
+    COMMAND ${TOMBOLO_PYTHON} -B ${plugin_source}/check.py ${PROJECT_BINARY_DIR}/tests/prefix
+      ${plugin_source} ${PROJECT_BINARY_DIR}/tests/plugin_${kind} ${DEAL_II_MPIEXEC} ${CMAKE_COMMAND})
+  set_tests_properties(plugin_a_${kind}_from_outside PROPERTIES FIXTURES_REQUIRED installed_prefix)
+endforeach()

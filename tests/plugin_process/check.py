@@ -1,60 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Builds the heat source and the spring with an installed Tombolo, runs them and checks them.
+"""Runs the heat source and the spring and checks them."""
 
-usage: check.py PREFIX SOURCE DIRECTORY MPIEXEC CMAKE
-"""
-
-import csv
-import os
-import subprocess
 import sys
 from math import hypot
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
-import loaded
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugin"))
+import outside
 
 # What the mechanics of the expanding plate sums from terms that cancel: no relative error.
 CANCELLING = ("momentum", "impulse", "drift", "error", "share")
 
 
-def rows_of(directory, table="statistics.csv"):
-    """The rows of a table over time, without the units in the names of columns."""
-    with open(Path(directory) / table, newline="", encoding="utf-8") as file:
-        return [{name.split(" [")[0]: float(value) for name, value in row.items() if value}
-                for row in csv.DictReader(file)]
-
-
 def main():
-    prefix, source, directory, mpiexec, cmake = sys.argv[1:6]
-    build = f"{directory}/build"
-    for command in ([cmake, "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"],
-                    [cmake, "--build", build]):
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-
-    binary = os.environ["TOMBOLO_BINARY_DIR"]
-    server = loaded.Server(f"{prefix}/bin/tombolo", f"{binary}/lib/libprogram_server.so")
-
-    def run(name, file, *settings, ranks=1, options=(), succeeds=True):
-        command = [f"{binary}/bin/start_loaded", server.socket, "--overwrite", *options, "--set",
-                   f"Plugin libraries = {build}/libmoving_heat_source.so, {build}/libpoint_spring.so",
-                   "--set",
-                   f"Output directory = {directory}/{name}"]
-        for setting in settings:
-            command += ["--set", setting]
-        launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
-        result = subprocess.run(launcher + command + [f"{source}/{file}"], text=True, check=False,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=loaded.environment(ranks))
-        if (result.returncode == 0) != succeeds:
-            sys.exit(f"{name} ended with {result.returncode}:\n{result.stdout}")
-        return result.stdout
-
-    problems = []
-
-    def expect(is_true, text):
-        if not is_true:
-            problems.append(text)
+    project = outside.Project("moving_heat_source", "point_spring")
+    run, rows_of, expect = project.run, project.rows, project.expect
 
     def near(value, wanted, scale):
         return abs(value - wanted) <= 1e-12 * scale
@@ -66,7 +27,7 @@ def main():
             name = f"{scene}_{ranks}"
             text = run(name, f"{scene}.prm", ranks=ranks)
             expect('heat source "torch" of radius 0.08' in text, f"{name} does not describe it")
-            tables.append(rows_of(f"{directory}/{name}"))
+            tables.append(rows_of(name))
             expect(len(tables[-1]) == 3, f"{name} has {len(tables[-1])} rows, not 3")
             for row in tables[-1]:
                 t = row["time"]
@@ -88,17 +49,17 @@ def main():
                            f"{scene}: {column} is {value} on one rank, {two[column]} on two")
 
         # From the middle of the run, which is within a thermal step where there is mechanics.
-        checkpoints = sorted(Path(f"{directory}/{scene}_1/checkpoint").glob("step_*.h5"))
+        checkpoints = sorted(project.path(f"{scene}_1", "checkpoint").glob("step_*.h5"))
         expect(len(checkpoints) > 1, f"{scene}: {len(checkpoints)} checkpoints")
         run(f"{scene}_resumed", f"{scene}.prm",
             options=[f"--resume={checkpoints[(len(checkpoints) - 1) // 2]}"])
-        expect(Path(f"{directory}/{scene}_resumed/statistics.csv").read_bytes() ==
-               Path(f"{directory}/{scene}_1/statistics.csv").read_bytes(),
+        expect(project.path(f"{scene}_resumed", "statistics.csv").read_bytes() ==
+               project.path(f"{scene}_1", "statistics.csv").read_bytes(),
                f"{scene}: the resumed run is another one")
     expect(tables[0][-1]["thermal work"] != 0, "nothing expanded")
     run("at_rest", "expansion.prm", "Time integration = quasi-static", "Conditions = hold",
         "Condition: hold/Type = clamp", "Condition: hold/Boundary = x min")
-    last = rows_of(f"{directory}/at_rest")[-1]
+    last = rows_of("at_rest")[-1]
     expect(near(last["heat of torch"], given_in_all, given_in_all) and last["thermal work"] != 0,
            "a body at rest is not heated")
 
@@ -109,7 +70,7 @@ def main():
         for ranks in (1, 2):
             name = f"spring_{smoothing}_{ranks}"
             run(name, "spring.prm", f"{particles}/Smoothing = {smoothing}", ranks=ranks)
-            tables.append(rows_of(f"{directory}/{name}"))
+            tables.append(rows_of(name))
             expect(len(tables[-1]) == 6, f"{name} has {len(tables[-1])} rows, not 6")
             for row in tables[-1]:
                 for column, most in (("energy error", 2e-5), ("momentum drift", 1e-12)):
@@ -117,7 +78,7 @@ def main():
             last = tables[-1][-1]
             for spring in springs:
                 expect(last[f"work of {spring}"] != 0, f"{name}: spring {spring} does no work")
-            for row in rows_of(f"{directory}/{name}", "springs.csv"):
+            for row in rows_of(name, "springs.csv"):
                 for spring, stiffness in zip(springs, (200, 100, 300)):
                     force = hypot(row[f"{spring} force x"], row[f"{spring} force y"])
                     expect(near(force, stiffness * row[f"{spring} length"], stiffness),
@@ -131,16 +92,16 @@ def main():
                 if not any(word in column for word in CANCELLING):
                     expect(abs(two[column] - value) <= 1e-9 * scale,
                            f"{smoothing}: {column} is {value} on one rank, {two[column]} on two")
-        checkpoints = sorted(Path(f"{directory}/spring_{smoothing}_1/checkpoint").glob("step_*.h5"))
+        checkpoints = sorted(project.path(f"spring_{smoothing}_1", "checkpoint").glob("step_*.h5"))
         expect(len(checkpoints) > 1, f"springs: {len(checkpoints)} checkpoints")
         run("spring_resumed", "spring.prm", f"{particles}/Smoothing = {smoothing}",
             options=[f"--resume={checkpoints[len(checkpoints) // 2]}"])
-        expect(Path(f"{directory}/spring_resumed/statistics.csv").read_bytes() ==
-               Path(f"{directory}/spring_{smoothing}_1/statistics.csv").read_bytes(),
+        expect(project.path("spring_resumed", "statistics.csv").read_bytes() ==
+               project.path(f"spring_{smoothing}_1", "statistics.csv").read_bytes(),
                f"{smoothing}: the resumed run with springs is another one")
-        rows = rows_of(f"{directory}/spring_resumed", "springs.csv")  # from the checkpoint on
+        rows = rows_of("spring_resumed", "springs.csv")  # from the checkpoint on
         expect(len(rows) > 1 and
-               rows == rows_of(f"{directory}/spring_{smoothing}_1", "springs.csv")[-len(rows):],
+               rows == rows_of(f"spring_{smoothing}_1", "springs.csv")[-len(rows):],
                f"{smoothing}: springs.csv of the resumed run is another one")
     # Clamped particles, which have no images at rest, and nodes between others above a plane of
     # symmetry, along which springs alone hold the body.
@@ -155,7 +116,7 @@ def main():
                 *(f"Process: {spring}/point spring/Stiffness = {stiffness * stiffer}"
                   for spring, stiffness in (("between", 200), ("above", 100), ("inside", 300))),
                 ranks=ranks)
-            for row in rows_of(f"{directory}/{name}_at_rest"):
+            for row in rows_of(f"{name}_at_rest"):
                 expect(abs(row["energy error"]) <= 1e-4 * stiffer,
                        f"{text}: energy error {row['energy error']}")
                 expect(row["static iterations"] <= 4,
@@ -177,9 +138,7 @@ def main():
         text = run("refused_" + Path(file).stem, file, *settings, ranks=ranks, succeeds=False)
         expect(words in text and "terminate called" not in text,
                f"{settings} of {file} is refused with other words: {text}")
-    for problem in problems:
-        print(problem)
-    sys.exit(1 if problems else 0)
+    project.end()
 
 
 if __name__ == "__main__":
