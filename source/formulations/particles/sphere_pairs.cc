@@ -91,13 +91,33 @@ namespace tombolo
     }
     all_rows.start.push_back(all_rows.sites.size());
 
-    double largest = 0;
-    for (const double volume : all_spheres.volumes)
-      largest = std::max(largest, std::pow(volume, 1. / dim));
-    largest = Utilities::MPI::max(largest, nodes->communicator());
+    find_supports();
+  }
+
+  template <int dim>
+  void SpherePairs<dim>::find_supports()
+  {
+    // Diameters by part, so that small particles are not candidates of each other as far as large
+    // ones of another part reach.
+    std::vector<double> largest(all_parts.size(), 0.);
+    const auto for_parts = [&](const unsigned int row, const auto &use)
+    {
+      for (std::size_t k = all_rows.start[row]; k < all_rows.start[row + 1]; ++k)
+        use(largest[all_rows.sites[k].part]);
+    };
+    for (unsigned int i = 0; i < all_rows.size(); ++i)
+      for_parts(i, [diameter = std::pow(all_spheres.volumes[i], 1. / dim)](double &of_part)
+                { of_part = std::max(of_part, diameter); });
+    Utilities::MPI::max(largest, nodes->communicator(), largest);
+    const double largest_of_all = *std::max_element(largest.begin(), largest.end());
     supports.assign(std::size_t(all_rows.size()) * node_stride, 0.);
-    for (std::size_t i = 0; i < all_rows.size(); ++i)
-      std::fill_n(supports.begin() + static_cast<std::ptrdiff_t>(i * node_stride), dim, largest);
+    for (unsigned int i = 0; i < all_rows.size(); ++i)
+    {
+      double own = 0;
+      for_parts(i, [&](const double of_part) { own = std::max(own, of_part); });
+      std::fill_n(supports.begin() + static_cast<std::ptrdiff_t>(std::size_t(i) * node_stride), dim,
+                  0.5 * (own + largest_of_all));
+    }
   }
 
   template <int dim>

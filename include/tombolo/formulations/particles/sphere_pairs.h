@@ -22,8 +22,9 @@ namespace tombolo
    * that it has of these parts.
    *
    * Candidates are found with a skin among all particles of the parts concerned, and kept until
-   * something has moved by half the largest diameter relative to anything else. They are local
-   * nodes of a partition of their own, which has no other ghosts.
+   * something has moved by half a diameter (the mean of the largest ones of its part and of all)
+   * relative to anything else: meant for particles that are not too different in size. They are
+   * local nodes of a partition of their own, which has no other ghosts.
    */
   template <int dim>
   class SpherePairs
@@ -115,6 +116,9 @@ namespace tombolo
   private:
     void collect_rows();
     void add_row(dealii::types::global_dof_index node);
+    /** The reach of each particle: half the largest diameters of its part and of all. Collective.
+     */
+    void find_supports();
     /** Gives all rows of one particle the same state. Returns which particles were there, and have
      * not grown, since pairs were found last. */
     std::vector<bool> unite_rows(const std::vector<Columns> &columns);
