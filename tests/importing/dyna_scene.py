@@ -56,6 +56,17 @@ class DynaScene(DeckTest):
         self.assertIn("fragments of rod of particles touch each other by Self-contact", scene)
         self.assertIn("set Self-contact friction = 0.2", scene)
 
+    def test_parts_of_particles_meet_by_self_contact(self):
+        corners = [(x, y, z) for z in (0, 1) for x, y in ((3, 0), (4, 0), (4, 1), (3, 1))]
+        nodes = "".join(f"{n:8d}" + "".join(f"{float(x):16.1f}" for x in at) + "\n" for n, at in enumerate(corners, 13))
+        scene = self.scene_of(
+            ("*ELEMENT_SOLID\n", nodes + "*ELEMENT_SOLID\n" + "".join(f"{n:8d}" for n in (3, 33, *range(13, 21))) + "\n"),
+            ("*SECTION_SOLID\n", "*PART\nother\n" + card(33, 2, 2) + "\n*SECTION_SOLID\n"))
+        self.assertIn("fragments of rod of particles, other touch each other by Self-contact", scene)
+        self.assertNotIn("rod of particles set Master parts = other", scene)
+        self.assertIn("set Slave parts = rod steel side set Master parts = other", scene)
+        self.assertEqual(scene.count("set Self-contact friction = 0.2"), 2)
+
     def test_johnson_cook_and_plastic_kinematic(self):
         old = self.deck[self.deck.index("*MAT_ELASTIC_TITLE"):self.deck.index("*MAT_PIECEWISE")]
         cook = "\n".join(["*MAT_JOHNSON_COOK", card(1, "8.96e-9", 46000, 124000, 0.34),

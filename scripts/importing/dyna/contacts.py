@@ -177,12 +177,14 @@ def refuse_common_nodes(converter, one, other):
 def pairs(converter, record, parts, extra):
     """Contact of everything with everything: of each two bodies, and of fragments of particles among themselves."""
     rigid = {converter.parts.names[part] for part in converter.parts.rigid}
-    touching = [(one, other) for one, other in combinations(parts, 2)
-                if not converter.scene.share_nodes(one, other) and not {one, other} <= rigid]
-    if len(touching) > MOST_PAIRS:
-        raise NotUnderstood(f"it is among {len(parts)} parts: write a section \"Body contact: NAME\" for those that meet")
+    # These meet each other as their fragments do.
     with_itself = [part for part in parts if converter.scene.part(part).formulation == PARTICLES and
                    "Self-contact" in converter.scene.part(part).entries]
+    touching = [(one, other) for one, other in combinations(parts, 2)
+                if not converter.scene.share_nodes(one, other) and not {one, other} <= rigid and
+                not {one, other} <= set(with_itself)]
+    if len(touching) > MOST_PAIRS:
+        raise NotUnderstood(f"it is among {len(parts)} parts: write a section \"Body contact: NAME\" for those that meet")
     if with_itself:
         converter.report.note(record.line.place, f"*{record.section.keyword}: fragments of "
                               f"{', '.join(with_itself)} touch each other by Self-contact.")
