@@ -40,6 +40,9 @@ def read_table(path):
         with opened(path.with_name(FILE)) as tables:
             table = tables[path.stem]
             names, units = (list(table.attrs[key]) for key in ("columns", "units"))
-            return names, ["" if unit == "1" else unit for unit in units], table[:].tolist()
+            rows = table[:].tolist()
+            while rows and rows[-1][0] != rows[-1][0]:  # without a time: what a full disk did not take
+                rows.pop()
+            return names, ["" if unit == "1" else unit for unit in units], rows
     except (OSError, KeyError, ValueError) as error:
         raise TomboloError(f"{path.with_name(FILE)} is damaged: {error}") from error

@@ -138,7 +138,8 @@ namespace tombolo
         problem = file >= 0 ? change(file)
                   : is_new  ? full_disk
                             : "it is damaged. Resume into another output directory.";
-        if (!file.close_now() && problem.empty())
+        const bool is_written = file >= 0 && H5Fflush(file, H5F_SCOPE_LOCAL) >= 0;
+        if (!(file.close_now() && is_written) && problem.empty())
           problem = full_disk;
         if (problem.empty())
           fs::rename(temporary, path, code);
@@ -166,15 +167,18 @@ namespace tombolo
                     size[2] = {first_rows + count[0], n_columns};
       bool is_written = false;
       {
-        const Hdf5Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+        Hdf5Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
         if (dataset >= 0 && H5Dset_extent(dataset, size) >= 0)
         {
           const Hdf5Handle in_file(H5Dget_space(dataset), H5Sclose);
           const Hdf5Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
           H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
+          // Values may wait in memory until then, and closing does not tell all that fails.
           is_written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT,
-                                values.data()) >= 0;
+                                values.data()) >= 0 &&
+                       H5Fflush(file, H5F_SCOPE_LOCAL) >= 0;
         }
+        is_written = dataset.close_now() && is_written;
       }
       is_written = file.close_now() && is_written;
       return is_written ? "" : full_disk;

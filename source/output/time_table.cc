@@ -243,7 +243,18 @@ namespace tombolo
                          for (std::size_t i = 0; i < n_kept_rows; ++i)
                            out << text_of_row(i);
                        });
-    if (format.hdf5)
+    bool are_in_hdf5 = !format.hdf5;
+    if (format.hdf5 && n_columns_in_file == 0 && format.name() == format_at_checkpoint)
+      try
+      {
+        begin_hdf5(n_kept_rows); // a run that is killed now has them
+        are_in_hdf5 = true;
+      }
+      catch (const RunError &)
+      {
+        // In another directory, or with columns that came after the checkpoint.
+      }
+    if (!are_in_hdf5)
     {
       std::vector<double> values;
       for (std::size_t i = 0; i < n_kept_rows; ++i)

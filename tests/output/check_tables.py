@@ -154,6 +154,26 @@ class Tables(unittest.TestCase):
         self.check_same(self.tables(output), before)
 
     @unittest.skipUnless(RANKS == "1", "one number of ranks is enough")
+    def test_a_full_disk_ends_the_run_and_leaves_the_rows_before(self):
+        settings = (HDF5, "Output/probes/Where = x > -1")
+        whole, _ = self.run_scene("whole", *settings, number=20)
+        size = sum(file.stat().st_size for file in whole.rglob("*")) * 9 // 10
+        (self.directory / "disk").mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", self.directory / "disk"],
+                                 capture_output=True, check=False)
+        if mounted.returncode != 0:
+            self.skipTest("file systems cannot be mounted here")
+        self.addCleanup(subprocess.run, ["umount", self.directory / "disk"], check=True)
+        finished = subprocess.run(self.command("disk/output", *settings, number=20), capture_output=True,
+                                  text=True, check=False)
+        self.assertEqual(finished.returncode, 2, finished.stdout + finished.stderr)
+        self.assertIn("Cannot write", finished.stdout + finished.stderr)
+        for name in ("probes", "statistics"):
+            rows = histories.read_table(self.directory / "disk/output" / f"{name}.csv")[2]
+            self.assertGreater(len(rows), 3)
+            np.testing.assert_array_equal(rows, histories.read_table(whole / f"{name}.csv")[2][:len(rows)])
+
+    @unittest.skipUnless(RANKS == "1", "one number of ranks is enough")
     def test_files_of_an_earlier_run_and_links_are_not_written_through(self):
         output, _ = self.run_scene("output", HDF5)
         elsewhere = self.directory / "elsewhere"
