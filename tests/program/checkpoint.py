@@ -429,10 +429,8 @@ class BitwiseContacts(BitwiseCase):
             "two_parts.prm", ("Write solution = false", "Write solution = true")))
         self.check("parts.prm", 200, (0.8,), 1)
         self.check("parts.prm", 200, (0.75,), 2)
-        shutil.copy(os.path.join(directory, "two_parts.prm"), self.path("two_parts.prm"))
-        with open(os.path.join(directory, "two_parts_rub.prm")) as file:
-            self.write("parts.prm", file.read() + "set Output directory = output\n"
-                       "subsection Output\n  set Write solution = true\nend\n")
+        self.write("parts.prm", f"include {REGRESSION}/two_parts_rub.prm\n"
+                   "set Output directory = output\nsubsection Output\n  set Write solution = true\nend\n")
         self.check("parts.prm", 200, (0.6,), 2)
 
     def write_rubbing_blocks(self):
