@@ -196,6 +196,10 @@ namespace tombolo
       entry = section->find(entry->alias);
     if (is_taken_back(entry->path))
       return;
+    // A scene in three dimensions can include one in two.
+    const Item *const last = scanner.entry(item.path);
+    if (item.location.line > 0 && last != nullptr && last != &item)
+      return;
     if (entry->path != item.path)
     {
       if (const Item *const other = setting(entry->path);

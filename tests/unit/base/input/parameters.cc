@@ -435,6 +435,29 @@ namespace
                             files.path("closing.prm") + ":1: \"end\" without a subsection"));
   }
 
+  TEST(Parameters, a_value_that_a_later_line_replaces_may_be_one_that_is_not_allowed)
+  {
+    const Files files;
+    files.write("main.prm", "include base.prm\nset Steps = 4\n");
+    files.write("base.prm", "set Steps = 0\n");
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_file(files.path("main.prm"));
+    declare(parameters.handler());
+    parameters.assign();
+    EXPECT_EQ(parameters.section("").get_unsigned("Steps"), 4u);
+
+    files.write("main.prm", "include base.prm\nset Steps = -4\n");
+    EXPECT_TRUE(begins_with(message_of(
+                                [&]
+                                {
+                                  Parameters refused(MPI_COMM_WORLD);
+                                  refused.read_file(files.path("main.prm"));
+                                  declare(refused.handler());
+                                  refused.assign();
+                                }),
+                            files.path("main.prm") + ":2: entry \"Steps\" = \"-4\""));
+  }
+
   TEST(Parameters, number_of_includes_is_limited)
   {
     // Ten of ten of ten, and the files between them.
