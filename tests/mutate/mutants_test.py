@@ -52,6 +52,12 @@ class TheList(unittest.TestCase):
         self.assertGreaterEqual(len(listed), 60)
         mutants.sources_with_mutants(ROOT, listed)
 
+    def test_brackets_are_closed_where_they_are_opened(self):
+        for mutant in mutants.read(LIST):
+            for text in (mutant.original, mutant.mutated):
+                for opening, closing in ("()", "[]", "{}"):
+                    self.assertEqual(text.count(opening), text.count(closing), mutant.name)
+
     def test_every_test_that_is_named_has_a_file(self):
         for mutant in mutants.read(LIST):
             for test in mutant.tests:
