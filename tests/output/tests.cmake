@@ -20,37 +20,22 @@ foreach(case "2 1 2 all 1" "3 1 2 all 3" "3 2 2 all 2" "2 3 2 all 2" "3 1 3 one 
     ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1;PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe;OMP_NUM_THREADS=1")
 endforeach()
 
-# The pictures of a run as ParaView shows them: glyphs, tools, fields on request.
-foreach(rank_count 1 3)
-  add_test(NAME output.pictures_are_right_in_paraview.mpirun=${rank_count}
-    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_pictures.py ${rank_count}
-      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program>)
-  set_tests_properties(output.pictures_are_right_in_paraview.mpirun=${rank_count} PROPERTIES
-    PROCESSORS ${rank_count})
-endforeach()
+# tombolo_add_output_test(NAME SCRIPT RANKS ARGUMENT...): the script on each of the rank counts.
+function(tombolo_add_output_test name script rank_counts)
+  foreach(rank_count ${rank_counts})
+    add_test(NAME output.${name}.mpirun=${rank_count}
+      COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/${script} ${rank_count}
+        ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program> ${ARGN})
+    set_tests_properties(output.${name}.mpirun=${rank_count} PROPERTIES PROCESSORS ${rank_count})
+  endforeach()
+endfunction()
 
+# The pictures of a run as ParaView shows them: glyphs, tools, fields on request.
+tombolo_add_output_test(pictures_are_right_in_paraview check_pictures.py "1;3")
 # The same in HDF5. Debian's VTK reads no XDMF; ParaView's Python does, where it is installed.
 find_program(TOMBOLO_PVPYTHON pvpython)
-foreach(rank_count 1 3)
-  add_test(NAME output.pictures_in_hdf5.mpirun=${rank_count}
-    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_xdmf.py ${rank_count}
-      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR}/scripts ${TOMBOLO_PVPYTHON})
-  set_tests_properties(output.pictures_in_hdf5.mpirun=${rank_count} PROPERTIES
-    PROCESSORS ${rank_count})
-endforeach()
-
-foreach(rank_count 1 3)
-  add_test(NAME output.tables_in_hdf5.mpirun=${rank_count}
-    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_tables.py ${rank_count}
-      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR}/scripts)
-  set_tests_properties(output.tables_in_hdf5.mpirun=${rank_count} PROPERTIES
-    PROCESSORS ${rank_count})
-endforeach()
-
-foreach(rank_count 1 2 3)
-  add_test(NAME output.probes_at_nodes_of_a_mesh_file.mpirun=${rank_count}
-    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_mesh_nodes.py ${rank_count}
-      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR}/scripts)
-  set_tests_properties(output.probes_at_nodes_of_a_mesh_file.mpirun=${rank_count} PROPERTIES
-    PROCESSORS ${rank_count})
-endforeach()
+tombolo_add_output_test(pictures_in_hdf5 check_xdmf.py "1;3" ${PROJECT_SOURCE_DIR}/scripts
+  ${TOMBOLO_PVPYTHON})
+tombolo_add_output_test(tables_in_hdf5 check_tables.py "1;3" ${PROJECT_SOURCE_DIR}/scripts)
+tombolo_add_output_test(probes_at_nodes_of_a_mesh_file check_mesh_nodes.py "1;2;3"
+  ${PROJECT_SOURCE_DIR}/scripts)
