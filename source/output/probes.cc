@@ -71,9 +71,8 @@ namespace tombolo
         "Mesh nodes", "", "",
         "Further nodes by their number in the mesh file, separated by commas: the tag of a node of "
         "gmsh, which is the number of the deck where scripts/import has made the file, or the "
-        "index "
-        "of a point of VTK, counted from 0. Corners of cells have one, also where the cells are "
-        "refined.");
+        "index of a point of VTK, counted from 0. Corners of cells have one, also where the cells "
+        "are refined.");
     mesh_numbers = read_numbers("Mesh nodes", of_mesh);
     where = e.optional<Predicate<dim>>("Where", "",
                                        "All nodes at whose initial position this holds, such as "
