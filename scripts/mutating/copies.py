@@ -46,12 +46,17 @@ def write_if_changed(path, content):
     path.write_bytes(content)
 
 
+# The program, how tests start it, and plug-ins that their scenes name.
+PROGRAM = ["tombolo_program", "start_loaded", "program_server", "preloaded_waiting_rank", "lattice_filter",
+           "interpolated_remap"]
+
+
 def targets_of(tests):
     """What must be built for these tests."""
     result = set()
     for test in tests:
         kind, name = test.split(".", 1)
-        result.add("test_" + name.split("/")[0] if kind == "unit" else "tombolo_program")
+        result.update(["test_" + name.split("/")[0]] if kind == "unit" else PROGRAM)
     return sorted(result)
 
 

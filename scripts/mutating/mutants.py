@@ -33,7 +33,8 @@ inline bool tombolo_mutant(const int number)
 
 ENTRIES = {"name", "mistake", "file", "after", "original", "mutated", "tests"}
 BEFORE_STATEMENT = re.compile(r"([;{})]|\belse|\*/|//[^\n]*\n)\s*\Z")
-NO_EXPRESSION = re.compile(r"\A\s*(if|for|while|return)\b|[-+*/=<>&|,?:(]\s*\Z")
+NO_EXPRESSION = re.compile(r"\A\s*(if|for|while|return)\b|[-+*/=<>&|,?:(]\s*\Z|[^=!<>]=[^=]")
+BODY_WITHOUT_BRACES = re.compile(r"(\)|\belse)\s*\Z")
 DECLARATION = re.compile(r"\A\s*(const|constexpr|auto|bool|double|unsigned)\b")
 TESTS = re.compile(r"(unit|regression|program)\.[\w/]+(\.mpirun=\d+)?")
 
@@ -79,6 +80,9 @@ class Mutant:
         if self.is_statement and not BEFORE_STATEMENT.search(text[:place.start()]):
             self.fail(f"`{self.original}` is the end of a statement of {self.file}; an original is "
                       "whole statements, or an expression without the semicolon.")
+        if (self.is_statement and self.original.rstrip(" ;").count(";") > 0
+                and BODY_WITHOUT_BRACES.search(text[:place.start()])):
+            self.fail(f"of `{self.original}` only the first statement belongs to the `if` before it.")
         return place.span()
 
     def only_place(self, words, text):

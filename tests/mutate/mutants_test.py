@@ -105,6 +105,16 @@ class AMutatedSource(Case):
         for text in ("0.5 *", "return 0.5 * x"):
             self.assertIn("neither a whole expression", self.refusal(entry(original=text, mutated="1.")))
 
+    def test_is_refused_where_an_expression_assigns(self):
+        (self.root / "f.cc").write_text(SOURCE.replace("x += 1.;", "x = 1. * x;"), "utf-8")
+        self.assertIn("neither a whole expression", self.refusal(entry(original="x = 1.", mutated="x")))
+
+    def test_is_refused_where_only_its_beginning_belongs_to_a_condition(self):
+        (self.root / "f.cc").write_text(SOURCE.replace("x += 1.;", "if (x < 1.)\n    x += 1.;\n  x += 2.;"),
+                                        "utf-8")
+        self.assertIn("only the first statement", self.refusal(entry(original="x += 1.;\n  x += 2.;",
+                                                                     mutated="")))
+
     def test_is_refused_where_the_original_declares(self):
         self.assertIn("declares what follows uses",
                       self.refusal(entry(original="double x", mutated="double y")))
