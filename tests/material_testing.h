@@ -100,6 +100,15 @@ namespace tombolo
         return result;
       }
 
+      /** A tensor that the material keeps. */
+      Tensor6 tensor(const std::string &field, const unsigned int point = 0)
+      {
+        Tensor6 result;
+        for (unsigned int c = 0; c < 6; ++c)
+          result[c] = points.component(points.find_field(field), c)[point];
+        return result;
+      }
+
       void set_stress(const unsigned int point, const Tensor6 &stress)
       {
         for (unsigned int c = 0; c < 6; ++c)
@@ -147,7 +156,8 @@ namespace tombolo
           batch.strain_increment[c] = strain[c].data();
         }
         for (unsigned int f = MaterialPoints::n_standard_fields; f < points.fields().size(); ++f)
-          batch.internal_variables.push_back(points.component(f, 0));
+          for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
+            batch.internal_variables.push_back(points.component(f, c));
         material.update_stress(batch);
         std::fill(temperature_increment.begin(), temperature_increment.end(), 0.);
       }

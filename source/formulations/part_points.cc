@@ -46,6 +46,17 @@ namespace tombolo
     plastic_heating.initialize(material_points);
     variables_of_material.clear();
     variables_of_formulation.clear();
+    turning_variables.clear();
+    for (unsigned int f = MaterialPoints::n_standard_fields; f < n_of_material; ++f)
+      if (material_points.fields()[f].turns)
+      {
+        AssertThrow(material_points.fields()[f].n_components == 6,
+                    dealii::ExcMessage("The variable \"" + material_points.fields()[f].name +
+                                       "\" turns, but is no symmetric tensor."));
+        turning_variables.emplace_back();
+        for (unsigned int c = 0; c < 6; ++c)
+          turning_variables.back()[c] = material_points.component(f, c);
+      }
     for (unsigned int f = MaterialPoints::n_standard_fields; f < n_of_formulation; ++f)
       for (unsigned int c = 0; c < material_points.fields()[f].n_components; ++c)
         (f < n_of_material ? variables_of_material : variables_of_formulation)

@@ -123,6 +123,7 @@ namespace tombolo
         store_lanes(motion.volume_ratio[q], ratio_of_batch + q * n_lanes);
         store_lanes(is_logarithmic() ? motion.work_factor[q] : motion.volume_ratio[q],
                     factor_of_batch + q * n_lanes);
+        part.turn_variables(first + q * n_lanes, motion.spin[q]);
       }
       part.complete(batch, first, nodal_temperature, temperature_increment);
       part.material().update_stress_and_tangent(batch, tangent);

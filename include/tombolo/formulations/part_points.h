@@ -6,10 +6,12 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/thermal_properties.h>
 #include <tombolo/state/material_points.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -120,6 +122,21 @@ namespace tombolo
     void complete(MaterialBatch &batch, std::size_t first, const double *nodal_temperature,
                   double *temperature_increment);
 
+    /** Turns the tensors among the variables of the material, of n_lanes points from @p i on, as
+     * rotate() does the stress. */
+    TOMBOLO_ALWAYS_INLINE void turn_variables(const std::size_t i, const Lanes (&spin)[3])
+    {
+      for (const std::array<double *, 6> &component : turning_variables)
+      {
+        Lanes tensor[6];
+        for (unsigned int c = 0; c < 6; ++c)
+          tensor[c] = load_lanes(component[c] + i);
+        rotate(spin, tensor);
+        for (unsigned int c = 0; c < 6; ++c)
+          store_lanes(tensor[c], component[c] + i);
+      }
+    }
+
     /** What has no stiffness in LinearizedPoints, for a message; empty: nothing. */
     std::string unfit_to_linearize() const
     {
@@ -141,5 +158,6 @@ namespace tombolo
     PlasticHeating plastic_heating;
     MaterialPoints material_points;
     std::vector<double *> variables_of_material, variables_of_formulation; // those of point 0
+    std::vector<std::array<double *, 6>> turning_variables;                // those of point 0
   };
 } // namespace tombolo

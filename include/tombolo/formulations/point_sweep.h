@@ -62,8 +62,8 @@ namespace tombolo
       return logarithmic_increment(h, elastic_strain);
     }
 
-    /** Turns the stress of these points with their motion (eq. 19), and keeps their strain and
-     * volume ratio. */
+    /** Turns the stress of these points, and tensors of the material, with their motion (eq. 19),
+     * keeps their strain and volume ratio. */
     TOMBOLO_ALWAYS_INLINE void move(const unsigned int i, const MotionIncrement<Lanes> &motion)
     {
       Lanes stress[6];
@@ -75,6 +75,7 @@ namespace tombolo
       rotate(motion.spin, stress);
       for (unsigned int c = 0; c < 6; ++c)
         store_lanes(stress[c], batch.stress[c] + i);
+      part.turn_variables(first + i, motion.spin);
       store_lanes(load_lanes(ratio + i) * motion.volume_factor, ratio + i);
       if (is_logarithmic)
         store_lanes(work_factor(motion), factor + i);

@@ -98,8 +98,9 @@ namespace tombolo
      * - "effective plastic strain", "temperature": their largest values are in the statistics. In
      *   scenes with heat the formulation keeps the temperature, and a material must not;
      * - "damage": for criteria of failure and conversion; its largest value is in the statistics;
-     * - "pressure work": energy stored by the change of volume per unit of initial volume
-     *   [M/(L T^2)], of a material whose elastic_energy_density() is that of the deviator only;
+     * - "pressure work": energy per unit of initial volume [M/(L T^2)] that is stored beside
+     *   elastic_energy_density(): by the change of volume where that is of the deviator only, or by
+     *   plastic flow;
      * - "viscous work": what artificial viscosity has dissipated per unit of initial volume
      *   [M/(L T^2)]; the formulation adds to it;
      * - "bulk modulus": the present one, in the place of bulk_modulus() in step estimates.

@@ -33,5 +33,7 @@ namespace tombolo
     double initial_value = 0.;     ///< of every component, where nothing else sets it
     bool is_internal = false;      ///< of no meaning by itself: in pictures only on request
     OnDivision on_division = OnDivision::copied;
+    /** Of a material, with 6 components: a tensor that turns with the body as the stress does. */
+    bool turns = false;
   };
 } // namespace tombolo

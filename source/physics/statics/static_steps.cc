@@ -106,7 +106,7 @@ namespace tombolo
     if (!unfit->empty())
       section.fail("Formulation",
                    "it has " + *unfit + "; " + steps + "know stiffness only. Switch it off.");
-    if (part.material->remembers("pressure work"))
+    if (part.material->remembers("bulk modulus"))
       section.fail("Material", "its pressure is that of an equation of state, which is for "
                                "shocks; " +
                                    steps + "know the elastic pressure only.");

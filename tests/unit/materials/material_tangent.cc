@@ -52,7 +52,6 @@ namespace tombolo
         explicit StrainedBatch(const Material &material)
         {
           const std::vector<FieldDescription> fields = material.internal_variables();
-          variables.resize(fields.size());
           batch.n = n;
           batch.time_increment = 0.01;
           for (unsigned int c = 0; c < 6; ++c)
@@ -70,13 +69,18 @@ namespace tombolo
           }
           ratio.assign(n, 1.);
           batch.volume_ratio = ratio.data();
-          for (std::size_t f = 0; f < fields.size(); ++f)
-          {
-            variables[f].assign(n, fields[f].initial_value);
-            if (fields[f].name == "effective plastic strain")
-              variables[f].assign(n, 0.02);
-            batch.internal_variables.push_back(variables[f].data());
-          }
+          for (const FieldDescription &field : fields)
+            for (unsigned int c = 0; c < field.n_components; ++c)
+            {
+              // Tensors have a deviator.
+              const double shares[6] = {2., -1.5, -0.5, 0.3, -0.6, 1.};
+              const bool is_strain = field.name == "effective plastic strain";
+              variables.emplace_back(n, is_strain                ? 0.02
+                                        : field.n_components > 1 ? 0.004 * shares[c]
+                                                                 : field.initial_value);
+            }
+          for (std::vector<double> &values : variables)
+            batch.internal_variables.push_back(values.data());
           tangent_values.resize(36 * n);
           for (unsigned int entry = 0; entry < 36; ++entry)
             tangent[entry] = tangent_values.data() + std::size_t(entry) * n;
@@ -127,6 +131,17 @@ namespace tombolo
         expect_quotients("j2 plasticity",
                          flow + "tabular\nsubsection tabular\nset Plastic strains = 0, 0.5\nset "
                                 "Flow stresses = 0.05, 0.4\nend\n");
+      }
+
+      TEST(MaterialTangent, that_of_a_back_stress_is_the_difference_quotient)
+      {
+        const std::string hardening = "subsection linear hardening\nset Yield stress = 0.05\nset "
+                                      "Hardening modulus = 0.3\nend\nset Flow stress = linear "
+                                      "hardening\n";
+        expect_quotients("chaboche", hardening + "set Back stress moduli = 2\n");
+        expect_quotients("chaboche",
+                         hardening +
+                             "set Back stress moduli = 2, 0.7\nset Recovery rates = 60, 5\n");
       }
 
       TEST(MaterialTangent, with_flow_its_deviatoric_part_is_softer_and_its_bulk_is_not)
