@@ -2,10 +2,12 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/boundary/region.h>
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
+#include <deal.II/physics/transformations.h>
 
 #include <algorithm>
 #include <iterator>
@@ -82,6 +84,12 @@ namespace tombolo
            "t. For a velocity or a displacement the word `free` leaves a component free. "
            "`table(FILE, t)` takes values from a file of points. One value for a pressure, a "
            "temperature, a heat flux or a heat source.");
+    e.text("Angle", "", "rad",
+           "Of a displacement: the angle by which the nodes have turned about the axis at time t, "
+           "from their initial positions; `Function` is added, and may be left out.");
+    e.text("Axis", "0, 0, 1", "",
+           "The direction of the axis of `Angle`; in two dimensions it is z.");
+    e.text("Centre", dim == 2 ? "0, 0" : "0, 0, 0", "L", "A point of the axis of `Angle`.");
   }
 
   template <int dim>
@@ -89,7 +97,7 @@ namespace tombolo
   {
     const Type type = type_of(section.get("Type"));
     MechanicalCondition condition{
-        section.name(), type, Place<dim>(section, is_on_volume(type)), {}};
+        section.name(), type, Place<dim>(section, is_on_volume(type)), {}, {}};
     if (is_on_volume(type) && !section.get("Boundary").empty())
       section.fail("Boundary",
                    "a " + section.get("Type") + " acts on the volume; use `Where`, or neither.");
@@ -100,9 +108,46 @@ namespace tombolo
                                  "velocity` or `displacement`.");
       return condition;
     }
-    condition.function.emplace(section, "Function", type == Type::pressure ? 1 : dim,
-                               prescribes(type));
+    const bool turns = section.is_set("Angle");
+    for (const char *const entry : {"Angle", "Axis", "Centre"})
+      if (section.is_set(entry) && !(turns && type == Type::displacement))
+        section.fail(entry, "it is for `Type = displacement` with an `Angle`.");
+    if (turns)
+    {
+      Tensor<1, 3> axis;
+      axis[2] = 1.;
+      if constexpr (dim == 3)
+        axis = read_direction<3>(section, "Axis");
+      else if (section.is_set("Axis"))
+        section.fail("Axis", "two dimensions have none; nodes turn about `Centre`.");
+      condition.turn.emplace(typename MechanicalCondition::Turn{
+          {section, "Angle", 1}, read_vector<dim>(section, "Centre"), axis});
+      if (condition.turn->angle.depends_on_place())
+        section.fail("Angle", "allowed is a function of t.");
+    }
+    if (!turns || section.is_set("Function"))
+      condition.function.emplace(section, "Function", type == Type::pressure ? 1 : dim,
+                                 prescribes(type));
     return condition;
+  }
+
+  template <int dim>
+  double MechanicalCondition<dim>::displacement(const Point<dim> &initial,
+                                                const unsigned int component,
+                                                const double time) const
+  {
+    using namespace Physics::Transformations::Rotations;
+    const double shift = function ? function->value(initial, time, component) : 0.;
+    if (!turn)
+      return shift;
+    const Tensor<1, dim> arm = initial - turn->centre;
+    const double angle = turn->angle.value(Point<dim>(), time);
+    Tensor<1, dim> turned;
+    if constexpr (dim == 2)
+      turned = rotation_matrix_2d(angle) * arm;
+    else
+      turned = rotation_matrix_3d(turn->axis, angle) * arm;
+    return turned[component] - arm[component] + shift;
   }
 
   template <int dim>
@@ -116,7 +161,7 @@ namespace tombolo
       return 0.;
     if (type == Type::velocity)
       return function->value(initial, time + 0.5 * time_step, component);
-    return (initial[component] + function->value(initial, time + time_step, component) -
+    return (initial[component] + displacement(initial, component, time + time_step) -
             position[component]) /
            time_step;
   }
@@ -129,8 +174,8 @@ namespace tombolo
   {
     if (type != Type::displacement)
       return prescribed_velocity(initial, position, component, time, 0.);
-    return (function->value(initial, time + interval, component) -
-            function->value(initial, time, component)) /
+    return (displacement(initial, component, time + interval) -
+            displacement(initial, component, time)) /
            interval;
   }
 

@@ -2,9 +2,9 @@
 #include <tombolo/model/initial_condition.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/boundary/region.h>
-#include <tombolo/contact/read_vector.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 

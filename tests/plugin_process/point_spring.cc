@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/contact/read_vector.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/output/history.h>

@@ -43,11 +43,27 @@ namespace tombolo
     /** Of place and time: dim components, one of a pressure, none of a clamp. */
     std::optional<Expression<dim>> function;
 
+    /** How the selected nodes of a displacement turn. */
+    struct Turn
+    {
+      Expression<dim> angle;         ///< of time [rad]
+      dealii::Tensor<1, dim> centre; ///< a point of the axis [L]
+      dealii::Tensor<1, 3> axis;     ///< of length one; z in two dimensions
+    };
+    std::optional<Turn> turn;
+
     /** Declares the section of one condition; the handler is in it. */
     static void declare_parameters(const Entries &e);
 
     /** Throws InputError. */
     static MechanicalCondition read(const Section &section);
+
+    /** The prescribed displacement from @p initial at @p time, of a displacement: R(angle) (X - c)
+     * - (X - c) where it turns, and the function [L]. Throws RunError where that has no finite
+     * value.
+     */
+    double displacement(const dealii::Point<dim> &initial, unsigned int component,
+                        double time) const;
 
     /** The prescribed velocity of the interval from @p time to @p time + @p time_step of a node
      * that is at @p position [L/T]; that of a displacement reaches the prescribed place at its end.

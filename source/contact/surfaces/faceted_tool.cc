@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/input_file.h>
-#include <tombolo/contact/read_vector.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/contact/surfaces/rigid_mesh.h>
 #include <tombolo/contact/surfaces/rigid_tool.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 namespace tombolo

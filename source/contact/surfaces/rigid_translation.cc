@@ -3,7 +3,7 @@
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
-#include <tombolo/contact/read_vector.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/state/records.h>
 
 #include <cmath>

@@ -56,7 +56,7 @@ namespace tombolo
           return false;
         const MechanicalCondition<dim> &condition = conditions.all()[static_cast<std::size_t>(c)];
         if (condition.type == MechanicalConditionType::displacement)
-          displacement[d] = condition.function->value(place, time, d);
+          displacement[d] = condition.displacement(place, d, time);
         else if (condition.type == MechanicalConditionType::clamp)
           displacement[d] = 0.;
         else

@@ -2,7 +2,7 @@
 #include <tombolo/physics/mechanics/rigid_body.h>
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/contact/read_vector.h>
+#include <tombolo/base/input/read_vector.h>
 
 #include <cmath>
 

@@ -3,10 +3,10 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/name_hints.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/boundary/load_sum.h>
-#include <tombolo/contact/read_vector.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>

@@ -5,8 +5,8 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/read_vector.h>
 #include <tombolo/contact/contact_surface.h>
-#include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 #include <cmath>
