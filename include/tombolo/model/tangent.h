@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/contact/contact_stiffness.h>
+#include <tombolo/state/body_point.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <cmath>
@@ -36,20 +37,8 @@ namespace tombolo
     {
       if (springs == nullptr)
         return;
-      ContactStiffness<dim> spring;
-      spring.node = node;
-      spring.entries.push_back({bound->partition()->global_index(node), {}, 1.});
-      spring.along = stiffness;
-      spring.is_tied = determinant(stiffness) > 0.;
-      unsigned int stiffest = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        stiffest = stiffness[d][d] > stiffness[stiffest][stiffest] ? d : stiffest;
-        for (unsigned int e = 0; e < dim; ++e)
-          bound->node(node)[d] += std::abs(stiffness[d][e]);
-      }
-      spring.direction = stiffness[stiffest] / stiffness[stiffest].norm();
-      springs->push_back(spring);
+      add_bound(node, stiffness);
+      push_spring(node, {{bound->partition()->global_index(node), {}, 1.}}, stiffness);
     }
 
     /** The same with @p stiffness in all directions. */
@@ -61,10 +50,49 @@ namespace tombolo
       add_spring(node, in_all_directions);
     }
 
+    /** The same between two points of bodies. Collective. */
+    void add_spring(const BodyPoint<dim> &first, const BodyPoint<dim> &second,
+                    const dealii::Tensor<2, dim> &stiffness)
+    {
+      if (springs == nullptr)
+        return;
+      const NodePartition &partition = *bound->partition();
+      const auto node = first.global_node(partition), other = second.global_node(partition);
+      for (const BodyPoint<dim> *const point : {&first, &second})
+        if (point->is_here())
+          add_bound(point->node(), stiffness);
+      if (first.is_here())
+        push_spring(first.node(), {{node, {}, 1.}, {other, {}, -1.}}, stiffness);
+    }
+
     void add_bound(const unsigned int node, const double stiffness)
     {
       for (unsigned int d = 0; d < dim && bound != nullptr; ++d)
         bound->node(node)[d] += stiffness;
+    }
+
+  private:
+    void add_bound(const unsigned int node, const dealii::Tensor<2, dim> &stiffness)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int e = 0; e < dim; ++e)
+          bound->node(node)[d] += std::abs(stiffness[d][e]);
+    }
+
+    void push_spring(const unsigned int node,
+                     const typename ContactStiffness<dim>::Entries &entries,
+                     const dealii::Tensor<2, dim> &stiffness)
+    {
+      ContactStiffness<dim> spring;
+      spring.node = node;
+      spring.entries = entries;
+      spring.along = stiffness;
+      spring.is_tied = determinant(stiffness) > 0.;
+      unsigned int stiffest = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        stiffest = stiffness[d][d] > stiffness[stiffest][stiffest] ? d : stiffest;
+      spring.direction = stiffness[stiffest] / stiffness[stiffest].norm();
+      springs->push_back(spring);
     }
   };
 } // namespace tombolo

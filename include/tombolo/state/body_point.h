@@ -103,6 +103,13 @@ namespace tombolo
       return number;
     }
 
+    /** Its global number, on all ranks. Collective. */
+    dealii::types::global_dof_index global_node(const NodePartition &partition) const
+    {
+      return dealii::Utilities::MPI::max(is_owned ? partition.global_index(number) : 0,
+                                         communicator);
+    }
+
     std::uint64_t persistent_id() const
     {
       return id;

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/read_vector.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/tangent.h>
+#include <tombolo/output/history.h>
+#include <tombolo/state/body_point.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *link_history = "link history";
+    const HistoryRegistration of_links({link_history, "links.csv",
+                                        "Lengths and forces of links (links.csv)."});
+  } // namespace
+
+  /**
+   * A spring and a dashpot between a point of a body and another one, or a place in space. With the
+   * vector r from the first end to the second, its length l and n = r/l, the first end is pulled by
+   *
+   * @verbatim
+   *   f = (k (l - L) + c n · dr/dt) n,   or  f = k r + c dr/dt  where L is always zero (a joint)
+   * @endverbatim
+   *
+   * and the second by -f. The length L without force may change with time, as that of an actuator.
+   * A link costs two sums over ranks in a step, and nothing else where its points are not.
+   */
+  template <int dim>
+  class Link : public Process<dim>
+  {
+  public:
+    explicit Link(const Entries &e)
+    {
+      e.text("Point", mandatory, "L",
+             "The place at the start of a point of a body, numbers separated by commas: the node "
+             "next to it is pulled.");
+      e.text("Other point", "", "L", "The same of the other end, where that is a point of a body.");
+      end = e.optional<Expression<dim>>(
+          "End", "L",
+          "Where the other end is no point of a body: its place, components separated by `;`, "
+          "functions of t.",
+          dim);
+      stiffness = e.number("Stiffness", "0", zero_or_positive(), "M/T^2",
+                           "$k$: force per change of the length.");
+      damping =
+          e.number("Damping", "0", zero_or_positive(), "M/T", "$c$: force per rate of the length.");
+      free_length = e.optional<Expression<dim>>(
+          "Length", "L",
+          "The length without force, a function of t; that of the start if empty. With 0 the link "
+          "is a joint, which resists every motion of one end against the other.",
+          1);
+      if (e.declares())
+        return;
+      point = read_vector<dim>(e.section(), "Point");
+      if (e.is_set("Other point"))
+        other_point = read_vector<dim>(e.section(), "Other point");
+      e.refuse(end.has_value() == other_point.has_value(), "End",
+               "a link ends at a place, \"End\", or at a point of a body, \"Other point\"; allowed "
+               "is one of both.");
+      for (const auto *const function : {&end, &free_length})
+        e.refuse(function->has_value() && (*function)->depends_on_place(),
+                 function == &end ? "End" : "Length", "allowed are functions of t.");
+      e.refuse(!(stiffness > 0. || damping > 0.), "Stiffness",
+               "a link needs a stiffness or a damping larger than zero.");
+      is_joint = free_length && !free_length->depends_on_time() &&
+                 free_length->value(Point<dim>(), 0.) == 0.;
+    }
+
+    void initialize(const Section &section, const Model<dim> &model) override
+    {
+      if (!model.has_mechanics)
+        section.fail("Type", "the scene has no mechanics; nothing can be linked.");
+      name = section.name();
+      const auto add_pull = [&](const std::string &what) -> Action &
+      {
+        Action &action = this->actions.add(what + name, ActsAt::positions)
+                             .books("work of " + name, EnergyKind::external);
+        return end ? action.comes_from_outside() : action;
+      };
+      first.pull = &add_pull("link ");
+      first.node.find(*model.nodes, model.state, point, this->records.group("point of " + name));
+      if (other_point)
+      {
+        second.pull = &add_pull("other end of link ");
+        second.node.find(*model.nodes, model.state, *other_point,
+                         this->records.group("other point of " + name));
+        if (first.node.persistent_id() == second.node.persistent_id())
+          section.fail("Other point",
+                       "the same node is next to \"Point\"; allowed is another one.");
+      }
+      length_at_start = reach(model, 0.).norm();
+      this->records.value("length at the start of " + name, length_at_start);
+      this->records.value("force of " + name, force);
+      if (!is_joint && !(length_at_start > 0.))
+        section.fail(other_point ? "Other point" : "End",
+                     "both ends are at one place at the start; allowed are two, or `Length = 0`.");
+      find_masses(model);
+      model.signals.trials.connect([this](const Clock &, double) { resists_no_rates = true; });
+      this->observed.history(link_history,
+                             [this, &model](BalanceHistory<dim> &row) { add_row(model, row); });
+      this->observed.step_limits.connect([this](const double step, double &fraction)
+                                         { fraction = std::min(fraction, stable_share(step)); });
+    }
+
+    void model_changed(const Model<dim> &model) override
+    {
+      find_masses(model);
+    }
+
+    void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
+    {
+      force = pull(model, clock);
+      if (first.node.is_here())
+        first.pull->add_force(first.node.node(), force);
+      if (second.pull != nullptr && second.node.is_here())
+        second.pull->add_force(second.node.node(), -force);
+    }
+
+    void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override
+    {
+      const Vector r = reach(model, clock.time);
+      const double length = r.norm();
+      // What pushes has less stiffness across than none.
+      const double across =
+          is_joint ? stiffness
+                   : stiffness * std::max(0., 1. - length_without_force(clock.time) / length);
+      Tensor<2, dim> change;
+      for (unsigned int d = 0; d < dim; ++d)
+        change[d][d] = across;
+      if (!is_joint)
+        change += (stiffness - across) / (length * length) * outer_product(r, r);
+      if (!(stiffness > 0.))
+        return;
+      if (second.pull == nullptr)
+      {
+        if (first.node.is_here())
+          tangent.add_spring(first.node.node(), change);
+      }
+      else
+        tangent.add_spring(first.node, second.node, change);
+    }
+
+  private:
+    using Vector = Tensor<1, dim>;
+
+    /** A point of a body that is pulled; null where the end is a place in space. */
+    struct PulledPoint
+    {
+      BodyPoint<dim> node;
+      Action *pull = nullptr;
+    };
+
+    /** From the first end to the second. Collective. */
+    Vector reach(const Model<dim> &model, const double time) const
+    {
+      Vector result = -first.node.value(model.state.position);
+      if (second.pull != nullptr)
+        return result + second.node.value(model.state.position);
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] += end->value(Point<dim>(), time, d);
+      return result;
+    }
+    /** dr/dt, that of bodies at t_{n-1/2}. Collective. */
+    Vector rate(const Model<dim> &model, const Clock &clock) const
+    {
+      Vector result = -first.node.value(model.state.velocity);
+      if (second.pull != nullptr)
+        return result + second.node.value(model.state.velocity);
+      const double step = clock.previous_step;
+      for (unsigned int d = 0; d < dim && step > 0.; ++d)
+        result[d] += (end->value(Point<dim>(), clock.time, d) -
+                      end->value(Point<dim>(), clock.time - step, d)) /
+                     step;
+      return result;
+    }
+    double length_without_force(const double time) const
+    {
+      return free_length ? free_length->value(Point<dim>(), time) : length_at_start;
+    }
+
+    /** The force on the first end. Collective. */
+    Vector pull(const Model<dim> &model, const Clock &clock) const
+    {
+      const Vector r = reach(model, clock.time);
+      const Vector v = damping > 0. && !resists_no_rates ? rate(model, clock) : Vector();
+      if (is_joint)
+        return stiffness * r + damping * v;
+      const double length = r.norm();
+      const Vector n = length > 0. ? r / length : Vector();
+      return (stiffness * (length - length_without_force(clock.time)) + damping * (n * v)) * n;
+    }
+
+    /** Finds the lightest mass that an end may have. Collective. */
+    void find_masses(const Model<dim> &model)
+    {
+      // A node between others gives its force to them; none is lighter than the lightest.
+      double lightest = std::numeric_limits<double>::max();
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        if (const double mass = *model.bridge->mass().node(i); mass > 0.)
+          lightest = std::min(lightest, mass);
+      mobility = (other_point ? 2. : 1.) / Utilities::MPI::min(lightest, model.communicator);
+    }
+
+    /** Of the @p step of the bodies, 2 over their largest frequency, what is stable with the link:
+     * (2/ω) (√(1 + ξ²) - ξ) with both in ω and the damping as far as it lags behind. */
+    double stable_share(const double step) const
+    {
+      const double relative = std::sqrt(1. + 0.25 * step * step * stiffness * mobility);
+      const double lag = 0.25 * step * damping * mobility / relative;
+      return (std::sqrt(1. + lag * lag) - lag) / relative;
+    }
+
+    void add_row(const Model<dim> &model, BalanceHistory<dim> &row) const
+    {
+      std::array<double, 3> components{};
+      for (unsigned int d = 0; d < dim; ++d)
+        components[d] = force[d];
+      row.begin_item({name});
+      row.add("length", "L", reach(model, row.present().time).norm());
+      row.add("force", "M L/T^2", components);
+    }
+
+    Vector point;
+    std::optional<Vector> other_point;
+    std::optional<Expression<dim>> end, free_length;
+    double stiffness, damping;
+    bool is_joint = false, resists_no_rates = false;
+    std::string name;
+    PulledPoint first, second;
+    Vector force; // on the first end
+    double length_at_start = 0, mobility = 0;
+  };
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(Process, Link, "link",
+                                  "a spring and a dashpot, or a joint, between a point of a body "
+                                  "and another one or a place")
+} // namespace tombolo
