@@ -15,6 +15,8 @@ PICTURES_OF_TABLES = [("statistics.csv", histories.draw_energies, "energies.png"
                       ("conditions.csv", histories.draw_conditions, "conditions.png"),
                       ("sections.csv", histories.draw_conditions, "sections.png"),
                       ("probes.csv", histories.draw_probes, "probes.png"),
+                      ("points.csv", histories.draw_probes, "points.png"),
+                      ("links.csv", histories.draw_probes, "links.png"),
                       ("specimen.csv", histories.draw_probes, "specimen.png")]
 
 

@@ -59,6 +59,7 @@ def add_histories(report, run):
         if name in run.tables:
             report.add(anchor, title, surfaces_html(report, run, run.tables[name]))
     for name, anchor, title in (("specimen.csv", "specimen", "Specimen"), ("probes.csv", "probes", "Probes"),
+                                ("points.csv", "points", "Material points"), ("links.csv", "links", "Links"),
                                 ("parts.csv", "parts", "Parts")):
         table = run.tables.get(name)
         if table is not None:

@@ -13,7 +13,8 @@ from tombolo import histories
 
 from . import units
 
-TABLES = ("statistics.csv", "contact.csv", "conditions.csv", "sections.csv", "parts.csv", "probes.csv", "specimen.csv")
+TABLES = ("statistics.csv", "contact.csv", "conditions.csv", "sections.csv", "parts.csv", "probes.csv", "points.csv", "links.csv",
+          "specimen.csv")
 # One of these makes a directory the output of a run.
 TRACES = ("summary.json", "parameters.json", "log.txt", "solution.pvd", "cells.xdmf",
           "particles.xdmf", histories.FILE) + TABLES

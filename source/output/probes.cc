@@ -7,6 +7,7 @@
 #include <tombolo/boundary/region.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/mesh_source.h>
+#include <tombolo/output/named_places.h>
 #include <tombolo/output/output_of_scene.h>
 
 #include <deal.II/base/mpi.h>
@@ -55,12 +56,13 @@ namespace tombolo
     this->records.value("places of nodes", places).optional();
     this->records.value("numbers of nodes", chosen).optional();
     this->records.value("choice of nodes", choice).optional();
-    const std::string locations = e.text(
+    e.text(
         "Locations", "", "L",
         "Nodes whose motion is written to probes.csv, by initial coordinates, to which the nearest "
         "node is taken: a list, separated by semicolons, of `name: x, y, z`, or without a name.");
-    for (const std::string &text : Utilities::split_string_list(locations, ';'))
-      read_location(text);
+    if (!e.declares())
+      for (const NamedPlace<dim> &place : read_named_places<dim>(e.section(), "Locations", "probe"))
+        add({place.name, place.location, {}});
     n_locations = probes.size();
     const std::string of_nodes =
         e.text("Nodes", "", "",
@@ -88,38 +90,6 @@ namespace tombolo
       choice = wanted_choice;
     e.refuse(probes.empty() && !has_choice, "Locations",
              "give at least one location, for example `tip: 10, 0, 0`");
-  }
-
-  template <int dim>
-  void Probes<dim>::read_location(const std::string &text)
-  {
-    Probe probe;
-    const std::size_t colon = text.rfind(':');
-    probe.name = colon == std::string::npos ? "probe " + std::to_string(probes.size() + 1)
-                                            : Utilities::trim(text.substr(0, colon));
-    if (probe.name.empty())
-      this->section.fail("Locations", "\"" + text + "\" has no name before the colon");
-    const std::vector<std::string> numbers = Utilities::split_string_list(
-        colon == std::string::npos ? text : text.substr(colon + 1), ',');
-    if (numbers.size() != dim)
-      this->section.fail("Locations", "\"" + text + "\" has " + std::to_string(numbers.size()) +
-                                          " coordinates; " + std::to_string(dim) +
-                                          " are needed, separated by commas");
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      try
-      {
-        probe.location[d] = Utilities::string_to_double(numbers[d]);
-      }
-      catch (const ExceptionBase &)
-      {
-        probe.location[d] = std::numeric_limits<double>::quiet_NaN();
-      }
-      if (!std::isfinite(probe.location[d]))
-        this->section.fail("Locations",
-                           "\"" + numbers[d] + "\" in \"" + text + "\" is not a number");
-    }
-    add(probe);
   }
 
   template <int dim>

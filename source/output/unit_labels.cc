@@ -8,6 +8,8 @@
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 namespace tombolo
 {
@@ -57,8 +59,10 @@ namespace tombolo
                "Names of the units that the numbers of this file are in, for headers and plots: a "
                "list of `quantity: name`, for example `length: mm, mass: t, time: s, stress: MPa`. "
                "Quantities: length, mass, time, temperature, and for shorter names velocity, "
-               "force, stress, energy, power, momentum, angular momentum, density. They change no "
-               "number: the units of a file must be consistent in themselves.");
+               "force, stress, energy, power, momentum, angular momentum, density. Force, stress, "
+               "energy and power follow from units of length, mass and time that are known, as N "
+               "from `mm, t, s`. They change no number: the units of a file must be consistent in "
+               "themselves.");
     const Section &root = e.section();
     for (const std::string &item : Utilities::split_string_list(labels, ','))
     {
@@ -80,15 +84,55 @@ namespace tombolo
           root.fail("Unit labels", "\"" + pair[0] + "\" is named twice");
       given.emplace_back(pair[0], pair[1]);
     }
+    const auto length = in_si("L"), mass = in_si("M"), time = in_si("T");
+    if (length && mass && time)
+    {
+      const double force = *mass * *length / (*time * *time);
+      derive("force", force);
+      derive("stress", force / (*length * *length));
+      derive("energy", force * *length);
+      derive("torque", force * *length);
+      derive("power", force * *length / *time);
+    }
+  }
+
+  std::optional<double> UnitLabels::in_si(const std::string &symbol) const
+  {
+    static const std::map<std::string, std::map<std::string, double>> units = {
+        {"L",
+         {{"m", 1.},
+          {"cm", 1e-2},
+          {"mm", 1e-3},
+          {"um", 1e-6},
+          {"µm", 1e-6},
+          {"μm", 1e-6},
+          {"nm", 1e-9}}},
+        {"M", {{"t", 1e3}, {"kg", 1.}, {"g", 1e-3}, {"mg", 1e-6}}},
+        {"T", {{"s", 1.}, {"ms", 1e-3}, {"us", 1e-6}, {"µs", 1e-6}, {"μs", 1e-6}, {"ns", 1e-9}}}};
+    const auto &known = units.at(symbol);
+    const auto found = known.find(label(symbol));
+    return found == known.end() ? std::nullopt : std::optional<double>(found->second);
+  }
+
+  void UnitLabels::derive(const std::string &quantity, const double in_si)
+  {
+    static const std::map<std::string, std::string> units = {
+        {"force", "N"}, {"stress", "Pa"}, {"energy", "J"}, {"torque", "N m"}, {"power", "W"}};
+    static const std::pair<double, const char *> prefixes[] = {
+        {1e-9, "n"}, {1e-6, "u"}, {1e-3, "m"}, {1., ""}, {1e3, "k"}, {1e6, "M"}, {1e9, "G"}};
+    for (const auto &[factor, prefix] : prefixes)
+      if (std::abs(in_si / factor - 1.) < 1e-9)
+        derived.emplace_back(quantity, prefix + units.at(quantity));
   }
 
   std::string UnitLabels::label(const std::string &unit) const
   {
     for (const LabelledQuantity &quantity : quantities())
       if (std::find(quantity.units.begin(), quantity.units.end(), unit) != quantity.units.end())
-        for (const auto &entry : given)
-          if (entry.first == quantity.name)
-            return entry.second;
+        for (const auto *const labels : {&given, &derived})
+          for (const auto &entry : *labels)
+            if (entry.first == quantity.name)
+              return entry.second;
 
     std::string result;
     for (const char symbol : unit)
@@ -111,6 +155,16 @@ namespace tombolo
 
   std::string UnitLabels::heading(const std::string &name, const std::string &unit) const
   {
-    return unit.empty() || unit == "1" ? name : name + " [" + label(unit) + "]";
+    if (unit.empty() || unit == "1")
+      return name;
+    const bool is_moment =
+        name.find("torque") != std::string::npos ||
+        (name.find("moment") != std::string::npos && name.find("momentum") == std::string::npos);
+    if (is_moment && unit == "M L^2/T^2")
+      for (const auto *const labels : {&given, &derived})
+        for (const auto &entry : *labels)
+          if (entry.first == "torque")
+            return name + " [" + entry.second + "]";
+    return name + " [" + label(unit) + "]";
   }
 } // namespace tombolo

@@ -63,23 +63,11 @@ namespace tombolo
                  ": is `End time` in the unit of time of the densities and moduli?");
     }
 
-    /** The meters or seconds of a unit; nothing for one that is not known. */
-    std::optional<double> in_si(const std::string &label)
-    {
-      static const std::map<std::string, double> known = {
-          {"m", 1.},    {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"µm", 1e-6},
-          {"μm", 1e-6}, {"nm", 1e-9}, {"s", 1.},    {"ms", 1e-3}, {"us", 1e-6},
-          {"µs", 1e-6}, {"μs", 1e-6}, {"ns", 1e-9}};
-      const auto found = known.find(label);
-      return found == known.end() ? std::nullopt : std::optional<double>(found->second);
-    }
-
     template <int dim>
     void warn_of_wave_speeds(const Model<dim> &model, const UnitLabels &labels, Log &log)
     {
       constexpr double slowest = 100., fastest = 10000.;
-      const std::optional<double> length = in_si(labels.label("L")),
-                                  time = in_si(labels.label("T"));
+      const std::optional<double> length = labels.in_si("L"), time = labels.in_si("T");
       if (!length || !time)
         return;
       for (const Part<dim> &part : model.parts)
@@ -105,7 +93,7 @@ namespace tombolo
     void warn_of_yield_stresses(const Model<dim> &model, const UnitLabels &labels, Log &log)
     {
       constexpr double largest_strain = 0.1;
-      if (!in_si(labels.label("L")) || !in_si(labels.label("T")))
+      if (!labels.in_si("L") || !labels.in_si("T"))
         return;
       for (const Part<dim> &part : model.parts)
       {
@@ -127,12 +115,11 @@ namespace tombolo
     double prescribed_rate(const MechanicalCondition<dim> &condition, const Point<dim> &point,
                            const unsigned int component, const double time, const double interval)
     {
-      if (!condition.function)
-        return 0.;
-      const double value = condition.function->value(point, time, component);
-      return condition.type == MechanicalConditionType::displacement
-                 ? (condition.function->value(point, time + interval, component) - value) / interval
-                 : value;
+      if (condition.type == MechanicalConditionType::displacement)
+        return (condition.displacement(point, component, time + interval) -
+                condition.displacement(point, component, time)) /
+               interval;
+      return condition.function ? condition.function->value(point, time, component) : 0.;
     }
 
     template <int dim>

@@ -47,7 +47,6 @@ namespace tombolo
       BodyPoint<dim> node;
     };
 
-    void read_location(const std::string &text);
     void add(const Probe &probe);
     /** The numbers that an entry lists. Throws InputError. */
     std::vector<std::uint64_t> read_numbers(const std::string &entry,

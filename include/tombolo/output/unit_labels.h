@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,8 +18,9 @@ namespace tombolo
   /**
    * The names of the units that a run is computed in. Descriptions give units in terms of L
    * (length), M (mass), T (time) and K (temperature), for example "M/(L T^2)"; label() puts the
-   * names in: "t/(mm s^2)", or "MPa" where the entry `Unit labels` has a name for the quantity.
-   * Without labels the symbols stand for themselves. Labels change no number.
+   * names in: "t/(mm s^2)", or "MPa" where the entry `Unit labels` has a name for the quantity or
+   * where it follows from those of mass, length and time. Without labels the symbols stand for
+   * themselves. Labels change no number.
    */
   class UnitLabels
   {
@@ -35,6 +37,10 @@ namespace tombolo
     /** "name [unit]", or only the name where the unit is "1" or empty. */
     std::string heading(const std::string &name, const std::string &unit) const;
 
+    /** How many metres, kilograms or seconds the unit of "L", "M" or "T" is; nothing where it has
+     * no label, or one that is not known. */
+    std::optional<double> in_si(const std::string &symbol) const;
+
     /** The labels as given, quantity and name, for the summary. */
     const std::vector<std::pair<std::string, std::string>> &labels() const
     {
@@ -42,6 +48,8 @@ namespace tombolo
     }
 
   private:
-    std::vector<std::pair<std::string, std::string>> given;
+    void derive(const std::string &quantity, double in_si);
+
+    std::vector<std::pair<std::string, std::string>> given, derived;
   };
 } // namespace tombolo

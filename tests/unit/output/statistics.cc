@@ -74,6 +74,25 @@ TEST(TimeTable, table_has_a_header_with_units_and_a_row_per_output)
   EXPECT_EQ(statistics.column("time"), (std::vector<double>{0, 0.5}));
 }
 
+TEST(UnitLabels, force_stress_energy_and_power_follow_from_known_units)
+{
+  const UnitLabels millimetres = labels_of("length: mm, mass: t, time: s");
+  EXPECT_EQ(millimetres.label("M L/T^2"), "N");
+  EXPECT_EQ(millimetres.label("M/(L T^2)"), "MPa");
+  EXPECT_EQ(millimetres.label("M L^2/T^2"), "mJ");
+  EXPECT_EQ(millimetres.label("M L^2/T^3"), "mW");
+  EXPECT_EQ(millimetres.heading("mean torque x", "M L^2/T^2"), "mean torque x [mN m]");
+  EXPECT_EQ(millimetres.heading("angular momentum x", "M L^2/T"), "angular momentum x [t mm^2/s]");
+  const UnitLabels milliseconds = labels_of("length: mm, mass: kg, time: ms");
+  EXPECT_EQ(milliseconds.label("M L/T^2"), "kN");
+  EXPECT_EQ(milliseconds.label("M/(L T^2)"), "GPa");
+  EXPECT_EQ(milliseconds.label("M L^2/T^2"), "J");
+  // What is said holds, and of units that are not known, or have no name, nothing follows.
+  EXPECT_EQ(labels_of("length: mm, mass: t, time: s, stress: N/mm^2").label("M/(L T^2)"), "N/mm^2");
+  EXPECT_EQ(labels_of("length: in, mass: slinch, time: s").label("M L/T^2"), "slinch in/s^2");
+  EXPECT_EQ(labels_of("length: cm, mass: g, time: s").label("M L/T^2"), "g cm/s^2");
+}
+
 TEST(TimeTable, each_row_is_in_the_file_when_it_is_written)
 {
   const TestDirectory test("statistics_flush");
@@ -248,7 +267,7 @@ TEST(TimeTable, numbers_read_back_as_the_same_double)
 TEST(UnitLabels, names_are_put_into_derived_units)
 {
   const UnitLabels labels = labels_of("length: mm, mass: t, time: s");
-  EXPECT_EQ(labels.label("M/(L T^2)"), "t/(mm s^2)");
+  EXPECT_EQ(labels.label("M/L^3"), "t/mm^3");
   EXPECT_EQ(labels.heading("strain", "1"), "strain");
   EXPECT_EQ(labels_of("").heading("stress", "M/(L T^2)"), "stress [M/(L T^2)]");
 }
