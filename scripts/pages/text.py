@@ -22,6 +22,12 @@ def pages_of(project):
             [project / "README.md", project / "CONTRIBUTING.md", project / "CHANGELOG.md", *sorted(project.glob("doc/*.md"))]]
 
 
+def tables_of(project):
+    """Tables of studies that pages link, relative to the project."""
+    project = Path(project)
+    return [path.relative_to(project) for path in sorted(project.glob("doc/tables/*.md"))]
+
+
 class Block:
     """Lines of a page that belong together: kind is heading, text, table or code."""
 
