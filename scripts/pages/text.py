@@ -210,4 +210,4 @@ def groups_of(project):
             if found:
                 page = (project / "doc" / found.group(2)).resolve().relative_to(project.resolve())
                 groups[-1][1].append((str(page), found.group(1), " ".join(found.group(3).split())))
-    return groups
+    return [(group, entries) for group, entries in groups if entries]

@@ -4,7 +4,7 @@
 // The ranking of the search, apart from the page that shows it: tests/pages/search_test.py runs it as well.
 const ranking = (() => {
   // What counts a section that has the words: pages before tables, tables before classes.
-  const weights = { page: 1, entries: 0.8, table: 0.5, changes: 0.3, class: 0.2 };
+  const weights = { page: 1, entries: 0.8, table: 0.35, changes: 0.3, class: 0.2 };
   const empty = new Set("a an and are at by do does for from how i in is it my of on or the to want what with".split(" "));
   const isLetter = (letter) => letter !== undefined && /[\p{L}\p{N}]/u.test(letter);
 
@@ -14,16 +14,20 @@ const ranking = (() => {
   // "curves" finds what begins with "curve".
   function stem(word) { return word.length > 4 && word.endsWith("s") && !word.endsWith("ss") ? word.slice(0, -1) : word; }
 
-  function wordsOf(query) {
-    const words = plain(query).split(/[\s,.;:*]+/).filter(Boolean).map(stem);
-    const meaning = words.filter((word) => !empty.has(word));
-    return meaning.length ? meaning : words;
+  function allWordsOf(query) { return plain(query).split(/[\s,.;:*]+/).filter(Boolean).map(stem); }
+
+  // Without those that mean little, unless there are no others.
+  function meaning(words) {
+    const left = words.filter((word) => !empty.has(word));
+    return left.length ? left : words;
   }
+
+  function termOf(words) { return { words: meaning(words), phrase: words.join(" ") }; }
 
   function prepare(index) {
     const synonyms = new Map();
     for (const [term, others] of Object.entries(index.synonyms))
-      synonyms.set(wordsOf(term).join(" "), others.map(wordsOf));
+      synonyms.set(allWordsOf(term).join(" "), others.map((other) => termOf(allWordsOf(other))));
     return { synonyms, sections: index.sections.map((section) =>
       ({ ...section, head: plain(section.h), page: plain(section.p), text: plain(section.t) })) };
   }
@@ -36,14 +40,14 @@ const ranking = (() => {
     return n;
   }
 
-  // Terms of the query: the longest ones that have synonyms, single words else. Each is a list of lists of words.
+  // The terms of a query: the longest ones that have synonyms, single words else; each with its synonyms.
   function termsOf(words, synonyms) {
     const terms = [];
     for (let from = 0; from < words.length;) {
       let to = Math.min(words.length, from + 4);
       while (to > from + 1 && !synonyms.has(words.slice(from, to).join(" "))) --to;
-      const own = words.slice(from, to);
-      terms.push([own, ...(synonyms.get(own.join(" ")) || [])]);
+      const own = words.slice(from, to), others = synonyms.get(own.join(" "));
+      if (others || !empty.has(own[0]) || words.length === 1) terms.push([termOf(own), ...(others || [])]);
       from = to;
     }
     return terms;
@@ -54,8 +58,8 @@ const ranking = (() => {
     return stem(title) === word ? 60 : title.startsWith(word) ? 30 : 18;
   }
 
-  // Zero unless the section has all of the words.
-  function scoreOfWords(section, words) {
+  // How well a section answers to one term; zero unless it has all of its words.
+  function scoreOfTerm(section, { words, phrase }) {
     let sum = 0;
     for (const word of words) {
       const own = scoreOfTitle(section.head, word) + scoreOfTitle(section.page, word) / 3 + count(section.text, word);
@@ -63,7 +67,6 @@ const ranking = (() => {
       sum += own;
     }
     if (words.length === 1) return sum;
-    const phrase = words.join(" ");
     const bonus = stem(section.head) === phrase ? 50 : count(section.head, phrase) ? 30 : count(section.text, phrase) ? 12 : 0;
     return (sum / words.length) * (bonus ? 1 : 0.5) + bonus;
   }
@@ -72,7 +75,7 @@ const ranking = (() => {
     let sum = 0;
     for (const choices of terms) {
       // A synonym counts almost as the word itself, those that stand first more than later ones.
-      const best = Math.max(...choices.map((words, k) => scoreOfWords(section, words) * (k ? 1 - 0.1 * k : 1)));
+      const best = Math.max(...choices.map((term, k) => scoreOfTerm(section, term) * (1 - 0.1 * k)));
       if (best <= 0) return 0;
       sum += best;
     }
@@ -81,17 +84,17 @@ const ranking = (() => {
 
   // Sections of a prepared index that have all terms of a query, the best first, and the words to mark in them.
   function find(prepared, query) {
-    const words = wordsOf(query), terms = termsOf(words, prepared.synonyms);
-    if (!words.length) return { words: [], sections: [] };
-    const scored = prepared.sections.map((section) => [score(section, terms), section])
-      .filter(([points]) => points > 0);
-    if (words.length > 1) {
-      const phrase = words.join(" ");
-      for (const entry of scored)
-        if (count(entry[1].head, phrase) || count(entry[1].text, phrase)) entry[0] += 15 * weights[entry[1].k];
+    const words = allWordsOf(query), terms = termsOf(words, prepared.synonyms), phrase = words.join(" ");
+    if (!terms.length) return { words: [], sections: [] };
+    const scored = [];
+    for (const section of prepared.sections) {
+      let points = score(section, terms);
+      if (points > 0 && terms.length > 1 && (count(section.head, phrase) || count(section.text, phrase)))
+        points += 15 * weights[section.k];
+      if (points > 0) scored.push([points, section]);
     }
     scored.sort((a, b) => b[0] - a[0]);
-    return { words: [...new Set(terms.flat(2))], sections: scored.map(([, section]) => section) };
+    return { words: [...new Set(terms.flat().flatMap((term) => term.words))], sections: scored.map(([, section]) => section) };
   }
 
   return { find, plain, prepare };
