@@ -3,6 +3,7 @@
 """The pages of this project: links lead to what is there, sentences are short, doc/README.md lists every page. And the
 checks notice what they are for."""
 
+import re
 import sys
 import tempfile
 import unittest
@@ -37,6 +38,16 @@ class PagesTest(unittest.TestCase):
         linked = {(page.parent / target.partition("#")[0]).as_posix() for page in text.pages_of(PROJECT)
                   for _, target in text.links_of((PROJECT / page).read_text("utf-8"))}
         self.assertEqual([str(page) for page in text.tables_of(PROJECT) if page.as_posix() not in linked], [])
+
+    def test_keywords_with_a_dot_are_read_by_the_importer(self):
+        page = (PROJECT / "doc/keywords.md").read_text("utf-8")
+        for part, program in zip(page.split("\n## ")[1:], ("dyna", "abaqus")):
+            source = "".join(path.read_text("utf-8") for path in (PROJECT / "scripts/importing" / program).glob("*.py"))
+            rows = [row.split("|") for row in part.split("\n") if row.startswith("| ")]
+            names = {name.strip() for row in rows if "•" in row[2] for name in re.findall(r"`\*([A-Z][A-Z _0-9-]+)", row[1])}
+            self.assertGreater(len(names), 30)
+            # Those of *CONTACT_ are read by parts of their names.
+            self.assertEqual({name for name in names if name not in source and not name.startswith("CONTACT_")}, set())
 
 
 class CheckTest(unittest.TestCase):
