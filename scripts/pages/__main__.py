@@ -13,7 +13,7 @@ LARGEST_SENTENCE = 48
 
 def check(project):
     """What is wrong with the pages of a project. The changelog is a list of notes; its sentences are not counted."""
-    pages = text.pages_of(project)
+    pages = text.pages_of(project) + text.tables_of(project)
     return text.wrong_links(project, pages) + text.long_sentences(
         project, [page for page in pages if page.name != "CHANGELOG.md"], LARGEST_SENTENCE)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import markdown
 
-from pages import classes, text
+from pages import classes, synonyms, text
 
 WEB = Path(__file__).parent / "web"
 # Only a directory with this file is replaced.
@@ -18,6 +18,9 @@ MARK = "made_by_scripts_site"
 NAMES = {"README.md": "index.html", "doc/README.md": "pages.html", "CONTRIBUTING.md": "contributing.html",
          "CHANGELOG.md": "changelog.html"}
 CLASSES = "classes"
+TABLES = "tables"
+# What a section of the search is of; search.js weighs it.
+KINDS = {"CHANGELOG.md": "changes", "doc/parameters.md": "entries"}
 
 
 class SiteError(Exception):
@@ -27,7 +30,7 @@ class SiteError(Exception):
 def make(project, directory, has_classes=True):
     """Makes the site anew; how many pages and classes it has."""
     project, directory = Path(project).resolve(), Path(directory).resolve()
-    pages = text.pages_of(project)
+    pages = text.pages_of(project) + text.tables_of(project)
     if wrong := text.wrong_links(project, pages):
         raise SiteError("links lead nowhere:\n" + "\n".join(wrong))
     make_room(project, directory)
@@ -38,10 +41,10 @@ def make(project, directory, has_classes=True):
         except classes.DoxygenError as error:
             raise SiteError(error) from None
     sections = Site(project, directory, pages, found).write()
-    sections += [{"p": "Class", "h": name, "u": f"{CLASSES}/{file}", "t": ""} for name, file in found]
-    index = json.dumps(sections, ensure_ascii=False, separators=(",", ":"))
+    sections += [{"k": "class", "p": "Class", "h": name, "u": f"{CLASSES}/{file}", "t": ""} for name, file in found]
+    index = json.dumps({"synonyms": synonyms.read(), "sections": sections}, ensure_ascii=False, separators=(",", ":"))
     (directory / "search-index.js").write_text(f"window.searchIndex = {index};\n", "utf-8")
-    for name in ("site.css", "site.js"):
+    for name in ("site.css", "site.js", "search.js"):
         shutil.copy(WEB / name, directory / name)
     return len(pages), len(found)
 
@@ -59,7 +62,14 @@ def make_room(project, directory):
 
 def name_of(page):
     """The file of a page on the site."""
+    if Path(page).parent.name == TABLES:
+        return f"table_{Path(page).stem}.html"
     return NAMES.get(str(page)) or Path(page).with_suffix(".html").name
+
+
+def kind_of(page):
+    """What the search weighs a section of a page by."""
+    return "table" if Path(page).parent.name == TABLES else KINDS.get(str(page), "page")
 
 
 def for_python_markdown(page):
@@ -125,7 +135,7 @@ class Site:
             body = self.with_links(page, body_of(self.texts[page]))
             reader = Sections(body)
             for anchor, heading, words in reader.sections:
-                sections.append({"p": self.titles[page], "h": heading, "u": f"{name_of(page)}#{anchor}", "t": words})
+                sections.append({"k": kind_of(page), "p": self.titles[page], "h": heading, "u": f"{name_of(page)}#{anchor}", "t": words})
             (self.directory / name_of(page)).write_text(self.whole(page, body, reader.sections), "utf-8")
         return sections
 

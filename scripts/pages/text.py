@@ -22,6 +22,12 @@ def pages_of(project):
             [project / "README.md", project / "CONTRIBUTING.md", project / "CHANGELOG.md", *sorted(project.glob("doc/*.md"))]]
 
 
+def tables_of(project):
+    """Tables of studies that pages link, relative to the project."""
+    project = Path(project)
+    return [path.relative_to(project) for path in sorted(project.glob("doc/tables/*.md"))]
+
+
 class Block:
     """Lines of a page that belong together: kind is heading, text, table or code."""
 
@@ -204,4 +210,4 @@ def groups_of(project):
             if found:
                 page = (project / "doc" / found.group(2)).resolve().relative_to(project.resolve())
                 groups[-1][1].append((str(page), found.group(1), " ".join(found.group(3).split())))
-    return groups
+    return [(group, entries) for group, entries in groups if entries]

@@ -84,7 +84,7 @@ class BrowserTest(unittest.TestCase):
 
     def test_pages_are_readable_in_light_and_dark(self):
         for is_dark in (False, True):
-            for name in ("index.html", "method.html", "parameters.html", "reflection_table.html"):
+            for name in ("index.html", "method.html", "parameters.html", "table_reflection.html"):
                 self.opened.open(self.directory / name, is_dark=is_dark)
                 found = self.opened.run(LOOK)
                 self.assertEqual(brightness(found["back"]) < brightness(found["ink"]), is_dark, name)

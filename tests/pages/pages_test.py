@@ -3,6 +3,7 @@
 """The pages of this project: links lead to what is there, sentences are short, doc/README.md lists every page. And the
 checks notice what they are for."""
 
+import re
 import sys
 import tempfile
 import unittest
@@ -18,10 +19,10 @@ LARGEST_SENTENCE = 48
 
 class PagesTest(unittest.TestCase):
     def test_links_and_anchors_lead_to_what_is_there(self):
-        self.assertEqual(text.wrong_links(PROJECT, text.pages_of(PROJECT)), [])
+        self.assertEqual(text.wrong_links(PROJECT, text.pages_of(PROJECT) + text.tables_of(PROJECT)), [])
 
     def test_no_sentence_is_longer_than_48_words(self):
-        pages = [page for page in text.pages_of(PROJECT) if page.name != "CHANGELOG.md"]
+        pages = [page for page in text.pages_of(PROJECT) if page.name != "CHANGELOG.md"] + text.tables_of(PROJECT)
         self.assertEqual(text.long_sentences(PROJECT, pages, LARGEST_SENTENCE), [])
 
     def test_every_page_is_listed_once_and_in_a_group(self):
@@ -31,6 +32,22 @@ class PagesTest(unittest.TestCase):
         self.assertEqual(written - set(listed), set())
         self.assertEqual([group for group, _ in text.groups_of(PROJECT)],
                          ["Start", "Model", "Choose", "Run", "Verify", "Extend"])
+
+
+    def test_every_file_of_tables_is_linked_from_a_page(self):
+        linked = {(page.parent / target.partition("#")[0]).as_posix() for page in text.pages_of(PROJECT)
+                  for _, target in text.links_of((PROJECT / page).read_text("utf-8"))}
+        self.assertEqual([str(page) for page in text.tables_of(PROJECT) if page.as_posix() not in linked], [])
+
+    def test_keywords_with_a_dot_are_read_by_the_importer(self):
+        page = (PROJECT / "doc/keywords.md").read_text("utf-8")
+        for part, program in zip(page.split("\n## ")[1:], ("dyna", "abaqus")):
+            source = "".join(path.read_text("utf-8") for path in (PROJECT / "scripts/importing" / program).glob("*.py"))
+            rows = [row.split("|") for row in part.split("\n") if row.startswith("| ")]
+            names = {name.strip() for row in rows if "•" in row[2] for name in re.findall(r"`\*([A-Z][A-Z _0-9-]+)", row[1])}
+            self.assertGreater(len(names), 30)
+            # Those of *CONTACT_ are read by parts of their names.
+            self.assertEqual({name for name in names if name not in source and not name.startswith("CONTACT_")}, set())
 
 
 class CheckTest(unittest.TestCase):

@@ -44,7 +44,7 @@ if (current && current.offsetTop > pages.clientHeight) pages.scrollTop = current
 
 const field = one(".search input"), results = one("#site-results");
 const most = 25;
-let loading = null, sections = [], chosen = -1;
+let loading = null, prepared = null, chosen = -1;
 
 // The index is loaded when it is needed first.
 function load() {
@@ -52,8 +52,7 @@ function load() {
     const script = document.createElement("script");
     script.src = "search-index.js";
     script.onload = () => {
-      sections = window.searchIndex.map((section) =>
-        ({ ...section, head: section.h.toLowerCase(), page: section.p.toLowerCase(), text: section.t.toLowerCase() }));
+      prepared = ranking.prepare(window.searchIndex);
       done();
     };
     script.onerror = () => failed(new Error("The index of the search is missing."));
@@ -62,22 +61,9 @@ function load() {
   return loading;
 }
 
-function score(section, words) {
-  let sum = 0;
-  for (const word of words) {
-    const begin = (where) => where === word ? 60 : where.startsWith(word) ? 30 : where.includes(word) ? 18 : 0;
-    const count = Math.min(8, section.text.split(word).length - 1);
-    const own = begin(section.head) + begin(section.page) / 3 + count;
-    if (!own) return 0;
-    sum += own;
-  }
-  if (words.length > 1 && (section.head + " " + section.text).includes(words.join(" "))) sum += 15;
-  return sum;
-}
-
 // The text with the words marked, as nodes: nothing of it is read as HTML.
 function marked(text, words) {
-  const nodes = [], lower = text.toLowerCase();
+  const nodes = [], lower = ranking.plain(text);
   let from = 0;
   while (from < text.length) {
     let at = -1, length = 0;
@@ -126,12 +112,10 @@ function note(words) {
 }
 
 async function search() {
-  const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
-  if (!words.length) { show([]); return; }
+  if (!field.value.trim()) { show([]); return; }
   try { await load(); } catch (error) { show([note(error.message)]); return; }
-  const found = sections.map((section) => [score(section, words), section]).filter(([points]) => points > 0);
-  found.sort((a, b) => b[0] - a[0]);
-  show(found.length ? found.slice(0, most).map(([, section]) => line(section, words)) : [note("Nothing has all these words.")]);
+  const { words, sections } = ranking.find(prepared, field.value);
+  show(sections.length ? sections.slice(0, most).map((section) => line(section, words)) : [note("Nothing has all these words.")]);
 }
 
 function choose(step) {
