@@ -184,6 +184,8 @@ class Writer(scene_files.Writer):
             value = ", ".join(names)
         if self.view.is_whole:
             value = self.in_whole(name, value)
+        if self.view.source == "box" and self.scene["second body"] is not None and name.lower().endswith("boundary"):
+            value = self.of_meshes(value)
         super().set(name, frames.entry(self.view.frame, name, value, kind))
 
     def in_whole(self, name, value):
@@ -252,7 +254,10 @@ class Writer(scene_files.Writer):
 
     def mesh(self):
         if self.view.source == "box":
-            super().mesh()
+            if self.scene["second body"] is None:
+                super().mesh()
+            else:
+                self.two_meshes()
             return
         frame = self.view.frame
         mesh = self.body()
@@ -273,6 +278,29 @@ class Writer(scene_files.Writer):
         self.section("file", {"File": "mesh.msh"})
         self.adaptive()
         self.end()
+
+    def two_meshes(self):
+        """The bodies as boxes, each a mesh of its own."""
+        scene, up = self.scene, self.dim - 1
+        second = scene["second body"]
+        top = self.lower[up] + self.sizes()[up]
+        self.set("Meshes", "a, b")
+        for name, cells, lower, upper in (
+                ("a", scene["cells"], self.lower, list(self.upper[:up]) + [top]),
+                ("b", second["cells"], list(self.lower[:up]) + [top + second["gap"]], self.upper)):
+            self.begin("Mesh: " + name)
+            self.set("Type", "box")
+            self.section("box", {"Lower corner": ", ".join(map(self.length, lower)),
+                                 "Upper corner": ", ".join(map(self.length, upper)),
+                                 "Cells": ", ".join(map(str, cells[:self.dim]))})
+            self.end()
+
+    def of_meshes(self, boundary):
+        """The names that a boundary of both bodies has there."""
+        up = "xyz"[self.dim - 1]
+        known = {"slave": "a.%s max" % up, "master": "b.%s min" % up, up + " min": "a.%s min" % up,
+                 up + " max": "b.%s max" % up}
+        return known.get(boundary, "a.%s, b.%s" % (boundary, boundary))
 
     # Sections.
 

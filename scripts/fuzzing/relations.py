@@ -85,8 +85,8 @@ def relation_of(scene, kind, seed):
         return None if not scene["symmetry"] or has_part else Relation(
             kind, "the whole", view._replace(is_whole=True), 1, False)
     if kind == "source":
-        is_other = scene["disorder"] > 0. or scene["second body"] is not None
-        return None if is_other else Relation(kind, "a box in place of a file", view._replace(source="box"), 1, False)
+        return None if scene["disorder"] > 0. else Relation(
+            kind, "boxes in place of a file", view._replace(source="box"), 1, False)
     if kind == "ranks":
         ranks = generator.choice([2, 3])
         return Relation(kind, "%d ranks" % ranks, view, ranks, False)

@@ -123,8 +123,8 @@ namespace tombolo
       Rule rule;
       if (text.empty())
         section.fail(entry, "The cells of the part are not given. Allowed are a predicate of the "
-                            "cell's centre (\"x < 5\"), \"material N\", \"group NAME\", \"all\", "
-                            "\"otherwise\" and \"from NAME\".");
+                            "cell's centre (\"x < 5\"), \"material N\", \"group NAME\", "
+                            "\"mesh NAME\", \"all\", \"otherwise\" and \"from NAME\".");
       else if (text == "all")
         rule.kind = Rule::Kind::all;
       else if (text == "otherwise")
@@ -150,6 +150,11 @@ namespace tombolo
       {
         rule.kind = Rule::Kind::material;
         rule.materials = group_ids(mesh, section, *name);
+      }
+      else if (const auto mesh_name = behind_keyword(text, "mesh"))
+      {
+        rule.kind = Rule::Kind::material;
+        rule.materials = group_ids(mesh, section, "mesh " + *mesh_name);
       }
       else
         rule.predicate.emplace(section, entry);

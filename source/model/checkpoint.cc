@@ -90,7 +90,7 @@ namespace tombolo
       };
       if (path.rfind("Mesh/Adaptive refinement/", 0) == 0)
         return false; // the state says which cells are divided
-      return path == "Dimension" || path == "Parts" || path.rfind("Mesh/", 0) == 0 ||
+      return path == "Dimension" || path == "Parts" || path.rfind("Mesh", 0) == 0 ||
              (path.rfind("Part: ", 0) == 0 && (ends_with("/Cells") || ends_with("/Formulation")));
     }
 

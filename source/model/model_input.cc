@@ -4,8 +4,8 @@
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
+#include <tombolo/mesh/chosen_mesh.h>
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/refinement.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/moving_parts.h>
@@ -30,7 +30,7 @@ namespace tombolo
     {
       const std::string first_word = cells.substr(0, cells.find_first_of(" \t"));
       return first_word != "all" && first_word != "otherwise" && first_word != "material" &&
-             first_word != "group" && first_word != "from";
+             first_word != "group" && first_word != "mesh" && first_word != "from";
     }
 
     /** The entries that stand in no section. */
@@ -55,10 +55,12 @@ namespace tombolo
     template <int dim>
     void declare_part(const Entries &e)
     {
-      e.text("Cells", mandatory, "",
-             "The cells of the part: a predicate of the cell's centre such as `x < 5`, `material "
-             "N`, `group NAME`, `all`, or `otherwise` (those that no other part takes); or `from "
-             "NAME`: those cells of the part NAME that become particles while the run goes on.");
+      e.text(
+          "Cells", mandatory, "",
+          "The cells of the part: a predicate of the cell's centre such as `x < 5`, `material "
+          "N`, `group NAME`, `mesh NAME`, `all`, or `otherwise` (those that no other part takes); "
+          "or `from NAME`: those cells of the part NAME that become particles while the run goes "
+          "on.");
       e.choice("Formulation", mandatory, Registry<Formulation<dim>>::instance().selection(),
                "Element type or particle method.");
       e.text("Material", mandatory, "", "The name of one of the materials.");
@@ -79,6 +81,7 @@ namespace tombolo
     {
       constexpr double largest = 1e90, smallest = 1e-90;
       bool is_within = true;
+      const std::string entry = section.is_set("Type") ? "Type" : "";
       double extent = 0;
       for (const Point<dim> &vertex : mesh.triangulation.get_vertices())
         for (unsigned int d = 0; d < dim; ++d)
@@ -87,11 +90,11 @@ namespace tombolo
           extent = std::max(extent, std::abs(vertex[d]));
         }
       if (Utilities::MPI::min(is_within ? 1 : 0, communicator) == 0)
-        section.fail("Type", "the mesh has vertices that are not finite, or with coordinates above "
-                             "1e90, beyond which volumes are not numbers any more.");
+        section.fail(entry, "the mesh has vertices that are not finite, or with coordinates above "
+                            "1e90, beyond which volumes are not numbers any more.");
       if (Utilities::MPI::max(extent, communicator) < smallest)
-        section.fail("Type", "all coordinates of the mesh are below 1e-90, where volumes are not "
-                             "numbers any more; choose a smaller unit of length.");
+        section.fail(entry, "all coordinates of the mesh are below 1e-90, where volumes are not "
+                            "numbers any more; choose a smaller unit of length.");
     }
   } // namespace
 
@@ -241,7 +244,7 @@ namespace tombolo
   template <int dim>
   void read_mesh(const Section &section, Mesh<dim> &mesh, const MPI_Comm communicator)
   {
-    create_selected<MeshSource<dim>>(section, "Type")->create(mesh);
+    mesh_source<dim>(section.all())->create(mesh);
     check_extent(mesh, section, communicator);
     MeshRefinement<dim>(section).refine(mesh);
   }
@@ -251,11 +254,8 @@ namespace tombolo
   {
     const Entries e(parameters.handler());
     declare_names(e);
-    const Entries mesh = e.subsection("Mesh");
-    mesh.choice("Type", mandatory, Registry<MeshSource<dim>>::instance().selection(),
-                "Where the mesh comes from.");
-    declare<MeshRefinement<dim>>(mesh);
-    mesh.plugins<MeshSource<dim>>();
+    declare_mesh_sources<dim>(parameters);
+    declare<MeshRefinement<dim>>(e.subsection("Mesh"));
     for (const std::string &name : section_names(parameters, "Parts"))
       declare_part<dim>(e.subsection("Part: " + name));
     for (const std::string &name : section_names(parameters, "Materials"))
@@ -341,8 +341,7 @@ namespace tombolo
                     [](const Part<dim> &part) { return part.formulation != nullptr; });
     if (are_complete)
       parameters.attempt([&] { physics = Physics<dim>(parts, part_sections); });
-    parameters.attempt([&]
-                       { create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type"); });
+    parameters.attempt([&] { mesh_source<dim>(parameters); });
     parameters.attempt([&] { MeshRefinement<dim> refinement(parameters.section("Mesh")); });
     for (const Section &section : part_sections)
       parameters.attempt(

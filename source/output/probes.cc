@@ -6,7 +6,7 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/mesh_source.h>
+#include <tombolo/mesh/chosen_mesh.h>
 #include <tombolo/output/named_places.h>
 #include <tombolo/output/output_of_scene.h>
 
@@ -126,11 +126,8 @@ namespace tombolo
     if (mesh_numbers.empty())
       return result;
     const std::string entry = "Mesh nodes";
-    const Section mesh = this->section.all().section("Mesh");
-    const std::string source = mesh.get("Type");
-    const std::vector<long long> of_vertices = Registry<MeshSource<dim>>::instance()
-                                                   .create(source, mesh.subsection(source))
-                                                   ->node_numbers();
+    const std::vector<long long> of_vertices =
+        mesh_source<dim>(this->section.all())->node_numbers();
     if (of_vertices.empty())
       this->section.fail(entry, "the mesh is not that of a file, and its nodes have no numbers of "
                                 "their own; give `Locations`, `Where`, `Boundary` or `Nodes`");

@@ -140,11 +140,10 @@ namespace tombolo
   bool Stages::is_of_others(const std::string &stage, const std::string &section) const
   {
     const std::size_t colon = section.find(": ");
-    if (colon == std::string::npos)
+    if (colon == std::string::npos || colon == 0)
       return false;
     const std::string kind = section.substr(0, colon), name = section.substr(colon + 2);
-    // The list of "Condition: NAME" is "Conditions", that of "Process: NAME" is "Processes".
-    const std::string list = kind + (kind.back() == 's' ? "es" : "s");
+    const std::string list = list_of_sections(kind);
     const auto lists_it = [&](const std::string &of_stage)
     {
       const std::vector<std::string> listed = split_list(value(of_stage, list));

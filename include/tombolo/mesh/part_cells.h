@@ -16,9 +16,9 @@ namespace tombolo
 
   /**
    * Which part each cell belongs to, from the entry `Cells` of each "Part: NAME" section:
-   * a predicate of the cell's centre (`x < 5`), `material 2`, `group NAME`, `all`, `otherwise`
-   * (cells that no other part takes), or `from NAME` (none: those that the part NAME gives away
-   * while the run goes on). Works for owned and ghost cells, and before partitioning.
+   * a predicate of the cell's centre (`x < 5`), `material 2`, `group NAME`, `mesh NAME`, `all`,
+   * `otherwise` (cells that no other part takes), or `from NAME` (none: those that the part NAME
+   * gives away in the run). Works for owned and ghost cells, and before partitioning.
    */
   template <int dim>
   class PartCells

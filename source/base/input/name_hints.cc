@@ -141,6 +141,13 @@ namespace tombolo
     return hints;
   }
 
+  std::string list_of_sections(const std::string &kind)
+  {
+    const bool ends_with_hiss =
+        kind.back() == 's' || (kind.size() > 1 && kind.substr(kind.size() - 2) == "sh");
+    return kind + (ends_with_hiss ? "es" : "s");
+  }
+
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name)
   {
     const auto *const same_name = parent.find(name);
@@ -151,9 +158,9 @@ namespace tombolo
     const std::string nearest = nearest_section(name, parent);
     std::string hints = nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?";
     const std::size_t colon = name.find(':');
-    if (colon != std::string::npos)
+    if (colon != std::string::npos && colon > 0)
     {
-      const std::string list = name.substr(0, colon) + "s";
+      const std::string list = list_of_sections(name.substr(0, colon));
       if (parent.find(list) != nullptr)
         hints += " The section needs its name, " +
                  in_quotes(Utilities::trim(name.substr(colon + 1))) + ", in the list " +

@@ -9,6 +9,7 @@
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
 #include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/rotation.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,22 +39,6 @@ namespace tombolo
         z ^= z >> 31;
       }
       return 2. * static_cast<double>(z >> 11) / 9007199254740992. - 1.;
-    }
-
-    /** The rotation by an angle about a unit vector (Rodrigues' formula). */
-    dealii::Tensor<2, 3> rotation_matrix(const dealii::Tensor<1, 3> &axis, const double angle)
-    {
-      dealii::Tensor<2, 3> cross;
-      cross[0][1] = -axis[2];
-      cross[0][2] = axis[1];
-      cross[1][0] = axis[2];
-      cross[1][2] = -axis[0];
-      cross[2][0] = -axis[1];
-      cross[2][1] = axis[0];
-      dealii::Tensor<2, 3> result = std::sin(angle) * cross + (1 - std::cos(angle)) * cross * cross;
-      for (unsigned int d = 0; d < 3; ++d)
-        result[d][d] += 1;
-      return result;
     }
 
     /** The place, along each axis, of a vertex of the lattice of these coordinates; with one less

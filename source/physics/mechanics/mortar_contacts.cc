@@ -2,6 +2,7 @@
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/model/process.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/of_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
@@ -15,6 +16,8 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <ostream>
 #include <utility>
 #include <vector>
@@ -87,6 +90,45 @@ namespace tombolo
                (boundaries.empty() || !cell->at_boundary(face) ||
                 boundaries.count(cell->face(face)->boundary_id()) > 0);
       };
+    }
+
+    /** Refuses two different sets of parts whose faces have nodes in common: these can neither come
+     * apart nor slide. Collective. */
+    template <int dim>
+    void refuse_common_nodes(const Section &section, const MortarContact<dim> &contact,
+                             const Model<dim> &model)
+    {
+      const std::set<unsigned int> of_slave = parts_of_entry(section, "Slave parts", model.parts);
+      const std::set<unsigned int> of_master = parts_of_entry(section, "Master parts", model.parts);
+      if (of_slave.empty() || of_master.empty() ||
+          std::any_of(of_slave.begin(), of_slave.end(),
+                      [&](const unsigned int part) { return of_master.count(part) > 0; }))
+        return;
+      const std::vector<unsigned int> &slaves = contact.slave_faces().owned_nodes();
+      const std::vector<unsigned int> &masters = contact.master_faces().owned_nodes();
+      std::vector<unsigned int> common;
+      std::set_intersection(slaves.begin(), slaves.end(), masters.begin(), masters.end(),
+                            std::back_inserter(common));
+      std::vector<std::array<double, dim>> places;
+      for (const unsigned int node : common)
+      {
+        places.emplace_back();
+        std::copy_n(model.state.initial_position.node(node), dim, places.back().begin());
+      }
+      places = of_all_ranks(places, model.communicator);
+      if (places.empty())
+        return;
+      const std::array<double, dim> first = *std::min_element(places.begin(), places.end());
+      Tensor<1, dim> place;
+      std::copy_n(first.begin(), dim, place.begin_raw());
+      section.fail("Master parts",
+                   "the faces of both sides have " + std::to_string(places.size()) +
+                       (places.size() == 1 ? " node" : " nodes") + " in common, the first at " +
+                       place_text(place) +
+                       ": the parts are one body there, and nothing comes apart or slides. Allowed "
+                       "are parts that share no nodes, from `Meshes` or from a mesh file whose "
+                       "nodes are not merged there; or, where other faces of one body shall touch, "
+                       "a `Slave boundary` and a `Master boundary` without common nodes.");
     }
 
     /** Adds how the forces of the last evaluation change with positions, with the depth that motion
@@ -182,6 +224,7 @@ namespace tombolo
         members.push_back(std::make_unique<MortarContact<dim>>(
             section, heat != nullptr, *model.nodes, model.state, selectors.back()[0],
             selectors.back()[1]));
+        refuse_common_nodes(section, *members.back(), model);
         this->records.group("body contact " + section.name(), members.back()->records);
       }
       this->roles.divided_cells = ProcessRole::is_refused;

@@ -20,6 +20,10 @@ namespace tombolo
    * "side"; empty if there is none. */
   std::string nearest_section(const std::string &name, const ParameterDeclaration &parent);
 
+  /** The entry that lists the names of the sections "KIND: NAME": "Parts", "Processes", "Meshes".
+   */
+  std::string list_of_sections(const std::string &kind);
+
   /** Likewise for a section that @p parent does not have. Sections as "Part: side" exist for the
    * names that a list, here "Parts", has in the section above. */
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name);
