@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::array<std::pair<const char *, ThermalConditionType>, 6> type_names = {

@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   HeatPartner::HeatPartner(const Entries &e, const bool is_part) : is_part(is_part)
   {
     conductance = e.object<TemperatureTable>(

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   MortarSettings::MortarSettings(const Entries &e, const bool has_heat) : FrictionSettings(has_heat)
   {
     is_tied = e.choice("Type", "touching", "touching|tied",

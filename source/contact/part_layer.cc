@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** As of_all_ranks(), in every step. @p n_of_rank are the lengths on all ranks. */

@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr unsigned int no_place = static_cast<unsigned int>(-1);

@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr const char *scalars_of_springs = "stiffness, depth, damping force",

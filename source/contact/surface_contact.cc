@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   SurfaceContact<dim>::SurfaceContact(ContactScene<dim> &scene)
       : communicator(scene.nodes.communicator()), settings(scene.section, scene.has_heat),

@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Marks owned nodes on outer faces: of these ids, or of any if there are none. */

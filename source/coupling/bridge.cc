@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   Bridge::Bridge(const SmoothingSettings &smoothing, const bool trace, const Quantity quantity)
       : settings(smoothing), trace(trace), quantity(quantity),
         split(smoothing, trace, quantity == Quantity::vector),

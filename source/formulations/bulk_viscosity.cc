@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   const std::string BulkViscosity::dissipation_name = "bulk viscosity dissipation";
 
   BulkViscosity::BulkViscosity(const Entries &e)

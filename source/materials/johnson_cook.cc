@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** x^exponent for x > 0: in vectors less than half the cost of pow, which carries the logarithm

@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** σ_y = Y + H ε_p. */
   class LinearHardening : public FlowStress
   {

@@ -6,8 +6,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};

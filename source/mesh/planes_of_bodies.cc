@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   PlanesOfBodies::PlanesOfBodies(const Bodies<dim> &bodies, const Images &images,
                                  const MPI_Comm communicator)

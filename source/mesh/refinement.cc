@@ -18,8 +18,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::string where_entry = "Refine where";

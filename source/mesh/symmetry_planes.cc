@@ -22,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Of the extent of the body: nodes that differ by less are on one plane. */

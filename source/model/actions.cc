@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     void take_force(const NodalVector &vector, const unsigned int node, NodalForces &result)

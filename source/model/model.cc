@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void Model<dim>::declare_parameters(Parameters &parameters)
   {

@@ -20,8 +20,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Whether the cells of a part are not named by the mesh, so that they can be read without one.

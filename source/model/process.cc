@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void Process<dim>::act(const Model<dim> &model, const Clock &clock, NodalVector &force)
   {

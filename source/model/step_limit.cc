@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   void list(Records &records, StepLimit &limit)
   {
     records.value("limit", limit.time_step);

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ThermalModel<dim>::ThermalModel(const std::vector<Section> &condition_sections,
                                   const Section &heat_section, const Mesh<dim> &mesh,

@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ExactSolution<dim>::ExactSolution(const Entries &e)
   {

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   History<dim>::History(const Entries &e, const std::string &file_name, const RowEntries &names)
       : table(file_name, TimeTable::Rows::in_file), section(e.section())

@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void declare_outputs(const Entries &e)
   {

@@ -22,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const probes_file = "probes.csv";

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   VtuPiece make_tool_piece(const OutputView<dim> &view, const bool double_precision,
                            const bool with_facets)

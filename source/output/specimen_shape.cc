@@ -19,8 +19,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr const char *surface_entries[] = {"Foot", "Side", "Rear"};

@@ -25,8 +25,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A number for a sentence. */

@@ -23,8 +23,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::string megabytes(const double bytes)

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Sentences about a step that is too long for a motion, or that is not. Collective. */

@@ -22,7 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
   namespace fs = std::filesystem;
 
   namespace

@@ -22,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void declare_run_parameters(Parameters &parameters)
   {

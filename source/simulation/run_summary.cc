@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The largest speed, stress component and internal variables. Collective. */

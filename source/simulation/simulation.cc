@@ -23,8 +23,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   static RunResult result_of(const int signal)
   {
     return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;

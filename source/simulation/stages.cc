@@ -19,8 +19,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::string stage_prefix = "Stage: ";

@@ -24,8 +24,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::vector<std::string> variables_of_expressions(const unsigned int dim)

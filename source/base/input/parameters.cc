@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A mandatory entry has no default: lets the handler take the empty text for it. */

@@ -9,8 +9,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Whether the whole text is one finite number. */

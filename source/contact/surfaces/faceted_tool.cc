@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** A rigid tool whose surface stands in a file: triangles in three dimensions, a closed polygon
    * in two. The file has the tool's own coordinates, to which points are
    * taken, so that what finds the nearest facet never moves. */

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   RigidTranslation<dim>::RigidTranslation(const Entries &e)
   {

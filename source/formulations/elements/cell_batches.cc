@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::vector<double> lagrange_values_1d(const unsigned int degree, const double x)

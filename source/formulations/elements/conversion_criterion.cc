@@ -3,8 +3,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const strain_entry = "Conversion strain";

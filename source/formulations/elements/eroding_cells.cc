@@ -3,8 +3,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const erosion_strain_entry = "Erosion strain";

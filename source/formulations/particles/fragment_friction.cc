@@ -18,8 +18,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** ω × r; in two dimensions ω is along z. */
   template <int dim>
   dealii::Tensor<1, dim> cross_product(const double *const axial, const dealii::Tensor<1, dim> &r)

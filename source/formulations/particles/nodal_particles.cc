@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Particles treated together: their ∇φ, read for the gradients, are still in the

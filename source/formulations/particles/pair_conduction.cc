@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Σ_j V |x_j| |W'(x_j)| / dim of a cubic lattice of this spacing. */

@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   std::vector<SurfaceFibre> find_surface_fibres(const PartSetup<dim> &setup)
   {

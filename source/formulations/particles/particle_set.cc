@@ -18,8 +18,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The cells between the support points of a cell of some degree: lists of 2^dim indices of its

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** How far the search looks beyond the largest distance of contact, over that distance. */

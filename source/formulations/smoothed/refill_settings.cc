@@ -3,8 +3,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const stretch_entry = "Refill stretch";

@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** The gradients at one point of a cell, by node, and the volume of the point. */
   template <int dim>
   struct SmoothedRow

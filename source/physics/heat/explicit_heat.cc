@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.

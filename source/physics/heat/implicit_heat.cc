@@ -19,8 +19,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     using Vector = LinearAlgebra::distributed::Vector<double>;

@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ThermalStep<dim>::ThermalStep(const Entries &e)
   {

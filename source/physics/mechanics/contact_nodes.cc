@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no

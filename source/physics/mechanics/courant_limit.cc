@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   double round_down(const double step)
   {
     int exponent;

@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Above it the error of the energy is to be seen: at 0.16 it is 0.05. */

@@ -9,8 +9,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   ScalingSettings::ScalingSettings(const Entries &e)
   {
     mass_factor = e.number("Mass factor", "1", positive(), "1",

@@ -21,8 +21,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** Which cells are no cells of their parts any more, by the index of active cells, ghosts among
    * them; nothing where no part can lose any. Collective. */
   template <int dim>

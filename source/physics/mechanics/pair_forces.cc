@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Calls @p use(pairs, particles, number of the particle part) for parts with pairs. */

@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** After all others, since what they add to the forces moves the bodies. */

@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     Tensor<2, 3> matrix_of(const double *const rows)

@@ -30,8 +30,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /**
    * The present yield stress at nodes, for a limit of shear in contacts: the flow stress of a slow
    * test at the plastic strain and the temperature there. That strain is that of the particle, or

@@ -32,8 +32,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The number of the part with this name. Throws InputError. */

@@ -22,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const adaptive_section = "Adaptive refinement";

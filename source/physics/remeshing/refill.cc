@@ -20,8 +20,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The cells of a part, if they are to be refilled. */

@@ -22,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Sums over the nodes of a body: number and places of held components, the largest distance,

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   StaticProblem<dim>::StaticProblem(Model<dim> &model, const double spring_factor)
       : model(model), assembly(model.parts),

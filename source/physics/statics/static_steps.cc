@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr const char *integration_entry = "Time integration";

@@ -22,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** dim rows a node. */
