@@ -7,7 +7,6 @@
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace tombolo

@@ -2,7 +2,6 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/boundary/region.h>
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>

@@ -2,10 +2,8 @@
 #include <tombolo/contact/contact_heat.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/contact_balance.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace tombolo

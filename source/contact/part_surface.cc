@@ -2,13 +2,11 @@
 #include <tombolo/contact/part_surface.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>

@@ -4,8 +4,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace tombolo

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/coupling/bridge.h>
 
+#include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <string>
 

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/simd/vector_math.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo

@@ -7,10 +7,7 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    const char *const damage_entry = "Damage";
-  } // namespace
+  const char *const damage_entry = "Damage";
 
   const std::string DamageGrowth::field_name = "damage";
 

@@ -6,10 +6,7 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};
-  }
+  const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};
 
   std::shared_ptr<const ThermalProperties> ThermalProperties::read(const Section &material)
   {

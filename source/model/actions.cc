@@ -7,7 +7,6 @@
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <algorithm>
 #include <numeric>
 #include <utility>
 

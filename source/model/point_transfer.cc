@@ -9,9 +9,6 @@
 
 #include <deal.II/fe/mapping_q1.h>
 
-#include <algorithm>
-#include <utility>
-
 namespace tombolo
 {
   namespace

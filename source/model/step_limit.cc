@@ -4,8 +4,6 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <array>
-#include <string>
 #include <tuple>
 
 namespace tombolo

@@ -4,10 +4,7 @@
 #include <tombolo/model/step_limit.h>
 #include <tombolo/state/dependent_nodes.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace tombolo

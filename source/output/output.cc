@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/output.h>
 
-#include <tombolo/output/output_of_scene.h>
-
 namespace tombolo
 {
   template <int dim>

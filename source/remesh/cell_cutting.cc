@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_cutting.h>
 
-#include <tombolo/base/simd/eight_doubles.h>
-#include <tombolo/base/simd/vectorization.h>
-
-#include <algorithm>
-#include <cstddef>
-
 namespace tombolo
 {
   using namespace dealii;

@@ -5,7 +5,6 @@
 #include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/cell_simplices.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

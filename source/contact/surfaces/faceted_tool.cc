@@ -71,7 +71,6 @@ namespace tombolo
     {
       const ClosedSurface<dim> &surface = body.surface();
       std::ostringstream text;
-      text.precision(6);
       text << "\"" << file << "\", " << surface.facets.size()
            << (dim == 2 ? " sides, " : " triangles, ") << surface.vertices.size()
            << (dim == 2 ? " corners, length " : " vertices, area ") << surface.area

@@ -4,8 +4,6 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
   namespace

@@ -2,10 +2,8 @@
 #include <tombolo/formulations/particles/fragment_friction.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/tensor.h>
 
 #include <tombolo/approximation/row_deformation.h>
-#include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/split_number.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/state_archive.h>

@@ -3,7 +3,6 @@
 
 #include <tombolo/base/input/entries.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/particle_formulation.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
   template <int dim>

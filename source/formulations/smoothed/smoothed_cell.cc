@@ -7,11 +7,9 @@
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
 #include <type_traits>
-#include <utility>
 
 namespace tombolo
 {

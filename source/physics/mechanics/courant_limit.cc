@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/courant_limit.h>
 
-#include <deal.II/base/mpi.h>
+#include <tombolo/model/step_limit.h>
 
-#include <array>
 #include <cmath>
 
 namespace tombolo

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 
@@ -8,7 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
+#include <iomanip>
 #include <string>
 #include <utility>
 #include <vector>
@@ -129,10 +130,7 @@ namespace tombolo
 
     std::string percent_of(const double strain)
     {
-      std::ostringstream text;
-      text.precision(2);
-      text << 100. * strain << " %";
-      return text.str();
+      return as_text(std::setprecision(2), 100. * strain, " %");
     }
 
     std::string sentence(const std::string &what, const double strain, const std::string &cure)

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
-#include <tombolo/base/format.h>
 #include <tombolo/model/moving_parts.h>
 
-#include <algorithm>
 #include <set>
 
 namespace tombolo

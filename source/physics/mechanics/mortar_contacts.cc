@@ -2,8 +2,8 @@
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/model/process.h>
 
-#include <tombolo/base/input/section_names.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>

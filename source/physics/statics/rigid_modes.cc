@@ -9,7 +9,6 @@
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -18,7 +17,6 @@
 #include <set>
 #include <sstream>
 #include <utility>
-#include <vector>
 
 namespace tombolo
 {

@@ -271,7 +271,6 @@ namespace tombolo
       }
     }
     std::ostringstream text;
-    text.precision(6);
     if (largest >= 0.)
     {
       const double *const x = model.state.position.node(node);
