@@ -2,7 +2,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>

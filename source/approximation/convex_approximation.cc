@@ -7,13 +7,10 @@
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::size_t padded_to_eight(const std::size_t n)

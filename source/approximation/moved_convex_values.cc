@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   MovedConvexValues<dim>::MovedConvexValues(std::shared_ptr<const Kernel> kernel)
       : kernel(std::move(kernel))

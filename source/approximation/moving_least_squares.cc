@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace internal
   {
     /** Of n_lanes places of node_stride doubles, components 0 ... dim-1. */

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   Neighbourhoods<dim>::Neighbourhoods(const double skin) : skin(skin)
   {}

@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <typename Box>

@@ -15,7 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
   namespace
   {
     /** ∫ w(|x|) dx over the unit ball. */

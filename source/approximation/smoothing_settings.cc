@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     double moment(const std::vector<double> &row, const int power)

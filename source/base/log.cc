@@ -3,7 +3,6 @@
 
 #include <tombolo/base/file_stream.h>
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/output_directory.h>
 
 #include <deal.II/base/mpi.h>

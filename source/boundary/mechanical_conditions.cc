@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/read_vector.h>
-#include <tombolo/boundary/region.h>
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
@@ -17,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     using Type = MechanicalConditionType;

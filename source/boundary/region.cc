@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   Place<dim>::Place(const Section &section, const bool may_be_everywhere)
   {

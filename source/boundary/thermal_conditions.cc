@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/boundary/thermal_conditions.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <optional>
-#include <sstream>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::array<std::pair<const char *, ThermalConditionType>, 6> type_names = {
@@ -91,9 +88,8 @@ namespace tombolo
     absolute_zero = heat.get_double("Absolute zero");
     stefan_boltzmann = section.get_positive("Stefan-Boltzmann constant");
     coefficient.emplace(section, "Emissivity", 0., 1., "an emissivity from 0 to 1");
-    std::ostringstream allowed;
-    allowed << "a temperature not below absolute zero, which is " << absolute_zero;
-    ambient.emplace(section, "Ambient temperature", absolute_zero, infinity, allowed.str());
+    ambient.emplace(section, "Ambient temperature", absolute_zero, infinity,
+                    as_text("a temperature not below absolute zero, which is ", absolute_zero));
   }
 
   template <int dim>

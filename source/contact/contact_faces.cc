@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     using PlanePoint = Tensor<1, 2>;

@@ -2,16 +2,12 @@
 #include <tombolo/contact/contact_heat.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/contact_balance.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   HeatPartner::HeatPartner(const Entries &e, const bool is_part) : is_part(is_part)
   {
     conductance = e.object<TemperatureTable>(

@@ -3,8 +3,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   void FrictionSettings::read_friction(const Entries &e, const std::string &documentation)
   {
     friction = e.object<TemperatureTable>("Friction", "0", "", documentation);

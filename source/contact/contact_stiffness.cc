@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_stiffness.h>
 
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr unsigned int points_per_direction = 3;

@@ -3,19 +3,14 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
 
-#include <deal.II/base/mpi.h>
-
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   MortarSettings::MortarSettings(const Entries &e, const bool has_heat) : FrictionSettings(has_heat)
   {
     is_tied = e.choice("Type", "touching", "touching|tied",

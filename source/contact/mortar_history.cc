@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Masses per area are found again every so many steps. */

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_segments.h>
 
-#include <tombolo/contact/nodal_geometry.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -11,16 +9,11 @@
 
 namespace tombolo
 {
-  using namespace dealii;
+  /** Faces whose normals have a larger cosine do not face each other. */
+  constexpr double largest_cosine = -0.3;
 
-  namespace
-  {
-    /** Faces whose normals have a larger cosine do not face each other. */
-    constexpr double largest_cosine = -0.3;
-
-    /** The slot of a nodal vector behind the components of a normal. */
-    constexpr unsigned int slot_of_depth = node_stride - 1;
-  } // namespace
+  /** The slot of a nodal vector behind the components of a normal. */
+  constexpr unsigned int slot_of_depth = node_stride - 1;
 
   template <int dim>
   MortarSegments<dim>::MortarSegments(const ContactFaces<dim> &slaves,

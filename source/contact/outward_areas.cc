@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   OutwardAreas<dim>::OutwardAreas(const Nodes<dim> &nodes,
                                   const std::set<types::boundary_id> &boundaries)

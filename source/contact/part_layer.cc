@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/part_surface.h>
 
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/mpi.h>
@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** As of_all_ranks(), in every step. @p n_of_rank are the lengths on all ranks. */

@@ -2,21 +2,17 @@
 #include <tombolo/contact/part_surface.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/entries.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr unsigned int no_place = static_cast<unsigned int>(-1);

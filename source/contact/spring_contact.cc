@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surface_contact.h>
 
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 
@@ -13,13 +13,8 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr const char *scalars_of_springs = "stiffness, depth, damping force",
-                         *slips_of_springs = "bond";
-  } // namespace
+  constexpr const char *scalars_of_springs = "stiffness, depth, damping force",
+                       *slips_of_springs = "bond";
 
   template <int dim>
   SpringContact<dim>::SpringContact(ContactScene<dim> &scene)

@@ -4,14 +4,10 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   SurfaceContact<dim>::SurfaceContact(ContactScene<dim> &scene)
       : communicator(scene.nodes.communicator()), settings(scene.section, scene.has_heat),

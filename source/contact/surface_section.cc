@@ -4,6 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/nodal_geometry.h>
@@ -13,12 +14,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Marks owned nodes on outer faces: of these ids, or of any if there are none. */
@@ -113,19 +111,15 @@ namespace tombolo
     if (!section.get("Where").empty())
       where.emplace(section, "Where");
     std::vector<unsigned int> result;
-    std::string failure;
-    try
-    {
-      for (unsigned int i = 0; i < partition.n_owned(); ++i)
-        if (is_candidate[i] &&
-            (!where || (*where)(Point<dim>(vector_of<dim>(state.initial_position.node(i))))))
-          result.push_back(i);
-    }
-    catch (const InputError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
+    attempt_on_all_ranks<InputError>(
+        nodes.communicator(),
+        [&]
+        {
+          for (unsigned int i = 0; i < partition.n_owned(); ++i)
+            if (is_candidate[i] &&
+                (!where || (*where)(Point<dim>(vector_of<dim>(state.initial_position.node(i))))))
+              result.push_back(i);
+        });
     if (Utilities::MPI::sum(result.size(), nodes.communicator()) == 0)
       section.fail(where ? "Where" : "Boundary",
                    "no node can touch; the contact would do nothing.");
@@ -148,10 +142,8 @@ namespace tombolo
       if (depths[k] > std::max(deepest, 1e-9 * extent))
       {
         deepest = depths[k];
-        std::ostringstream depth;
-        depth << deepest;
         failure = message(
-            depth.str(),
+            as_text(deepest),
             "the node with the number " + std::to_string(nodes.persistent_ids()[candidates[k]]) +
                 " at " + place_text(vector_of<dim>(state.initial_position.node(candidates[k]))));
       }

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/coupling/bridge.h>
 
+#include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <string>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   Bridge::Bridge(const SmoothingSettings &smoothing, const bool trace, const Quantity quantity)
       : settings(smoothing), trace(trace), quantity(quantity),
         split(smoothing, trace, quantity == Quantity::vector),

@@ -4,12 +4,9 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     bool is_prescribed(const ConstrainedParticle &particle, const unsigned int c)

@@ -3,13 +3,10 @@
 
 #include <tombolo/base/simd/vector_math.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   const std::string BulkViscosity::dissipation_name = "bulk viscosity dissipation";
 
   BulkViscosity::BulkViscosity(const Entries &e)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/part_points.h>
 
-#include <tombolo/base/input/parameters.h>
-
 #include <algorithm>
 
 namespace tombolo

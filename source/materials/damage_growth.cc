@@ -7,12 +7,7 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    const char *const damage_entry = "Damage";
-  } // namespace
+  const char *const damage_entry = "Damage";
 
   const std::string DamageGrowth::field_name = "damage";
 

@@ -6,8 +6,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const equation_entry = "Equation of state";

@@ -6,8 +6,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** Has mass and no stress: for scenes of heat alone, which need no elastic constants. */
   class HeatConductor : public Material
   {

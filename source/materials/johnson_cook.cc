@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/materials/flow_stress.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** x^exponent for x > 0: in vectors less than half the cost of pow, which carries the logarithm
@@ -61,11 +59,11 @@ namespace tombolo
     {
       if (!(melting_temperature > temperature))
       {
-        std::ostringstream message;
-        message << "the material would be molten from the start: allowed is a number above its "
-                   "initial temperature, "
-                << temperature << ".";
-        section.fail("Melting temperature", message.str());
+        section.fail(
+            "Melting temperature",
+            as_text("the material would be molten from the start: allowed is a number above its "
+                    "initial temperature, ",
+                    temperature, "."));
       }
     }
 

@@ -6,8 +6,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     double bulk_of(const double young, const double poisson)

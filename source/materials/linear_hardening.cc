@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/materials/flow_stress.h>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** σ_y = Y + H ε_p. */
   class LinearHardening : public FlowStress
   {

@@ -4,8 +4,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /**

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     void check_increasing(const Section &section, const std::string &entry,

@@ -6,12 +6,7 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};
-  }
+  const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};
 
   std::shared_ptr<const ThermalProperties> ThermalProperties::read(const Section &material)
   {

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   Bodies<dim>::Bodies(const Nodes<dim> &nodes)
       : smallest(nodes.owned(), nodes.relevant(), nodes.communicator())

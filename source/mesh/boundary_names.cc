@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/named_ids.h>
 
 namespace tombolo
 {

@@ -2,8 +2,8 @@
 #include <tombolo/mesh/joined_meshes.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/section_names.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/chosen_mesh.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/joined_ids.h>
@@ -27,8 +27,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::string list_of_meshes = "Meshes";

@@ -9,8 +9,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   void refuse_more_than_memory(const Section &section, const std::string &entry,
                                const double n_coarse_cells, const double n_cells,
                                const MPI_Comm communicator)

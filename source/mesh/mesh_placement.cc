@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   MeshPlacement<dim>::MeshPlacement(const Entries &e)
   {

@@ -4,8 +4,8 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/communicator_of.h>
-#include <tombolo/mesh/named_ids.h>
 #include <tombolo/mesh/part_cells.h>
 
 #include <algorithm>

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/planes_of_bodies.h>
 
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 
 #include <array>
 #include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   PlanesOfBodies::PlanesOfBodies(const Bodies<dim> &bodies, const Images &images,
                                  const MPI_Comm communicator)

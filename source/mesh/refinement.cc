@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/as_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/refinement.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/memory_check.h>
@@ -18,16 +17,11 @@
 
 namespace tombolo
 {
-  using namespace dealii;
+  const std::string where_entry = "Refine where";
+  const std::string levels_entry = "Refinement levels";
 
-  namespace
-  {
-    const std::string where_entry = "Refine where";
-    const std::string levels_entry = "Refinement levels";
-
-    /** Levels below the coarse cells of the mesh that numbers of nodes and cells can tell apart. */
-    constexpr unsigned int most_levels = 12;
-  } // namespace
+  /** Levels below the coarse cells of the mesh that numbers of nodes and cells can tell apart. */
+  constexpr unsigned int most_levels = 12;
 
   template <int dim>
   MeshRefinement<dim>::MeshRefinement(const Entries &e) : section(e.section())

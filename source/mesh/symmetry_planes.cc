@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/as_text.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/image_conditions.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/extent.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -22,8 +19,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Of the extent of the body: nodes that differ by less are on one plane. */

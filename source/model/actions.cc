@@ -7,14 +7,11 @@
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <algorithm>
 #include <numeric>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     void take_force(const NodalVector &vector, const unsigned int node, NodalForces &result)

@@ -17,7 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
   namespace fs = std::filesystem;
 
   namespace

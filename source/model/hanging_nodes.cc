@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A face of a cell of one part beside cells of half its size of another or the same part. */

@@ -2,8 +2,9 @@
 #include <tombolo/model/initial_condition.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/read_vector.h>
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -11,15 +12,10 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <stdexcept>
-#include <string>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>
@@ -230,19 +226,15 @@ namespace tombolo
       const InitialCondition<dim> condition(section);
       unsigned long n_selected = 0;
       // An expression can be without a value where only one rank looks.
-      std::string failure;
-      try
-      {
-        if (condition.velocity || condition.spin || condition.temperature)
-          n_selected += set_at_nodes(condition, model);
-        if (condition.stress)
-          n_selected += set_at_points(condition, model);
-      }
-      catch (const std::runtime_error &error)
-      {
-        failure = error.what();
-      }
-      throw_on_all_ranks<InputError>(failure, model.communicator);
+      attempt_on_all_ranks<InputError, std::runtime_error>(
+          model.communicator,
+          [&]
+          {
+            if (condition.velocity || condition.spin || condition.temperature)
+              n_selected += set_at_nodes(condition, model);
+            if (condition.stress)
+              n_selected += set_at_points(condition, model);
+          });
       if (Utilities::MPI::sum(n_selected, model.communicator) == 0)
         section.fail(section.is_set("Where") ? "Where" : "",
                      "the initial condition selects nothing; it would do nothing.");

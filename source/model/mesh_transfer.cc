@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Identifiers have 64 bits and tables of an archive real numbers of 53: halves fit. */

@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void Model<dim>::declare_parameters(Parameters &parameters)
   {
@@ -337,24 +335,12 @@ namespace tombolo
   ModelChange Model<dim>::update_stencils()
   {
     NeighbourhoodChange found = NeighbourhoodChange::none;
-    bool needs_ghosts = false;
     change_has_begun = false;
     for (const Part<dim> &part : parts)
-    {
-      const NeighbourhoodChange of_part = part.formulation->update_neighbourhoods(state.position);
-      needs_ghosts = needs_ghosts || of_part == NeighbourhoodChange::ghosts;
-      found = std::max(found, of_part);
-    }
-    if (needs_ghosts && found == NeighbourhoodChange::values)
-      found = NeighbourhoodChange::neighbours;
+      found = std::max(found, part.formulation->update_neighbourhoods(state.position));
     ModelChange change;
     if (found == NeighbourhoodChange::none)
       return change;
-    if (found == NeighbourhoodChange::ghosts)
-    {
-      renew_partition();
-      return change;
-    }
     change.stencils = true;
     ++revisions.stencils;
     signals.rows_changed();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_checkpoint.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/model/mesh_transfer.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/state_archive.h>
@@ -11,12 +12,9 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>
@@ -140,10 +138,8 @@ namespace tombolo
       distance = Utilities::MPI::max(distance, model.communicator);
       if (distance <= 1e-10 * extent)
         return;
-      std::ostringstream message;
-      message << "it is of another mesh: nodes of the same numbers are up to " << distance
-              << " apart. Has the mesh file changed since?";
-      archive.fail(message.str());
+      archive.fail(as_text("it is of another mesh: nodes of the same numbers are up to ", distance,
+                           " apart. Has the mesh file changed since?"));
     }
   } // namespace
 

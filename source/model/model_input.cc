@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
 
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/mesh/chosen_mesh.h>
@@ -20,8 +20,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Whether the cells of a part are not named by the mesh, so that they can be read without one.

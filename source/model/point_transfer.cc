@@ -9,13 +9,8 @@
 
 #include <deal.II/fe/mapping_q1.h>
 
-#include <algorithm>
-#include <utility>
-
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The initial volume of a point. */

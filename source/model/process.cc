@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/process.h>
 
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/output/output.h>
@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void Process<dim>::act(const Model<dim> &model, const Clock &clock, NodalVector &force)
   {

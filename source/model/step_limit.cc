@@ -4,14 +4,10 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <array>
-#include <string>
 #include <tuple>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   void list(Records &records, StepLimit &limit)
   {
     records.value("limit", limit.time_step);

@@ -4,16 +4,11 @@
 #include <tombolo/model/step_limit.h>
 #include <tombolo/state/dependent_nodes.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ThermalModel<dim>::ThermalModel(const std::vector<Section> &condition_sections,
                                   const Section &heat_section, const Mesh<dim> &mesh,

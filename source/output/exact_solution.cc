@@ -11,13 +11,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ExactSolution<dim>::ExactSolution(const Entries &e)
   {

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   History<dim>::History(const Entries &e, const std::string &file_name, const RowEntries &names)
       : table(file_name, TimeTable::Rows::in_file), section(e.section())
@@ -266,7 +264,7 @@ namespace tombolo
     template <int dim>
     void add_to_outputs(const HistoryOfBalances &kind)
     {
-      Registry<Output<dim>>::instance().add(
+      Registry<Output<dim>>::register_plugin(
           kind.name,
           {kind.description,
            [kind](ParameterHandler &handler) { declare<BalanceHistory<dim>>(handler, kind); },
@@ -277,16 +275,10 @@ namespace tombolo
 
   HistoryRegistration::HistoryRegistration(const HistoryOfBalances &kind)
   {
-    try
-    {
-      add_to_outputs<2>(kind);
-      add_to_outputs<3>(kind);
-    }
-    catch (const InputError &error)
-    {
-      internal::note_registration_problem(error.what());
-    }
+    add_to_outputs<2>(kind);
+    add_to_outputs<3>(kind);
   }
+
   template class History<2>;
   template class History<3>;
 } // namespace tombolo

@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>

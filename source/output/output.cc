@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/output.h>
 
-#include <tombolo/output/output_of_scene.h>
-
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void declare_outputs(const Entries &e)
   {

@@ -4,20 +4,13 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 
-#include <deal.II/base/parameter_handler.h>
-
 #include <algorithm>
 #include <cmath>
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr double most_outputs = 1e6;
-    constexpr unsigned int default_number = 10;
-  } // namespace
+  constexpr double most_outputs = 1e6;
+  constexpr unsigned int default_number = 10;
 
   void OutputSchedule::declare_parameters(const Entries &e)
   {

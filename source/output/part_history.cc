@@ -7,8 +7,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Mass, momentum and kinetic energy of a part. Collective. */

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::vector<std::pair<std::string, bool PictureFields::*>> &further_fields()

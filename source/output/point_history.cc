@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/output/history.h>
 #include <tombolo/output/named_places.h>
-#include <tombolo/output/output_of_scene.h>
+#include <tombolo/output/output.h>
 #include <tombolo/output/symmetric_tensors.h>
 #include <tombolo/state/body_point.h>
 
@@ -19,8 +19,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const points_file = "points.csv";

@@ -2,13 +2,12 @@
 #include <tombolo/output/probes.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/chosen_mesh.h>
 #include <tombolo/output/named_places.h>
-#include <tombolo/output/output_of_scene.h>
+#include <tombolo/output/output.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -23,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const probes_file = "probes.csv";
@@ -243,18 +240,12 @@ namespace tombolo
   template <int dim>
   void Probes<dim>::check(const OutputView<dim> &view)
   {
-    find_nodes(view);
+    begin(view);
     History<dim>::check(view);
   }
 
   template <int dim>
   void Probes<dim>::begin(const OutputView<dim> &view)
-  {
-    find_nodes(view);
-  }
-
-  template <int dim>
-  void Probes<dim>::find_nodes(const OutputView<dim> &view)
   {
     probes.resize(n_locations);
     if (choice != wanted_choice)

@@ -7,13 +7,10 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   VtuPiece make_tool_piece(const OutputView<dim> &view, const bool double_precision,
                            const bool with_facets)

@@ -19,8 +19,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr const char *surface_entries[] = {"Foot", "Side", "Rear"};
@@ -90,11 +88,7 @@ namespace tombolo
      * or around a round body stays on its surface. */
     PolarPosition between(const PolarPosition &a, const PolarPosition &b, const double s)
     {
-      PolarPosition result;
-      result.radius = (1 - s) * a.radius + s * b.radius;
-      result.x = (1 - s) * a.x + s * b.x;
-      result.y = (1 - s) * a.y + s * b.y;
-      return result;
+      return {(1 - s) * a.radius + s * b.radius, (1 - s) * a.x + s * b.x, (1 - s) * a.y + s * b.y};
     }
 
     double angle_between(const PolarPosition &a, const PolarPosition &b)

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   Json version_information()
   {
     char library[MPI_MAX_LIBRARY_VERSION_STRING];

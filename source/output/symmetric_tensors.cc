@@ -12,10 +12,7 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-  }
+  constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
   double pressure(const double *const stress)
   {

@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     bool fits(const std::string &name, const std::string &pattern)

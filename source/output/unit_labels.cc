@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     struct LabelledQuantity

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/visualization.h>
 
-#include <tombolo/output/output_of_scene.h>
-#include <tombolo/output/solution_pieces.h>
+#include <tombolo/output/output.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -11,16 +10,11 @@
 
 namespace tombolo
 {
-  using namespace dealii;
+  constexpr const char *tools = "tools";
 
-  namespace
-  {
-    constexpr const char *tools = "tools";
-
-    const OutputOfScene of_visualization(0, "visualization", "Output/Write solution",
-                                         [](const Section &output)
-                                         { return output.get_bool("Write solution"); });
-  } // namespace
+  const OutputOfScene of_visualization(0, "visualization", "Output/Write solution",
+                                       [](const Section &output)
+                                       { return output.get_bool("Write solution"); });
 
   template <int dim>
   Visualization<dim>::Visualization(const Entries &e)

@@ -15,12 +15,10 @@
 #include <cctype>
 #include <cstdio>
 #include <sstream>
-#include <utility>
+#include <type_traits>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr const char *name_of_text = "grid";
@@ -29,36 +27,6 @@ namespace tombolo
     {
       return "output_" + Utilities::int_to_string(output, 6);
     }
-
-    template <typename Number>
-    struct Hdf5Number;
-    template <>
-    struct Hdf5Number<float>
-    {
-      static hid_t type()
-      {
-        return H5T_NATIVE_FLOAT;
-      }
-      static constexpr const char *attributes = "NumberType=\"Float\" Precision=\"4\"";
-    };
-    template <>
-    struct Hdf5Number<double>
-    {
-      static hid_t type()
-      {
-        return H5T_NATIVE_DOUBLE;
-      }
-      static constexpr const char *attributes = "NumberType=\"Float\" Precision=\"8\"";
-    };
-    template <>
-    struct Hdf5Number<std::int64_t>
-    {
-      static hid_t type()
-      {
-        return H5T_NATIVE_INT64;
-      }
-      static constexpr const char *attributes = "NumberType=\"Int\" Precision=\"8\"";
-    };
 
     /** A group of the file that all ranks write rows of their own to, one rank after the other. */
     class ParallelGroup
@@ -93,14 +61,15 @@ namespace tombolo
         }
         else
           H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
-        const Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), Hdf5Number<Number>::type(),
+        const Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), hdf5_type_of(values.data()),
                                             in_file, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                                  H5Dclose);
         is_written = is_written && dataset >= 0 &&
-                     H5Dwrite(dataset, Hdf5Number<Number>::type(), in_memory, in_file, transfer,
+                     H5Dwrite(dataset, hdf5_type_of(values.data()), in_memory, in_file, transfer,
                               values.data()) >= 0;
-        return std::string("<DataItem Format=\"HDF\" ") + Hdf5Number<Number>::attributes +
-               " Dimensions=\"" + std::to_string(n_rows) +
+        return std::string("<DataItem Format=\"HDF\" NumberType=\"") +
+               (std::is_floating_point_v<Number> ? "Float" : "Int") + "\" Precision=\"" +
+               std::to_string(sizeof(Number)) + "\" Dimensions=\"" + std::to_string(n_rows) +
                (n_columns == 1 ? "" : " " + std::to_string(n_columns)) + "\">" +
                xml_escaped(place + name) + "</DataItem>";
       }

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_cutting.h>
 
-#include <tombolo/base/simd/eight_doubles.h>
-#include <tombolo/base/simd/vectorization.h>
-
-#include <algorithm>
-#include <cstddef>
-
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The number of the lowest bit that is set; there must be one. */

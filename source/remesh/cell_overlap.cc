@@ -2,6 +2,7 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/remesh/cell_cutting.h>
 
 #include <deal.II/base/bounding_box.h>
@@ -9,13 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>
@@ -313,10 +311,8 @@ namespace tombolo
         share[i] = 1. / n_nodes;
       else if (failure.empty())
       {
-        std::ostringstream text;
-        text << "A refill finds no cell to put the mass of the cell around ("
-             << SubCells<dim>::centre(cells[i / n_sub_cells].before) << ") into.";
-        failure = text.str();
+        failure = as_text("A refill finds no cell to put the mass of the cell around (",
+                          SubCells<dim>::centre(cells[i / n_sub_cells].before), ") into.");
       }
     }
     throw_on_all_ranks<RunError>(failure, communicator);

@@ -9,8 +9,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>

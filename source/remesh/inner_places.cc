@@ -7,8 +7,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** ∫ ∇Ψ_J · ∇Ψ_K over a cell. */

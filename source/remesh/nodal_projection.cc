@@ -5,14 +5,11 @@
 #include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/cell_simplices.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>

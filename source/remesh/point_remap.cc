@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>
@@ -288,10 +286,8 @@ namespace tombolo
           mass += points.mass[i];
         if (overlap.cells[c].is_void_after || mass > 0.)
           continue;
-        std::ostringstream text;
-        text << "A refill finds no mass for the cell around ("
-             << SubCells<dim>::centre(overlap.cells[c].after) << ").";
-        empty = text.str();
+        empty = as_text("A refill finds no mass for the cell around (",
+                        SubCells<dim>::centre(overlap.cells[c].after), ").");
       }
       throw_on_all_ranks<RunError>(empty, overlap.communicator);
     }

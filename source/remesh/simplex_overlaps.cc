@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/simplex_overlaps.h>
 
-#include <cstdint>
 #include <cstring>
 #include <numeric>
 

@@ -4,7 +4,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/mesh/extent.h>
-#include <tombolo/model/shown_by_processes.h>
+#include <tombolo/model/model.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
@@ -18,24 +18,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A number for a sentence. */
     std::string short_number(const double value)
     {
-      std::ostringstream text;
-      text.precision(3);
-      text << value;
-      return text.str();
+      return as_text(std::setprecision(3), value);
     }
 
     std::string percent(const double fraction)

@@ -7,7 +7,7 @@
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/particles/self_contact.h>
 #include <tombolo/mesh/extent.h>
-#include <tombolo/model/shown_by_processes.h>
+#include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/simulation/advice.h>
 
@@ -23,8 +23,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::string megabytes(const double bytes)
@@ -340,11 +338,9 @@ namespace tombolo
         }
       if (separate.size() < 2)
         return;
-      std::string list;
-      for (const std::string &name : names)
-        list += (list.empty() ? "\"" : ", \"") + name + "\"";
       log.warn("The mesh has " + std::to_string(bodies.n_bodies()) +
-               " bodies that no common node joins (parts " + list +
+               " bodies that no common node joins (parts " +
+               in_quotes(std::vector<std::string>(names.begin(), names.end())) +
                "), and no contact between them: where they meet they pass through each other. "
                "Name them in `Body contacts`; bodies of particles feel each other also with "
                "`Self-contact` in their parts.");
@@ -358,7 +354,6 @@ namespace tombolo
   {
     const auto counts = model.counts();
     std::ostringstream text;
-    text.precision(6);
     text << "Model: " << counts.nodes << " nodes (" << counts.element_nodes << " of elements, "
          << counts.particles << " particles, " << counts.shared_nodes << " shared), "
          << counts.cells << " elements, degree " << model.degree << "\n";

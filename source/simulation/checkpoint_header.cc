@@ -2,20 +2,12 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/checkpoint_header.h>
 
-#include <tombolo/base/of_all_ranks.h>
-
 #include <filesystem>
 #include <system_error>
-#include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr const char *divisions_name = "divided cells";
-  }
+  constexpr const char *divisions_name = "divided cells";
 
   void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header)
   {

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/energy_check.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/simulation/advice.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 #include <string>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Sentences about a step that is too long for a motion, or that is not. Collective. */
@@ -95,17 +95,15 @@ namespace tombolo
     std::string reason;
     for (const std::string &sentence : sentences)
       reason += (reason.empty() ? "" : " ") + sentence;
-    std::ostringstream message;
-    message.precision(4);
-    message << "The energy balance does not hold at time " << clock.time << ", step " << clock.step
-            << ": a total energy of " << balance.total << ", where " << put_in
-            << " was put in (error " << balance.error << ", allowed " << limit << "). "
-            << (!reason.empty()             ? reason
-                : step_size.largest() == 0. ? judgement_at_rest()
-                                            : judgement_of_step(model, balance, clock, step_size))
-            << " `Largest energy error` is the limit. The largest energies: "
-            << largest_accounts(balance.energies) << ".";
-    throw RunError(message.str());
+    throw RunError(
+        as_text(std::setprecision(4), "The energy balance does not hold at time ", clock.time,
+                ", step ", clock.step, ": a total energy of ", balance.total, ", where ", put_in,
+                " was put in (error ", balance.error, ", allowed ", limit, "). ",
+                (!reason.empty()             ? reason
+                 : step_size.largest() == 0. ? judgement_at_rest()
+                                             : judgement_of_step(model, balance, clock, step_size)),
+                " `Largest energy error` is the limit. The largest energies: ",
+                largest_accounts(balance.energies), "."));
   }
 
   void check_heat_balance(const HeatBalance &balance, const Clock &clock)

@@ -12,12 +12,7 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr const char *initial_state_entry = "Initial state";
-  }
+  constexpr const char *initial_state_entry = "Initial state";
 
   template <int dim>
   void InitialState<dim>::declare_parameters(const Entries &e)

@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     void remove_file(const std::string &file, const MPI_Comm communicator)

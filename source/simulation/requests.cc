@@ -3,14 +3,11 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <algorithm>
 #include <csignal>
 #include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     volatile std::sig_atomic_t noted_signal = 0;

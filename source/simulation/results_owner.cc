@@ -3,7 +3,6 @@
 #include <tombolo/simulation/results_owner.h>
 
 #include <tombolo/base/json.h>
-#include <tombolo/base/of_all_ranks.h>
 #include <tombolo/simulation/stages.h>
 
 #include <deal.II/base/mpi.h>
@@ -11,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
@@ -22,7 +20,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
   namespace fs = std::filesystem;
 
   namespace

@@ -2,8 +2,7 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/run_parameters.h>
 
-#include <tombolo/base/directory_check.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/checkpoint.h>
@@ -13,7 +12,6 @@
 #include <tombolo/output/output.h>
 #include <tombolo/output/output_schedule.h>
 #include <tombolo/output/unit_labels.h>
-#include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
 #include <tombolo/physics/statics/static_steps.h>
 #include <tombolo/simulation/initial_state.h>
@@ -22,8 +20,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void declare_run_parameters(Parameters &parameters)
   {

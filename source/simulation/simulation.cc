@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/model/model_checkpoint.h>
-#include <tombolo/model/model_input.h>
 #include <tombolo/simulation/advice.h>
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/energy_check.h>
@@ -23,8 +22,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   static RunResult result_of(const int signal)
   {
     return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;

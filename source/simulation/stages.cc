@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/as_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/simulation/stages.h>
 
-#include <tombolo/base/format.h>
 #include <tombolo/base/input/name_hints.h>
-#include <tombolo/base/of_all_ranks.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -19,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::string stage_prefix = "Stage: ";

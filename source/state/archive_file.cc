@@ -13,24 +13,9 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const checksum_name = "checksum";
-
-    hid_t type_of(const double *)
-    {
-      return H5T_NATIVE_DOUBLE;
-    }
-    hid_t type_of(const std::uint64_t *)
-    {
-      return H5T_NATIVE_UINT64;
-    }
-    hid_t type_of(const char *)
-    {
-      return H5T_NATIVE_CHAR;
-    }
 
     /** Groups keep their links with what else describes them, where a checksum guards them: tables
      * of links on their own make the library free what it never allocated when they are damaged. */
@@ -247,7 +232,7 @@ namespace tombolo
       return;
     }
 
-    const hid_t type = type_of(values.data());
+    const hid_t type = hdf5_type_of(values.data());
     const hsize_t dimensions[2] = {n_rows, n_columns};
     const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
@@ -299,11 +284,11 @@ namespace tombolo
       const hsize_t start[2] = {first_row, 0}, count[2] = {n_rows, n_columns};
       const Hdf5Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
       const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
-      is_of_this_kind = H5Tequal(type, type_of(values.data())) > 0;
+      is_of_this_kind = H5Tequal(type, hdf5_type_of(values.data())) > 0;
       const Hdf5Handle in_file(H5Dget_space(dataset), H5Sclose);
       const Hdf5Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
       H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
-      is_read = H5Dread(dataset, type_of(values.data()), in_memory, in_file, H5P_DEFAULT,
+      is_read = H5Dread(dataset, hdf5_type_of(values.data()), in_memory, in_file, H5P_DEFAULT,
                         values.data()) >= 0;
     }
     throw_on_all_ranks(is_of_this_kind ? "" : "\"" + path + "\" holds another kind of numbers.");

@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::uint64_t sum_before(const std::uint64_t value, MPI_Comm communicator)

@@ -9,8 +9,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   std::vector<unsigned int>
   with_nodes_depended_on(const std::shared_ptr<const NodePartition> &partition,
                          std::vector<unsigned int> owned)

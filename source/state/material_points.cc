@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/material_points.h>
 
+#include <tombolo/base/simd/vectorization.h>
+
 #include <deal.II/base/exceptions.h>
 
 #include <algorithm>

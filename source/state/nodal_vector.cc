@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   static_assert(node_stride == NodeLanes::size(), "A node of a nodal vector is one NodeLanes.");
 
   namespace

@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The set of the node_stride entries of each node of a set of nodes. */

@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   StateArchive::Group::Group(StateArchive &archive, const std::string &name)
       : archive(archive), previous_length(archive.prefix.size())
   {

@@ -4,8 +4,6 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/vectorization.h>
 
-#include <deal.II/base/aligned_vector.h>
-
 #include <vector>
 
 namespace tombolo

@@ -4,7 +4,6 @@
 #include <deal.II/base/aligned_vector.h>
 
 #include <tombolo/state/nodal_vector.h>
-#include <tombolo/state/node_partition.h>
 
 #include <algorithm>
 #include <utility>

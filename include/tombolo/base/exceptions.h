@@ -6,8 +6,14 @@
 #include <string>
 #include <vector>
 
+namespace dealii
+{
+}
+
 namespace tombolo
 {
+  using namespace dealii; // the names of deal.II need no prefix in this namespace
+
   /** The text of each rank, on all of them. Collective. */
   std::vector<std::string> texts_of_ranks(MPI_Comm communicator, const std::string &text);
 

@@ -9,6 +9,15 @@
 
 namespace tombolo
 {
+  /** Texts and numbers one after the other, as a stream writes them: six digits of a number. */
+  template <typename... Parts>
+  std::string as_text(const Parts &...parts)
+  {
+    std::ostringstream text;
+    (text << ... << parts);
+    return text.str();
+  }
+
   /** A place as messages give it: "(1, 2, 3)". */
   template <int dim>
   std::string place_text(const dealii::Tensor<1, dim> &place)

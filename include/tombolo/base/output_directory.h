@@ -12,6 +12,10 @@
 
 namespace tombolo
 {
+  /** The reason why a directory cannot be made or written, as far as it can be found without
+   * writing; empty where there is none. Checks the file system of this rank. */
+  std::string what_prevents_directory(const std::string &path);
+
   /**
    * The directory of one run. Whole files are written beside their place and renamed into it, so
    * that a reader never sees half a file and a run that is killed never leaves one. The directory

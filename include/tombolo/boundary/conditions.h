@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/mesh/nodes.h>
@@ -144,16 +145,7 @@ namespace tombolo
     template <typename Select>
     void find(const std::vector<Section> &sections, const Nodes<dim> &nodes, const Select &select)
     {
-      std::string message;
-      try
-      {
-        select();
-      }
-      catch (const InputError &error)
-      {
-        message = error.what();
-      }
-      throw_on_all_ranks<InputError>(message, nodes.communicator());
+      attempt_on_all_ranks<InputError>(nodes.communicator(), select);
       for (unsigned int c = 0; c < conditions.size(); ++c)
         if (dealii::Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
           conditions[c].place.fail_empty(

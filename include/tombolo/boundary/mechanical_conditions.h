@@ -3,12 +3,11 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/moment.h>
 #include <tombolo/boundary/conditions.h>
-#include <tombolo/boundary/load_sum.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <array>
 #include <functional>
 #include <optional>
 #include <string>

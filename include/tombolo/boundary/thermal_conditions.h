@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/conditions.h>
 #include <tombolo/boundary/limited_function.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_vector.h>
 
-#include <deal.II/base/point.h>
-
-#include <limits>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 

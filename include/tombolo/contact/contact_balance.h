@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/impulse_balance.h>
+#include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/nodal_vector.h>
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <string>
 #include <vector>
 
 namespace tombolo

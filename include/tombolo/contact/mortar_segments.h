@@ -133,10 +133,6 @@ namespace tombolo
     {
       return exchange.pairs().size();
     }
-    std::size_t n_segments() const
-    {
-      return segments.size();
-    }
 
   private:
     static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;

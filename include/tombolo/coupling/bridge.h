@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/coupling/constrained_particles.h>
 #include <tombolo/coupling/load_transfer.h>
 #include <tombolo/coupling/mass_split.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -61,7 +61,6 @@ namespace tombolo
   enum class NeighbourhoodChange
   {
     none,
-    ghosts,    ///< shape functions stay, but required_nodes() are other ones
     values,    ///< shape functions have new values, at the same neighbours or fewer of them
     neighbours ///< rows have other neighbours; shape functions are rebuilt
   };

@@ -3,11 +3,14 @@
 
 #include <deal.II/base/types.h>
 
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/mesh.h>
 
+#include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -17,4 +20,25 @@ namespace tombolo
   template <int dim>
   std::set<dealii::types::boundary_id> boundary_ids(const Mesh<dim> &mesh, const Section &section,
                                                     const std::string &entry);
+
+  /** The ids of a name among those with one id and those with several. Where it is none of them:
+   * no ids, and in @p problem what the mesh has of this @p kind, in the plural @p kinds. */
+  inline std::set<unsigned int>
+  ids_of_name(const std::map<std::string, unsigned int> &single,
+              const std::map<std::string, std::set<unsigned int>> &joint, const std::string &name,
+              const std::string &kind, const std::string &kinds, std::string &problem)
+  {
+    if (const auto found = single.find(name); found != single.end())
+      return {found->second};
+    if (const auto found = joint.find(name); found != joint.end())
+      return found->second;
+    std::vector<std::string> names;
+    for (const auto &of_one : single)
+      names.push_back(of_one.first);
+    for (const auto &of_several : joint)
+      names.push_back(of_several.first);
+    problem = "The mesh has no " + kind + " " + in_quotes(name) + "." + did_you_mean(name, names) +
+              " Its " + kinds + " are " + in_quotes(names) + ".";
+    return {};
+  }
 } // namespace tombolo

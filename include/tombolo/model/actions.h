@@ -8,7 +8,6 @@
 #include <deal.II/base/tensor.h>
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <string>

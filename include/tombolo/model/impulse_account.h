@@ -6,7 +6,6 @@
 #include <tombolo/state/records.h>
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace tombolo

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/impulse_balance.h>
+#include <tombolo/base/moment.h>
 #include <tombolo/output/output.h>
-#include <tombolo/output/output_of_scene.h>
 
 #include <array>
 #include <cstdint>

@@ -61,7 +61,6 @@ namespace tombolo
     std::string name_of_chosen(std::size_t index) const;
     /** The nodes next to the locations, at the start of the run; afterwards they stay the same ones
      * where cells are divided. Throws InputError. Collective. */
-    void find_nodes(const OutputView<dim> &view);
     void begin(const OutputView<dim> &view) override;
     void add_columns(const OutputView<dim> &view) override;
     void check_columns(const OutputDirectory &directory, const UnitLabels &unit_labels) override;

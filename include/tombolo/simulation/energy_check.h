@@ -3,7 +3,7 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/heat_balance.h>
+#include <tombolo/physics/heat/thermal_step.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/step_size.h>
 

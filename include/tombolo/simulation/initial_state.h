@@ -9,7 +9,6 @@
 #include <tombolo/simulation/checkpoint_header.h>
 
 #include <memory>
-#include <string>
 
 namespace tombolo
 {

@@ -5,7 +5,7 @@
 #include <deal.II/base/tensor.h>
 #include <deal.II/grid/grid_tools.h>
 
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>

@@ -3,7 +3,6 @@
 
 #include <deal.II/base/aligned_vector.h>
 
-#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/field.h>
 
 #include <string>

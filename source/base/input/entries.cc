@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   void Range::check(const Section &section, const std::string &entry, const double value) const
   {
     if (is_positive && !(value > 0.))

@@ -4,28 +4,22 @@
 #include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/base/input/input_file.h>
 #include <tombolo/base/input/name_hints.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/table_function.h>
 
 #include <deal.II/base/function_parser.h>
 #include <deal.II/base/numbers.h>
-#include <deal.II/base/point.h>
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
-#include <memory>
 #include <sstream>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::vector<std::string> variables_of_expressions(const unsigned int dim)

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     struct RemovedEntry

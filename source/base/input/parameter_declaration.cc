@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     using Tree = boost::property_tree::ptree;

@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Text for a cell of a table: what markdown would read as markup is escaped, but for code in

@@ -18,8 +18,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr std::size_t largest_line = 100000;

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/parameters.h>
 
-#include <deal.II/base/utilities.h>
-
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/override.h>
 #include <tombolo/base/input/parameter_printer.h>
 #include <tombolo/base/input/registry.h>
+
+#include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <memory>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A mandatory entry has no default: lets the handler take the empty text for it. */

@@ -9,8 +9,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Whether the whole text is one finite number. */
@@ -131,5 +129,18 @@ namespace tombolo
   void Section::fail(const std::string &entry, const std::string &message) const
   {
     parameters->fail(joined_path(section_path, entry), message);
+  }
+
+  std::vector<std::string> section_names(const Parameters &parameters, const std::string &list)
+  {
+    std::vector<std::string> names;
+    for (const std::string &name : parameters.raw_list(list))
+      if (name.find('/') == std::string::npos)
+        names.push_back(name);
+      else
+        parameters.refuse(list, "the name \"" + name +
+                                    "\" contains \"/\", which separates sections: allowed are all "
+                                    "other characters.");
+    return names;
   }
 } // namespace tombolo

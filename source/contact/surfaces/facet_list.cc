@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surfaces/facet_list.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** A rigid tool whose surface stands in a file: triangles in three dimensions, a closed polygon
    * in two. The file has the tool's own coordinates, to which points are
    * taken, so that what finds the nearest facet never moves. */
@@ -73,7 +71,6 @@ namespace tombolo
     {
       const ClosedSurface<dim> &surface = body.surface();
       std::ostringstream text;
-      text.precision(6);
       text << "\"" << file << "\", " << surface.facets.size()
            << (dim == 2 ? " sides, " : " triangles, ") << surface.vertices.size()
            << (dim == 2 ? " corners, length " : " vertices, area ") << surface.area

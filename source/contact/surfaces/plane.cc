@@ -7,8 +7,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** A rigid plane (a line in two dimensions), at rest or moved by a RigidTranslation. */
   template <int dim>
   class Plane : public ContactSurface<dim>

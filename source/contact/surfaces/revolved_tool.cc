@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The tangent of half of an angle between the sides of a cone. */

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 namespace tombolo
@@ -32,11 +31,9 @@ namespace tombolo
       Tensor<1, dim> center;
       if (find_center(sharp.place, sharp, center))
         continue;
-      std::ostringstream message;
-      message << "an edge radius of " << radius << " does not fit below the surface at "
-              << place_text(sharp.place)
-              << ", where the body is thinner than a ball of this radius";
-      throw std::invalid_argument(message.str());
+      throw std::invalid_argument(as_text(
+          "an edge radius of ", radius, " does not fit below the surface at ",
+          place_text(sharp.place), ", where the body is thinner than a ball of this radius"));
     }
   }
 

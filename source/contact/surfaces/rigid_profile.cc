@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/contact/surfaces/rigid_profile.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 namespace tombolo
@@ -47,9 +47,7 @@ namespace tombolo
 
     std::string text_of(const Place &corner)
     {
-      std::ostringstream text;
-      text << "(" << corner.r << ", " << corner.z << ")";
-      return text.str();
+      return as_text("(", corner.r, ", ", corner.z, ")");
     }
 
     void check(const std::vector<Place> &corners, const double edge_radius)

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/entries.h>
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
@@ -11,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   RigidTranslation<dim>::RigidTranslation(const Entries &e)
   {

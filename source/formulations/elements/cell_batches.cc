@@ -4,12 +4,8 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::vector<double> lagrange_values_1d(const unsigned int degree, const double x)

@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   void interpolate_at_points(const unsigned int *const nodes,
                              const std::vector<std::vector<double>> &shape_values,
                              const NodalVector &vector, double *const at_points)

@@ -3,13 +3,8 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    const char *const erosion_strain_entry = "Erosion strain";
-    const char *const erosion_damage_entry = "Erosion damage";
-  } // namespace
+  const char *const erosion_strain_entry = "Erosion strain";
+  const char *const erosion_damage_entry = "Erosion damage";
 
   ErosionCriterion::ErosionCriterion(const Entries &e) : section(e.section())
   {

@@ -5,8 +5,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     void declare_parameters(ParameterHandler &handler)

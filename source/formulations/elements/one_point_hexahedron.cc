@@ -6,8 +6,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   OnePointHexahedron<dim>::OnePointHexahedron(const Entries &e)
   {

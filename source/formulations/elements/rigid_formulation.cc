@@ -18,8 +18,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Calls @p use with the place and the volume of each point of integration of the cells of this

@@ -9,17 +9,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr char fraction_name[] = "broken bonds";
-  } // namespace
+  constexpr char fraction_name[] = "broken bonds";
 
   template <int dim>
   Bonds<dim>::Bonds(const Section &section, const ParticleSet<dim> &particles,

@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void NeighbourPartners<dim>::find(const std::shared_ptr<const NodePartition> &partition,
                                     const Neighbourhoods<dim> &neighbourhoods,

@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A bond breaks where the mean measure of the pair reaches a limit and the pair is stretched

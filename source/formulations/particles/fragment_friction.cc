@@ -2,10 +2,8 @@
 #include <tombolo/formulations/particles/fragment_friction.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/tensor.h>
 
 #include <tombolo/approximation/row_deformation.h>
-#include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/split_number.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/state_archive.h>
@@ -18,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** ω × r; in two dimensions ω is along z. */
   template <int dim>
   dealii::Tensor<1, dim> cross_product(const double *const axial, const dealii::Tensor<1, dim> &r)

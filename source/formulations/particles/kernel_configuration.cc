@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   KernelConfiguration<dim>::KernelConfiguration(const Entries &e, const std::string &default_kind)
   {

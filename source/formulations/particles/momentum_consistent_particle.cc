@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::shared_ptr<const Kernel> create_kernel(const Section &section)

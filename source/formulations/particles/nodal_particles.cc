@@ -2,6 +2,7 @@
 #include <tombolo/formulations/particles/nodal_particles.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/formulations/point_stiffness.h>
@@ -10,12 +11,9 @@
 
 #include <algorithm>
 #include <memory>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Particles treated together: their ∇φ, read for the gradients, are still in the
@@ -138,12 +136,11 @@ namespace tombolo
             if (!(det[lane] > 0.))
             {
               const double *const place = node(position, shape.particle_node[first + p + lane]);
-              std::ostringstream message;
-              message << "the particle at (" << place[0] << ", " << place[1] << ", " << place[2]
-                      << ") is turned inside out: the determinant of its deformation since the "
-                         "kernel's reference is "
-                      << det[lane] << ".";
-              throw RunError(message.str());
+              throw RunError(
+                  as_text("the particle at (", place[0], ", ", place[1], ", ", place[2],
+                          ") is turned inside out: the determinant of its deformation since the "
+                          "kernel's reference is ",
+                          det[lane], "."));
             }
       }
     }

@@ -3,13 +3,10 @@
 
 #include <tombolo/base/input/entries.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Σ_j V |x_j| |W'(x_j)| / dim of a cubic lattice of this spacing. */

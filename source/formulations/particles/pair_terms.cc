@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const viscosity_entry = "Artificial viscosity";

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/particle_formulation.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   std::vector<SurfaceFibre> find_surface_fibres(const PartSetup<dim> &setup)
   {

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     // Measured, for each neighbour [ns].

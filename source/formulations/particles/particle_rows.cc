@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void ParticleRows<dim>::declare_parameters(const Entries &e)
   {

@@ -10,7 +10,6 @@
 #include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -18,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The cells between the support points of a cell of some degree: lists of 2^dim indices of its

@@ -10,7 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
   template <int dim>
   void PartBoundary<dim>::initialize(const PartSetup<dim> &setup)
   {

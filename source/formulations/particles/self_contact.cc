@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/self_contact.h>
 
-#include <tombolo/formulations/particles/fragment_tags.h>
+#include <tombolo/formulations/particles/fragments.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
@@ -12,15 +12,10 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr char force_name[] = "self-contact force";
-    constexpr char position_name[] = "self-contact position";
-    constexpr char label_name[] = "fragment";
-    constexpr char shrinkage_name[] = "contact shrinkage";
-  } // namespace
+  constexpr char force_name[] = "self-contact force";
+  constexpr char position_name[] = "self-contact position";
+  constexpr char label_name[] = "fragment";
+  constexpr char shrinkage_name[] = "contact shrinkage";
 
   template <int dim>
   std::unique_ptr<SelfContact<dim>> SelfContact<dim>::create(const Entries &e)

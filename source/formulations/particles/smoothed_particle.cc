@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/radial_rows.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
@@ -16,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Candidates of kernels at present positions, beyond the support. */
@@ -144,10 +143,8 @@ namespace tombolo
     }
     std::string functions() const override
     {
-      std::ostringstream text;
-      text << "smoothing length " << radial_rows->kernel().smoothing_length() << ", "
-           << (is_corrected ? "corrected gradients" : "gradients of the kernel alone");
-      return text.str();
+      return as_text("smoothing length ", radial_rows->kernel().smoothing_length(), ", ",
+                     (is_corrected ? "corrected gradients" : "gradients of the kernel alone"));
     }
     bool are_undeformed_when_new() const override
     {

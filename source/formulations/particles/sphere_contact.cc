@@ -7,8 +7,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     enum Sphere : unsigned int

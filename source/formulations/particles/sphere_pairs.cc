@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/sphere_pairs.h>
 
-#include <tombolo/formulations/particles/fragment_tags.h>
+#include <tombolo/formulations/particles/fragments.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -11,8 +11,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** How far the search looks beyond the largest distance of contact, over that distance. */

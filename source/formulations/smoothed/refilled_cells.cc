@@ -2,18 +2,17 @@
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Whether cells lie beside cells of half their size. Collective. */
@@ -38,9 +37,7 @@ namespace tombolo
                 !setup.void_cells->is_void(cell) &&
                 setup.void_cells->is_void(cell->neighbor_child_on_subface(face, child)))
             {
-              std::ostringstream text;
-              text << "(" << cell->center() << ")";
-              result = text.str();
+              result = as_text("(", cell->center(), ")");
             }
       for (const std::string &of_rank : texts_of_ranks(setup.communicator, result))
         if (!of_rank.empty())
@@ -83,17 +80,13 @@ namespace tombolo
   {
     initialize(setup);
     std::vector<bool> found;
-    std::string failure;
-    try
-    {
-      for (const Cell &cell : cells_of_part(*nodes, *part_cells, part))
-        found.push_back(is_void(cell->center()));
-    }
-    catch (const InputError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<InputError>(failure, setup.communicator);
+    attempt_on_all_ranks<InputError>(setup.communicator,
+                                     [&]
+                                     {
+                                       for (const Cell &cell :
+                                            cells_of_part(*nodes, *part_cells, part))
+                                         found.push_back(is_void(cell->center()));
+                                     });
     set(found);
   }
 

@@ -7,16 +7,12 @@
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
 #include <type_traits>
-#include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     template <int dim>

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void SmoothedCells<dim>::declare_parameters(ParameterHandler &handler)
   {

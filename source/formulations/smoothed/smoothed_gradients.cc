@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
-#include <tombolo/approximation/convex_approximation.h>
 #include <tombolo/approximation/moved_convex_values.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
@@ -16,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** The gradients at one point of a cell, by node, and the volume of the point. */
   template <int dim>
   struct SmoothedRow

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** The motion of a batch of cells. */
   template <int dim>
   template <unsigned int n_points>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/sub_cells.h>
 
-#include <deal.II/base/geometry_info.h>
-
 #include <type_traits>
 
 namespace tombolo

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/as_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
-#include <tombolo/base/as_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/as_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/axis_segments.h>
@@ -368,13 +368,10 @@ namespace tombolo
     section_cells = std::move(kept_cells);
   }
 
-  namespace
-  {
-    constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
+  constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
 
-    constexpr Cylinder::Words words_of_cylinder = {"cylinder", "Length", "Cells along axis",
-                                                   "Foot",     "foot",   "rear"};
-  } // namespace
+  constexpr Cylinder::Words words_of_cylinder = {"cylinder", "Length", "Cells along axis",
+                                                 "Foot",     "foot",   "rear"};
 
   Cylinder::Cylinder(const Entries &e) : Cylinder(e, words_of_cylinder) {}
 
@@ -481,11 +478,8 @@ namespace tombolo
   TOMBOLO_REGISTER(MeshSource<3>, Cylinder, "cylinder",
                    "A cylinder along an axis, or its half or quarter: a core and rings of cells")
 
-  namespace
-  {
-    constexpr Cylinder::Words words_of_disc = {"disc",     "Thickness",  "Cells through thickness",
-                                               "Position", "lower face", "upper face"};
-  }
+  constexpr Cylinder::Words words_of_disc = {"disc",     "Thickness",  "Cells through thickness",
+                                             "Position", "lower face", "upper face"};
 
   Disc<2>::Disc(const Entries &e) : section(e.section()), round_section(e, {{'x', 'y'}}, "disc")
   {

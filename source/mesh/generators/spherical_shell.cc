@@ -3,7 +3,7 @@
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
 
-#include <tombolo/base/as_text.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/axis_segments.h>
@@ -39,11 +39,7 @@ namespace tombolo
     std::vector<double> radii;      ///< of the vertices, from the inner surface on
   };
 
-  namespace
-  {
-    constexpr dealii::types::boundary_id inner_sphere_id = 0, outer_sphere_id = 1,
-                                         first_plane_id = 2;
-  }
+  constexpr dealii::types::boundary_id inner_sphere_id = 0, outer_sphere_id = 1, first_plane_id = 2;
 
   SphericalShell::SphericalShell(const Entries &e) : section(e.section())
   {

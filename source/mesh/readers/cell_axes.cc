@@ -4,9 +4,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
-#include <numeric>
 #include <utility>
 
 namespace tombolo

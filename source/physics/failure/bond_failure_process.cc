@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   BondCounts bond_counts(const Model<dim> &model)
   {

@@ -4,14 +4,11 @@
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/model/model_input.h>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const std::string cells_entry = "Cells";
@@ -52,13 +49,10 @@ namespace tombolo
       const std::vector<std::string> names = parameters.raw_list("Contacts");
       if (std::find(names.begin(), names.end(), criterion.contact) != names.end())
         return;
-      std::string list;
-      for (const std::string &name : names)
-        list += (list.empty() ? "\"" : ", \"") + name + "\"";
       criterion.refuse(names.empty()
                            ? "nearness is that to the surface of a contact, and the scene has no "
                              "`Contacts`."
-                           : "allowed is one of `Contacts`: " + list + "." +
+                           : "allowed is one of `Contacts`: " + in_quotes(names) + "." +
                                  did_you_mean(criterion.contact, names));
     }
 

@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Points that conduct between nodes: with g = √(V k) ∇N, K_IJ = Σ g_I·g_J. What particles

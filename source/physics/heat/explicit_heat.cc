@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
+#include <tombolo/model/step_limit.h>
 #include <tombolo/physics/heat/growing_rates.h>
 #include <tombolo/physics/heat/heat_integrator.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
 
 #include <algorithm>
@@ -10,13 +12,8 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.
-    constexpr double largest_share = 0.994;
-  } // namespace
+  // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.
+  constexpr double largest_share = 0.994;
 
   /** The forward Euler method of eqs (36), (37), (39), with the stable step of the spectrum of
    * the real operator, 2/λ. */

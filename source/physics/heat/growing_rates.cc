@@ -10,8 +10,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Calls @p action with each owned node whose temperature is free, and its capacity. */

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/physics/heat/conduction_matrix.h>
@@ -15,12 +16,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <sstream>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     using Vector = LinearAlgebra::distributed::Vector<double>;
@@ -162,12 +160,10 @@ namespace tombolo
       }
       catch (const SolverControl::NoConvergence &)
       {
-        std::ostringstream message;
-        message << "The implicit heat step at time " << time << " did not converge within "
-                << control.last_step()
-                << " iterations of conjugate gradients. A smaller step, or a "
-                << "larger `Tolerance`, may help.";
-        throw RunError(message.str());
+        throw RunError(as_text("The implicit heat step at time ", time, " did not converge within ",
+                               control.last_step(),
+                               " iterations of conjugate gradients. A smaller step, or a ",
+                               "larger `Tolerance`, may help."));
       }
       // Temperatures or places have changed so much that a new one pays.
       if (iterations_when_built == 0)
@@ -439,12 +435,10 @@ namespace tombolo
         break;
       if (iteration == max_newton_iterations || !std::isfinite(norm))
       {
-        std::ostringstream message;
-        message << "The implicit heat step from time " << equation.begin << " to " << equation.end
-                << " did not converge within " << iteration
-                << " iterations of Newton's method: its residual is still " << norm / first_norm
-                << " of the first. A smaller `Step` may help.";
-        throw RunError(message.str());
+        throw RunError(as_text("The implicit heat step from time ", equation.begin, " to ",
+                               equation.end, " did not converge within ", iteration,
+                               " iterations of Newton's method: its residual is still ",
+                               norm / first_norm, " of the first. A smaller `Step` may help."));
       }
       for (unsigned int i = 0; i < n_owned; ++i)
       {

@@ -2,19 +2,16 @@
 #include <tombolo/physics/heat/thermal_step.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
-#include <sstream>
 #include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ThermalStep<dim>::ThermalStep(const Entries &e)
   {
@@ -135,12 +132,9 @@ namespace tombolo
       if (!std::isfinite(*heat.state.next_unsmoothed_temperature.node(i)))
       {
         const double *const x = model.state.position.node(i);
-        std::ostringstream message;
-        message.precision(6);
-        message << "The temperature of node " << model.nodes->persistent_ids()[i]
-                << " is not finite at time " << next_time << ". It is at (" << x[0] << ", " << x[1]
-                << ", " << x[2] << "). A smaller thermal step may help.";
-        failure = message.str();
+        failure = as_text("The temperature of node ", model.nodes->persistent_ids()[i],
+                          " is not finite at time ", next_time, ". It is at (", x[0], ", ", x[1],
+                          ", ", x[2], "). A smaller thermal step may help.");
       }
     throw_on_all_ranks<RunError>(failure, model.communicator);
   }

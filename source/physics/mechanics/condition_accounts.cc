@@ -2,7 +2,7 @@
 #include <tombolo/physics/mechanics/condition_accounts.h>
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/history.h>

@@ -7,8 +7,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   void add_contact_columns(const ContactBalance &now, const SurfaceContact<dim> *const tool,
                            const bool has_area, const bool conducts, BalanceHistory<dim> &row)

@@ -9,12 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no

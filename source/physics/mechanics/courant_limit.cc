@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/courant_limit.h>
 
-#include <deal.II/base/mpi.h>
+#include <tombolo/model/step_limit.h>
 
-#include <array>
 #include <cmath>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   double round_down(const double step)
   {
     int exponent;

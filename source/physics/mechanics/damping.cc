@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /**
    * Damping in proportion to the mass, by the section `Damping`: the nodal force -α m v, with the
    * velocity v in the middle of Δt_n, so that the stable step is that without damping. It is a

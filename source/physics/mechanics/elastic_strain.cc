@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 
@@ -8,15 +9,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
+#include <iomanip>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Above it the error of the energy is to be seen: at 0.16 it is 0.05. */
@@ -131,10 +130,7 @@ namespace tombolo
 
     std::string percent_of(const double strain)
     {
-      std::ostringstream text;
-      text.precision(2);
-      text << 100. * strain << " %";
-      return text.str();
+      return as_text(std::setprecision(2), 100. * strain, " %");
     }
 
     std::string sentence(const std::string &what, const double strain, const std::string &cure)

@@ -15,8 +15,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The parts whose particles touch others. */

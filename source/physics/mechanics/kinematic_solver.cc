@@ -17,8 +17,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** A node whose free components make up less than this of the normal, squared, is held. */

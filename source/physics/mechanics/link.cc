@@ -18,8 +18,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr const char *link_history = "link history";

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
-#include <tombolo/base/format.h>
 #include <tombolo/model/moving_parts.h>
 
-#include <algorithm>
 #include <set>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   ScalingSettings::ScalingSettings(const Entries &e)
   {
     mass_factor = e.number("Mass factor", "1", positive(), "1",

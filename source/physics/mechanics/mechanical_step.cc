@@ -6,13 +6,10 @@
 #include <tombolo/base/simd/vectorization.h>
 
 #include <cmath>
-#include <sstream>
 #include <string>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** target += factor · increment at owned nodes. */
@@ -185,14 +182,11 @@ namespace tombolo
         continue;
       const double *const x = state.position.node(i);
       const double *const start = state.initial_position.node(i);
-      std::ostringstream message;
-      message.precision(6);
-      message << "The acceleration of node " << model.nodes->persistent_ids()[std::size_t(i)]
-              << " is not finite at time " << clock.time << ", step " << clock.step
-              << ". It is at (" << x[0] << ", " << x[1] << ", " << x[2] << "), initially at ("
-              << start[0] << ", " << start[1] << ", " << start[2]
-              << "). A smaller time step, or another formulation there, may help.";
-      failures.note(message.str());
+      failures.note(
+          as_text("The acceleration of node ", model.nodes->persistent_ids()[std::size_t(i)],
+                  " is not finite at time ", clock.time, ", step ", clock.step, ". It is at (",
+                  x[0], ", ", x[1], ", ", x[2], "), initially at (", start[0], ", ", start[1], ", ",
+                  start[2], "). A smaller time step, or another formulation there, may help."));
       return;
     }
   }

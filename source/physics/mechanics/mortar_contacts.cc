@@ -3,8 +3,8 @@
 #include <tombolo/model/process.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/section_names.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -24,8 +24,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /** Which cells are no cells of their parts any more, by the index of active cells, ghosts among
    * them; nothing where no part can lose any. Collective. */
   template <int dim>

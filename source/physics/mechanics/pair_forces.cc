@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
@@ -8,14 +9,12 @@
 #include <tombolo/physics/statics/rest_entries.h>
 
 #include <algorithm>
-#include <sstream>
+#include <iomanip>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Calls @p use(pairs, particles, number of the particle part) for parts with pairs. */
@@ -152,13 +151,11 @@ namespace tombolo
       constexpr double tolerable = 0.05;
       if (plastic == 0. || !(viscous > tolerable * plastic))
         return;
-      std::ostringstream text;
-      text.precision(3);
-      text << "The artificial viscosity of pairs has taken " << viscous
-           << ", more than 5 % of the plastic work " << plastic
-           << ". It grows with the speed at which the process is run, and makes forces too large. "
-              "Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
-      warnings.push_back(text.str());
+      warnings.push_back(as_text(
+          std::setprecision(3), "The artificial viscosity of pairs has taken ", viscous,
+          ", more than 5 % of the plastic work ", plastic,
+          ". It grows with the speed at which the process is run, and makes forces too large. "
+          "Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help."));
     }
 
     const Model<dim> &model;

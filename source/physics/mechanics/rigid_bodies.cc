@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/rigid_bodies.h>
 
-#include <tombolo/base/input/section_names.h>
-#include <tombolo/model/model_input.h>
-#include <tombolo/model/moving_parts.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/output/history.h>
-
-#include <algorithm>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** After all others, since what they add to the forces moves the bodies. */

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     std::array<double, 3> array_of(const Tensor<1, 3> &vector)

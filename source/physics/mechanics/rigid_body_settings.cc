@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     constexpr double rounding = 1e-12;

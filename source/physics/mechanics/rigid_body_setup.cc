@@ -5,19 +5,16 @@
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/mass_of_part.h>
+#include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/shown_by_processes.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <array>
-#include <functional>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     Tensor<2, 3> matrix_of(const double *const rows)

@@ -4,9 +4,9 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
@@ -30,8 +30,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /**
    * The present yield stress at nodes, for a limit of shear in contacts: the flow stress of a slow
    * test at the plastic strain and the temperature there. That strain is that of the particle, or
@@ -169,17 +167,13 @@ namespace tombolo
     void check(const SurfaceContact<dim> &contact, const NodalState &state) const
     {
       bool any = false;
-      std::string failure;
-      try
-      {
-        for (const unsigned int node : contact.candidate_nodes())
-          any = is_inside(Point<dim>(vector_of<dim>(state.initial_position.node(node)))) || any;
-      }
-      catch (const InputError &error)
-      {
-        failure = error.what();
-      }
-      throw_on_all_ranks<InputError>(failure, state.partition()->communicator());
+      attempt_on_all_ranks<InputError>(
+          state.partition()->communicator(),
+          [&]
+          {
+            for (const unsigned int node : contact.candidate_nodes())
+              any = is_inside(point_of<dim>(state.initial_position.node(node))) || any;
+          });
       if (Utilities::MPI::max(any ? 1 : 0, state.partition()->communicator()) == 0)
         section.fail(corridor_entry, "no node that the surface can touch is there; allowed is a "
                                      "condition on x, y, z that some of them meet at the start.");

@@ -3,10 +3,11 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/name_hints.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/read_vector.h>
-#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/moment.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/boundary/load_sum.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
@@ -14,6 +15,7 @@
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
 #include <tombolo/output/history.h>
+#include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
@@ -32,26 +34,8 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
-    /** The number of the part with this name. Throws InputError. */
-    template <int dim>
-    std::size_t part_number(const std::string &name, const std::vector<Part<dim>> &parts,
-                            const Section &section)
-    {
-      std::vector<std::string> names;
-      for (std::size_t part = 0; part < parts.size(); ++part)
-      {
-        if (parts[part].name == name)
-          return part;
-        names.push_back(parts[part].name);
-      }
-      section.fail("Between parts",
-                   "there is no part \"" + name + "\"." + did_you_mean(name, names));
-    }
-
     /** Adds a force at a place relative to @p point. */
     void add_about(const std::array<double, 3> &point, const double *const place,
                    const double *const force, LoadSum &sum)
@@ -121,7 +105,8 @@ namespace tombolo
                               "or `Between parts`.");
       if (names.size() != 2 || names[0] == names[1])
         section.fail("Between parts", "allowed are the names of two parts, separated by a comma.");
-      between.emplace(part_number(names[0], parts, section), part_number(names[1], parts, section));
+      between.emplace(part_of_entry(section, "Between parts", names[0], parts),
+                      part_of_entry(section, "Between parts", names[1], parts));
     }
 
     /** Finds the side of a cut, and refuses one that divides nothing. Throws InputError.
@@ -144,22 +129,18 @@ namespace tombolo
           extent = std::max(extent, std::abs(initial.node(i)[d] - point[d]));
       // Nodes that a mesh generator has put onto the plane are on it to round-off.
       const double tolerance = 1e-10 * Utilities::MPI::max(extent, model.communicator);
-      std::string failure;
-      try
-      {
-        for (unsigned int i = 0; i < n_owned; ++i)
-        {
-          const Point<dim> place = point_of<dim>(initial.node(i));
-          if (is_beyond(place, tolerance) && (!where || (*where)(place)))
-            side.push_back(i);
-        }
-        count_cells(model, tolerance);
-      }
-      catch (const InputError &error)
-      {
-        failure = error.what();
-      }
-      throw_on_all_ranks<InputError>(failure, model.communicator);
+      attempt_on_all_ranks<InputError>(model.communicator,
+                                       [&]
+                                       {
+                                         for (unsigned int i = 0; i < n_owned; ++i)
+                                         {
+                                           const Point<dim> place = point_of<dim>(initial.node(i));
+                                           if (is_beyond(place, tolerance) &&
+                                               (!where || (*where)(place)))
+                                             side.push_back(i);
+                                         }
+                                         count_cells(model, tolerance);
+                                       });
       n_side = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
       n_cut = Utilities::MPI::sum(n_cut, model.communicator);
       n_attached_elsewhere = Utilities::MPI::sum(n_attached_elsewhere, model.communicator);
@@ -299,10 +280,7 @@ namespace tombolo
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };
 
-  namespace
-  {
-    constexpr const char *list_of_sections = "Sections", *section_history = "section history";
-  }
+  constexpr const char *list_of_sections = "Sections", *section_history = "section history";
 
   /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
@@ -436,19 +414,16 @@ namespace tombolo
 
   TOMBOLO_REGISTER_PROCESS_KIND(SectionForcesKind, process_order::sections)
 
-  namespace
-  {
-    /**
-     * What passes through sections of the bodies: `sections.csv`, with the mean force and the mean
-     * moment since the row before and the impulse since the start of each section, in the order of
-     * `Sections`. Impulses are those until t_{n-1/2}, as the momenta of `statistics.csv`.
-     */
-    const HistoryRegistration of_sections(
-        {section_history, "sections.csv",
-         "Forces, moments and impulses through sections and interfaces of parts (sections.csv); in "
-         "every scene that has `Sections`.",
-         false, false, "sections"},
-        4, "the entry Sections",
-        [](const Section &output) { return !output.all().raw_list(list_of_sections).empty(); });
-  } // namespace
+  /**
+   * What passes through sections of the bodies: `sections.csv`, with the mean force and the mean
+   * moment since the row before and the impulse since the start of each section, in the order of
+   * `Sections`. Impulses are those until t_{n-1/2}, as the momenta of `statistics.csv`.
+   */
+  const HistoryRegistration of_sections(
+      {section_history, "sections.csv",
+       "Forces, moments and impulses through sections and interfaces of parts (sections.csv); in "
+       "every scene that has `Sections`.",
+       false, false, "sections"},
+      4, "the entry Sections",
+      [](const Section &output) { return !output.all().raw_list(list_of_sections).empty(); });
 } // namespace tombolo

@@ -16,8 +16,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   SpectralEstimator<dim>::SpectralEstimator(const Entries &e)
       : solver{

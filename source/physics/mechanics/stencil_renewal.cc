@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   /**
    * Neighbourhoods and rows of particle parts, renewed where their criterion asks for it.
    *

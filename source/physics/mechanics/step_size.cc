@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Supports stay as they are where a particle loses neighbours; its gradients grow. */

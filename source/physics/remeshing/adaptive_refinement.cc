@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/section_names.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/model/model_input.h>
@@ -14,7 +13,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <ostream>
@@ -22,8 +20,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const adaptive_section = "Adaptive refinement";

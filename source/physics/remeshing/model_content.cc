@@ -8,8 +8,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   ModelContent ModelContent::of(const Model<dim> &model)
   {

@@ -14,14 +14,11 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <sstream>
 #include <utility>
 #include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** The cells of a part, if they are to be refilled. */
@@ -227,13 +224,12 @@ namespace tombolo
               if (!end)
                 continue;
               part.has_reached_end = true;
-              std::ostringstream text;
-              text << "At t = " << clock.time << " the material of part \""
-                   << model.parts[part.refill->part].name << "\" has reached void cells at "
-                   << place_text(*end)
-                   << " that cannot be filled, at the end of the mesh or beside cells of another "
-                      "size. A larger mesh with more void cells, all of one size, gives it room.";
-              result.push_back(text.str());
+              result.push_back(as_text(
+                  "At t = ", clock.time, " the material of part \"",
+                  model.parts[part.refill->part].name, "\" has reached void cells at ",
+                  place_text(*end),
+                  " that cannot be filled, at the end of the mesh or beside cells of another "
+                  "size. A larger mesh with more void cells, all of one size, gives it room."));
             }
           });
     }

@@ -12,8 +12,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     const char *const plastic_strain_name = "effective plastic strain";

@@ -13,8 +13,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** With which a step of one is stable: at least a quarter of the row sum. */

@@ -9,7 +9,6 @@
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -18,12 +17,9 @@
 #include <set>
 #include <sstream>
 #include <utility>
-#include <vector>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
     /** Sums over the nodes of a body: number and places of held components, the largest distance,

@@ -14,8 +14,6 @@
 
 namespace tombolo
 {
-  using namespace dealii;
-
   template <int dim>
   StaticProblem<dim>::StaticProblem(Model<dim> &model, const double spring_factor)
       : model(model), assembly(model.parts),
@@ -273,7 +271,6 @@ namespace tombolo
       }
     }
     std::ostringstream text;
-    text.precision(6);
     if (largest >= 0.)
     {
       const double *const x = model.state.position.node(node);

@@ -2,28 +2,20 @@
 #include <tombolo/physics/statics/static_steps.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/entries.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <optional>
-#include <sstream>
 #include <typeinfo>
 
 namespace tombolo
 {
-  using namespace dealii;
-
-  namespace
-  {
-    constexpr const char *integration_entry = "Time integration";
-    constexpr const char *explicit_steps = "explicit";
-    constexpr const char *statics_section = "Statics";
-  } // namespace
+  constexpr const char *integration_entry = "Time integration";
+  constexpr const char *explicit_steps = "explicit";
+  constexpr const char *statics_section = "Statics";
 
   template <int dim>
   void StaticSteps<dim>::declare_parameters(const Entries &of_run)
@@ -275,23 +267,19 @@ namespace tombolo
   void StaticSteps<dim>::give_up(const StaticInterval &interval, const StaticSolution &solution,
                                  const std::string &place) const
   {
-    std::ostringstream message;
-    message.precision(6);
-    message
-        << "The " << name << " step " << interval.step << " from time " << interval.begin << " to "
-        << interval.end << " did not converge: the forces that are not in equilibrium "
-        << "are still " << solution.residual << " of the scale of forces (allowed " << tolerance
-        << "), the largest at " << place << ". By iteration: " << solution.report
-        << ". The state of time " << interval.begin
-        << " is the last one in equilibrium, and outputs up to it are complete. " << solution.advice
-        << (solution.advice.empty() ? "" : " ")
-        << (interval.is_start
-                ? "This step is that to the equilibrium of the start, which is not divided: what "
-                  "acts, or is gone, from the start on can come in a run (or stage) before, over "
-                  "time; supports may help, too."
-                : "Loads that grow more slowly, a smaller `Smallest step` (section Statics), or "
-                  "supports may help, too.");
-    throw RunError(message.str());
+    throw RunError(as_text(
+        "The ", name, " step ", interval.step, " from time ", interval.begin, " to ", interval.end,
+        " did not converge: the forces that are not in equilibrium ", "are still ",
+        solution.residual, " of the scale of forces (allowed ", tolerance, "), the largest at ",
+        place, ". By iteration: ", solution.report, ". The state of time ", interval.begin,
+        " is the last one in equilibrium, and outputs up to it are complete. ", solution.advice,
+        (solution.advice.empty() ? "" : " "),
+        (interval.is_start
+             ? "This step is that to the equilibrium of the start, which is not divided: what "
+               "acts, or is gone, from the start on can come in a run (or stage) before, over "
+               "time; supports may help, too."
+             : "Loads that grow more slowly, a smaller `Smallest step` (section Statics), or "
+               "supports may help, too.")));
   }
 
   template <int dim>

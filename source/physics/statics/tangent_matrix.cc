@@ -2,7 +2,6 @@
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/physics/statics/equations_of_sources.h>
 #include <tombolo/physics/statics/far_nodes.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 
@@ -16,16 +15,71 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <memory>
+#include <utility>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   namespace
   {
+    /**
+     * The nodes of an equation, and a matrix of it, by nodes that move: the motion of an image in
+     * planes of symmetry is the reflected motion of its source, u_I' = R u_I, and a force on it is
+     * one on its source. So with the rows R of all nodes the matrix is Pᵀ K P.
+     */
+    struct EquationsOfSources
+    {
+      /** The nodes whose motion local @p nodes have: images are replaced by their sources. */
+      static std::vector<unsigned int> sources_of(const NodePartition &partition,
+                                                  const std::vector<unsigned int> &nodes)
+      {
+        std::vector<unsigned int> result = nodes;
+        for (unsigned int &node : result)
+          if (const NodePartition::Reflected *const of = image(partition, node))
+            node = of->source;
+        return result;
+      }
+
+      /** What an image is of; null for other nodes. */
+      static const NodePartition::Reflected *image(const NodePartition &partition,
+                                                   const unsigned int node)
+      {
+        const unsigned int n_nodes = partition.n_owned() + partition.n_ghosts();
+        return node < n_nodes ? nullptr : &partition.images()[node - n_nodes];
+      }
+
+      /** @p n_components rows and columns of @p of_all for each of the local nodes. */
+      EquationsOfSources(const NodePartition &partition,
+                         const std::vector<unsigned int> &nodes_and_images,
+                         const std::vector<double> &of_all, const unsigned int n_components)
+      {
+        const std::vector<unsigned int> sources = sources_of(partition, nodes_and_images);
+        nodes = sources;
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        // Of each row: that of its source, and the sign of the reflection.
+        std::vector<std::pair<std::size_t, double>> rows;
+        for (std::size_t k = 0; k < sources.size(); ++k)
+        {
+          const NodePartition::Reflected *const of = image(partition, nodes_and_images[k]);
+          const auto first = static_cast<std::size_t>(
+              std::lower_bound(nodes.begin(), nodes.end(), sources[k]) - nodes.begin());
+          for (unsigned int d = 0; d < n_components; ++d)
+            rows.emplace_back(first * n_components + d,
+                              of == nullptr ? 1. : of->reflection.sign[d]);
+        }
+        const std::size_t n_rows = nodes.size() * n_components;
+        matrix.assign(n_rows * n_rows, 0.);
+        for (std::size_t a = 0; a < rows.size(); ++a)
+          for (std::size_t b = 0; b < rows.size(); ++b)
+            matrix[rows[a].first * n_rows + rows[b].first] +=
+                rows[a].second * rows[b].second * of_all[a * rows.size() + b];
+      }
+
+      std::vector<unsigned int> nodes; ///< local numbers, without images, each once
+      std::vector<double> matrix;      ///< by rows
+    };
+
     /** dim rows a node. */
     template <int dim>
     IndexSet rows_of(const IndexSet &nodes)
@@ -120,7 +174,7 @@ namespace tombolo
           [&](const std::vector<unsigned int> &group)
           {
             cell_nodes.clear();
-            for (const unsigned int node : sources_of(partition, group))
+            for (const unsigned int node : EquationsOfSources::sources_of(partition, group))
               cell_nodes.push_back(partition.global_index(node));
             add_nodes();
           });
@@ -182,7 +236,9 @@ namespace tombolo
       absolute_row_sums.node(node)[row % dim] += sum;
       rounded_forces.node(node)[row % dim] += rounded;
     }
-    if (have_images(partition, equations.nodes))
+    if (std::any_of(equations.nodes.begin(), equations.nodes.end(),
+                    [&](const unsigned int node)
+                    { return EquationsOfSources::image(partition, node) != nullptr; }))
     {
       const EquationsOfSources of_sources(partition, equations.nodes, equations.matrix, dim);
       add_matrix(of_sources.nodes, of_sources.matrix);

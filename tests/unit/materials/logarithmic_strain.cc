@@ -28,7 +28,7 @@ namespace
     return result;
   }
 
-  Matrix identity()
+  Matrix unit_matrix()
   {
     return Matrix(dealii::unit_symmetric_tensor<3>());
   }
@@ -42,12 +42,12 @@ namespace
   }
 
   /** The strain ε of one lane, advanced by the deformation f of a step. */
-  class Point
+  class StrainedPoint
   {
   public:
     MotionIncrement<Lanes> advance(const Matrix &f)
     {
-      const Matrix h = identity() - invert(f);
+      const Matrix h = unit_matrix() - invert(f);
       Matrix3<Lanes> increment;
       for (unsigned int i = 0; i < 3; ++i)
         for (unsigned int j = 0; j < 3; ++j)
@@ -85,14 +85,14 @@ TEST(LogarithmicStrain, is_that_of_the_whole_deformation_whatever_the_steps_are)
        {std::pair{0.3, 6u}, std::pair{1e-3, 400u}, std::pair{0.02, 60u}})
     for (unsigned int sample = 0; sample < 20; ++sample)
     {
-      Point point;
-      Matrix total = identity();
+      StrainedPoint point;
+      Matrix total = unit_matrix();
       double ratio = 1.;
       for (unsigned int n = 0; n < n_steps; ++n)
       {
-        Matrix f = identity() + random_matrix(generator, size);
+        Matrix f = unit_matrix() + random_matrix(generator, size);
         if (determinant(f) < 0.2)
-          f = identity();
+          f = unit_matrix();
         total = f * total;
         ratio *= point.advance(f).volume_factor[0];
       }
@@ -106,11 +106,11 @@ TEST(LogarithmicStrain, is_that_of_the_whole_deformation_whatever_the_steps_are)
 TEST(LogarithmicStrain, comes_back_after_a_closed_cycle)
 {
   std::mt19937 generator(5);
-  Point point;
-  Matrix total = identity();
+  StrainedPoint point;
+  Matrix total = unit_matrix();
   for (unsigned int n = 0; n < 50; ++n)
   {
-    const Matrix f = identity() + random_matrix(generator, 0.05);
+    const Matrix f = unit_matrix() + random_matrix(generator, 0.05);
     total = f * total;
     point.advance(f);
   }
@@ -121,14 +121,14 @@ TEST(LogarithmicStrain, comes_back_after_a_closed_cycle)
 
 TEST(LogarithmicStrain, turns_with_a_rigid_rotation)
 {
-  Point point;
+  StrainedPoint point;
   const double entries[3][3] = {{0.2, 0.05, -0.02}, {0.05, -0.1, 0.03}, {-0.02, 0.03, 0.4}};
-  point.advance(identity() + Matrix(entries));
+  point.advance(unit_matrix() + Matrix(entries));
   const Matrix before = point.value();
   // About the axis (1, -2, 2)/3.
   const double cosine = std::cos(0.7), sine = std::sin(0.7);
   const double axis[3] = {1. / 3., -2. / 3., 2. / 3.};
-  Matrix rotation = cosine * identity();
+  Matrix rotation = cosine * unit_matrix();
   for (unsigned int i = 0; i < 3; ++i)
     for (unsigned int j = 0; j < 3; ++j)
       rotation[i][j] += (1. - cosine) * axis[i] * axis[j];
@@ -154,7 +154,7 @@ TEST(LogarithmicStrain, has_all_digits_of_small_strains)
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int j = 0; j < 3; ++j)
         increment(i, j) = h[i][j];
-    Point point;
+    StrainedPoint point;
     point.advance(increment);
     // To second order ½ ln((I - h)⁻¹ (I - h)⁻ᵀ) is sym h + ½ (h h + h hᵀ + hᵀ hᵀ) - (sym h)².
     const Matrix symmetric = 0.5 * (h + transpose(h));

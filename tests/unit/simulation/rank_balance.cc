@@ -3,7 +3,7 @@
 #include "frozen_body.h"
 #include "material_testing.h"
 
-#include <tombolo/simulation/rank_balance.h>
+#include <tombolo/simulation/run_summary.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 
 #include <deal.II/base/parameter_handler.h>
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/mistakes.h>
 #include <tombolo/base/input/parameter_declaration.h>
 #include <tombolo/base/input/parameter_scanner.h>
@@ -230,4 +229,9 @@ namespace tombolo
     const Parameters *parameters = nullptr;
     std::string section_path;
   };
+
+  /** The names in the entry @p list at the top of the file, each of which stands for a section such
+   * as "Part: NAME". Throws InputError where one is missing, stands twice, or contains "/", which
+   * separates a section from what is in it. */
+  std::vector<std::string> section_names(const Parameters &parameters, const std::string &list);
 } // namespace tombolo

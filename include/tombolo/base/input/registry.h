@@ -5,6 +5,8 @@
 
 #include <tombolo/base/exceptions.h>
 
+#include <boost/preprocessor/cat.hpp>
+
 #include <functional>
 #include <map>
 #include <memory>
@@ -86,6 +88,19 @@ namespace tombolo
                          " are called \"" + name + "\".");
     }
 
+    /** The same while a library is loaded: keeps the message of an error. */
+    static void register_plugin(const std::string &name, Entry entry)
+    {
+      try
+      {
+        instance().add(name, std::move(entry));
+      }
+      catch (const InputError &error)
+      {
+        internal::note_registration_problem(error.what());
+      }
+    }
+
     bool has(const std::string &name) const
     {
       return entries.count(name) > 0;
@@ -165,27 +180,18 @@ namespace tombolo
     {
       Registration(const char *name, const char *description)
       {
-        try
-        {
-          Registry<Interface>::instance().add(
-              name, {description, &internal::declare<Plugin>,
-                     [](const Section &section) -> std::unique_ptr<Interface>
-                     { return create<Plugin>(section); }});
-        }
-        catch (const InputError &error)
-        {
-          note_registration_problem(error.what());
-        }
+        Registry<Interface>::register_plugin(
+            name, {description, &internal::declare<Plugin>,
+                   [](const Section &section) -> std::unique_ptr<Interface>
+                   { return create<Plugin>(section); }});
       }
     };
   } // namespace internal
 } // namespace tombolo
 
-#define TOMBOLO_CONCATENATE_(a, b) a##b
-#define TOMBOLO_CONCATENATE(a, b) TOMBOLO_CONCATENATE_(a, b)
 /** A name that no other place of the translation unit has; lines repeat where sources are compiled
  * together. */
-#define TOMBOLO_UNIQUE_NAME(prefix) TOMBOLO_CONCATENATE(prefix, __COUNTER__)
+#define TOMBOLO_UNIQUE_NAME(prefix) BOOST_PP_CAT(prefix, __COUNTER__)
 
 /** Registers class Plugin as a plug-in of kind Interface. To stand once, in a source file, at
  * global scope or in namespace tombolo. */

@@ -27,14 +27,6 @@ namespace tombolo
     value.copy_to(data, std::experimental::element_aligned);
   }
 
-  /** (x, y, z, w) */
-  TOMBOLO_ALWAYS_INLINE NodeLanes four_of(const double x, const double y, const double z,
-                                          const double w)
-  {
-    alignas(32) const double entries[4] = {x, y, z, w};
-    return load_node(entries);
-  }
-
   /** (x, y, z, w, x, y, z, w), where @p data has x, y, z and w. */
   TOMBOLO_ALWAYS_INLINE EightDoubles repeat_four(const double *data)
   {

@@ -4,7 +4,6 @@
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 
-#include <cstddef>
 #include <cstring>
 
 namespace tombolo

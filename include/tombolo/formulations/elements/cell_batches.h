@@ -8,7 +8,6 @@
 #include <tombolo/formulations/formulation.h>
 
 #include <algorithm>
-#include <string>
 #include <vector>
 
 namespace tombolo

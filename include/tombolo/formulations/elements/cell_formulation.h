@@ -68,13 +68,116 @@ namespace tombolo
     };
 
     /** Takes the state of a batch at the start of the step, and its motion. */
-    void begin(unsigned int batch);
-    void find_motion(Motion &motion) const;
-    void update_stress(unsigned int batch);
+    void begin(const unsigned int batch)
+    {
+      first = Points::first_point(batch);
+      points.gather(batch, *input.position, x);
+      points.gather(batch, *input.velocity, v);
+      linearized.begin(first);
+      find_motion(motion);
+    }
+
+    void find_motion(Motion &result) const
+    {
+      Matrix3<Lanes> gradient[n_points];
+      integration.element.evaluate(x, v, result.work, result.volume, gradient);
+      integration.element.separate(result.work, gradient);
+      for (Matrix3<Lanes> &of_point : gradient)
+        for (Lanes &entry : of_point.entry)
+          entry *= input.time_increment;
+      linearized.move(
+          gradient, Element::shares_volume,
+          [&](MotionIncrement<Lanes>(&motions)[n_points])
+          { integration.share(result.work, motions); },
+          result);
+    }
+
+    void update_stress(const unsigned int batch)
+    {
+      MaterialPoints &material_points = integration.part.points();
+      alignas(64) double plastic_strain[points_per_batch];
+      alignas(64) double nodal_temperature[points_per_batch];
+      if (integration.part.heating().is_on())
+        points.interpolate(batch, *input.temperature, nodal_temperature);
+      const bool limits_forces = Element::limits_forces && integration.plastic_flow.is_possible();
+      if (limits_forces)
+        integration.plastic_flow.keep(material_points, first, points_per_batch, plastic_strain);
+      linearized.update(motion, nodal_temperature);
+
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          const Lanes &stress = linearized.stress[q][c];
+          store_lanes(linearized.is_logarithmic() ? stress / motion.volume_ratio[q] : stress,
+                      material_points.component(MaterialPoints::stress, c) + first + q * n_lanes);
+        }
+        flow_stress[q] = 0.;
+        if (limits_forces)
+          flow_stress[q] = integration.plastic_flow.stress(material_points, first + q * n_lanes,
+                                                           plastic_strain + q * n_lanes);
+      }
+    }
+
     /** The internal forces of @p changed, whose stress follows by the tangent. */
-    void find_force(Motion &changed, NodeValues &force);
-    void find_columns();
-    void hand_over(unsigned int batch, const std::function<void(const CellEquations &)> &take);
+    void find_force(Motion &changed, NodeValues &force)
+    {
+      Lanes integrated[n_points][6];
+      linearized.integrate(motion, changed, integrated);
+      const std::vector<double *> own = integration.copy_variables(first, variables);
+      integration.element.advance(changed.work, changed.spin, input.time_increment, own.data());
+      if (Element::limits_forces && integration.plastic_flow.is_possible())
+        integration.element.limit(changed.work, flow_stress, own.data());
+      integration.element.integrate(changed.work, integrated, force);
+    }
+
+    void find_columns()
+    {
+      Motion changed = motion;
+      NodeValues force;
+      find_force(changed, base_force);
+      Lanes volume = 0.;
+      for (unsigned int q = 0; q < n_points; ++q)
+        volume += motion.volume[q];
+      const Lanes change([&](const auto lane)
+                         { return 1e-7 * std::pow(std::abs(volume[lane]) + 1e-300, 1. / dim); });
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const Lanes position = x[k][d], velocity = v[k][d];
+          x[k][d] = position + change;
+          const Lanes moved = x[k][d] - position; // what is left of it after round-off
+          v[k][d] = velocity + moved / input.time_increment;
+          find_motion(changed);
+          find_force(changed, force);
+          x[k][d] = position;
+          v[k][d] = velocity;
+          for (unsigned int j = 0; j < n_nodes; ++j)
+            for (unsigned int e = 0; e < dim; ++e)
+              matrix[dim * j + e][dim * k + d] = (force[j][e] - base_force[j][e]) / moved;
+        }
+    }
+
+    void hand_over(const unsigned int batch, const std::function<void(const CellEquations &)> &take)
+    {
+      CellEquations equations;
+      equations.nodes.resize(n_nodes);
+      equations.matrix.resize(n_rows * n_rows);
+      equations.force.resize(n_rows);
+      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+      {
+        for (unsigned int k = 0; k < n_nodes; ++k)
+        {
+          equations.nodes[k] = points.cells().nodes(batch)[k * n_lanes + lane];
+          for (unsigned int d = 0; d < dim; ++d)
+            equations.force[dim * k + d] = base_force[k][d][lane];
+        }
+        for (unsigned int row = 0; row < n_rows; ++row)
+          for (unsigned int column = 0; column < n_rows; ++column)
+            equations.matrix[row * n_rows + column] = matrix[row][column][lane];
+        take(equations);
+      }
+    }
 
     Integration &integration;
     const Points &points;
@@ -90,124 +193,6 @@ namespace tombolo
     Lanes base_force[n_nodes][dim];
     Lanes matrix[n_rows][n_rows];
   };
-
-  template <int dim, typename Element>
-  void CellStiffness<dim, Element>::begin(const unsigned int batch)
-  {
-    first = Points::first_point(batch);
-    points.gather(batch, *input.position, x);
-    points.gather(batch, *input.velocity, v);
-    linearized.begin(first);
-    find_motion(motion);
-  }
-
-  template <int dim, typename Element>
-  void CellStiffness<dim, Element>::find_motion(Motion &result) const
-  {
-    Matrix3<Lanes> gradient[n_points];
-    integration.element.evaluate(x, v, result.work, result.volume, gradient);
-    integration.element.separate(result.work, gradient);
-    for (Matrix3<Lanes> &of_point : gradient)
-      for (Lanes &entry : of_point.entry)
-        entry *= input.time_increment;
-    linearized.move(
-        gradient, Element::shares_volume,
-        [&](MotionIncrement<Lanes>(&motions)[n_points])
-        { integration.share(result.work, motions); },
-        result);
-  }
-
-  template <int dim, typename Element>
-  void CellStiffness<dim, Element>::update_stress(const unsigned int batch)
-  {
-    MaterialPoints &material_points = integration.part.points();
-    alignas(64) double plastic_strain[points_per_batch];
-    alignas(64) double nodal_temperature[points_per_batch];
-    if (integration.part.heating().is_on())
-      points.interpolate(batch, *input.temperature, nodal_temperature);
-    const bool limits_forces = Element::limits_forces && integration.plastic_flow.is_possible();
-    if (limits_forces)
-      integration.plastic_flow.keep(material_points, first, points_per_batch, plastic_strain);
-    linearized.update(motion, nodal_temperature);
-
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        const Lanes &stress = linearized.stress[q][c];
-        store_lanes(linearized.is_logarithmic() ? stress / motion.volume_ratio[q] : stress,
-                    material_points.component(MaterialPoints::stress, c) + first + q * n_lanes);
-      }
-      flow_stress[q] = 0.;
-      if (limits_forces)
-        flow_stress[q] = integration.plastic_flow.stress(material_points, first + q * n_lanes,
-                                                         plastic_strain + q * n_lanes);
-    }
-  }
-
-  template <int dim, typename Element>
-  void CellStiffness<dim, Element>::find_force(Motion &changed, NodeValues &force)
-  {
-    Lanes integrated[n_points][6];
-    linearized.integrate(motion, changed, integrated);
-    const std::vector<double *> own = integration.copy_variables(first, variables);
-    integration.element.advance(changed.work, changed.spin, input.time_increment, own.data());
-    if (Element::limits_forces && integration.plastic_flow.is_possible())
-      integration.element.limit(changed.work, flow_stress, own.data());
-    integration.element.integrate(changed.work, integrated, force);
-  }
-
-  template <int dim, typename Element>
-  void CellStiffness<dim, Element>::find_columns()
-  {
-    Motion changed = motion;
-    NodeValues force;
-    find_force(changed, base_force);
-    Lanes volume = 0.;
-    for (unsigned int q = 0; q < n_points; ++q)
-      volume += motion.volume[q];
-    const Lanes change([&](const auto lane)
-                       { return 1e-7 * std::pow(std::abs(volume[lane]) + 1e-300, 1. / dim); });
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const Lanes position = x[k][d], velocity = v[k][d];
-        x[k][d] = position + change;
-        const Lanes moved = x[k][d] - position; // what is left of it after round-off
-        v[k][d] = velocity + moved / input.time_increment;
-        find_motion(changed);
-        find_force(changed, force);
-        x[k][d] = position;
-        v[k][d] = velocity;
-        for (unsigned int j = 0; j < n_nodes; ++j)
-          for (unsigned int e = 0; e < dim; ++e)
-            matrix[dim * j + e][dim * k + d] = (force[j][e] - base_force[j][e]) / moved;
-      }
-  }
-
-  template <int dim, typename Element>
-  void
-  CellStiffness<dim, Element>::hand_over(const unsigned int batch,
-                                         const std::function<void(const CellEquations &)> &take)
-  {
-    CellEquations equations;
-    equations.nodes.resize(n_nodes);
-    equations.matrix.resize(n_rows * n_rows);
-    equations.force.resize(n_rows);
-    for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-    {
-      for (unsigned int k = 0; k < n_nodes; ++k)
-      {
-        equations.nodes[k] = points.cells().nodes(batch)[k * n_lanes + lane];
-        for (unsigned int d = 0; d < dim; ++d)
-          equations.force[dim * k + d] = base_force[k][d][lane];
-      }
-      for (unsigned int row = 0; row < n_rows; ++row)
-        for (unsigned int column = 0; column < n_rows; ++column)
-          equations.matrix[row * n_rows + column] = matrix[row][column][lane];
-      take(equations);
-    }
-  }
 
   template <int dim, typename Element>
   void CellIntegration<dim, Element>::find_cell_equations(
@@ -252,12 +237,64 @@ namespace tombolo
                                   material);
     }
 
-    void initialize(const PartSetup<dim> &setup) override;
+    void initialize(const PartSetup<dim> &setup) override
+    {
+      part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
+      cell_points.take_cells(setup, Element::degree, Element::lumping, can_lose_cells());
+      if (setup.has_mechanics)
+      {
+        std::vector<std::vector<double>> shape_values;
+        for (const dealii::Point<dim> &point : Element::reference_points())
+          shape_values.push_back(lagrange_values<dim>(Element::degree, point));
+        AssertDimension(shape_values.size(), Element::n_points);
+        cell_points.create_points(shape_values, cell_points.cells().n_batches_of_places());
+      }
+      integration.create_points();
+      erosion.initialize(points(), setup.has_mechanics);
+      criterion.initialize(points(), setup.has_mechanics);
+      if (setup.has_mechanics)
+        integration.set_initial_state();
+      cell_points.cells().release_initial_positions();
+      if (!setup.has_mechanics)
+        return;
 
-    void courant_limits(const NodalVector &position,
-                        std::vector<double> &time_steps) const override;
+      const std::vector<std::string> failures =
+          texts_of_ranks(setup.communicator, integration.failure());
+      for (const std::string &failure : failures)
+        if (!failure.empty())
+          throw InputError("The part \"" + setup.name +
+                           "\" cannot be made of this mesh: " + failure);
+    }
 
-    EnergyAccounts energies() const override;
+    void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
+    {
+      constexpr double of_removed_cells = 1e300;
+      const CellBatches<dim> &cells = cell_points.cells();
+      time_steps.assign(this->n_cells(), of_removed_cells);
+      const PointStiffness stiffness(part_points);
+      for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+      {
+        typename Points::NodeValues x;
+        Lanes volume[Element::n_points];
+        integration.find_volumes(batch, position, x, volume);
+        Lanes total = 0.;
+        for (const Lanes &of_point : volume)
+          total += of_point;
+        const Lanes time =
+            characteristic_length<dim, Element::degree>(x, total) /
+            (this->material().longitudinal_wave_speed() *
+             square_root(stiffness.squared_speed(Points::first_point(batch), Element::n_points)));
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+          time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
+      }
+    }
+
+    EnergyAccounts energies() const override
+    {
+      EnergyAccounts result = Base::energies();
+      integration.add_energies(result);
+      return result;
+    }
 
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
@@ -267,17 +304,68 @@ namespace tombolo
                               temperature, heat_rate);
     }
 
-    void list(Records &records) override;
+    void list(Records &records) override
+    {
+      if (!can_lose_cells())
+        return;
+      records.archived(
+          [this](StateArchive &archive)
+          {
+            if (lost_cells.serialize(this->n_cells(), part_points.heat() != nullptr, archive))
+              cell_points.remove(lost_cells.flags(), points());
+          });
+    }
 
     bool erodes() const override
     {
       return erosion.is_on();
     }
 
-    unsigned int find_failed_cells(const NodalVector &position) override;
+    unsigned int find_failed_cells(const NodalVector &position) override
+    {
+      // A point with more than this part of its initial volume does not lose it in one stable step.
+      constexpr double small_volume = 0.5;
+      const double *const ratios = points().component(MaterialPoints::volume_ratio, 0);
+      failed_places.clear();
+      for (unsigned int place = 0; place < cell_points.cells().n_present_cells(); ++place)
+      {
+        bool is_large = true;
+        for (unsigned int q = 0; q < Element::n_points; ++q)
+          is_large = is_large && ratios[Points::point_at(place, q)] > small_volume;
+        if (erosion.means().are_reached(points(), place, Element::n_points) ||
+            (!is_large && !integration.is_volume_positive(place, position)))
+          failed_places.push_back(place);
+      }
+      return static_cast<unsigned int>(failed_places.size());
+    }
 
     RemovedCells remove_failed_cells(const NodalVector &position, const NodalVector &velocity,
-                                     double time_increment) override;
+                                     const double time_increment) override
+    {
+      RemovedCells result;
+      if (failed_places.empty())
+        return result;
+      const EnergyAccounts before = energies();
+      const double pending_before = this->pending_plastic_heat();
+      double power = 0;
+      for (const unsigned int place : failed_places)
+        power += integration.internal_power(place, position, velocity, time_increment);
+
+      std::vector<unsigned int> failed_cells;
+      for (const unsigned int place : failed_places)
+        failed_cells.push_back(cell_points.cells().cell_at(place));
+      result.n_cells = static_cast<unsigned int>(failed_cells.size());
+      failed_places.clear();
+      lost_cells.remove(failed_cells, this->n_cells());
+      cell_points.remove(lost_cells.flags(), points());
+
+      EnergyAccounts lost = before;
+      lost.add(energies(), -1.);
+      this->keep_dissipated(lost);
+      result.energy = lost.sum_of(EnergyKind::stored) + 0.5 * time_increment * power;
+      result.pending_heat = pending_before - this->pending_plastic_heat();
+      return result;
+    }
 
     bool is_removed(const unsigned int cell) const override
     {
@@ -291,10 +379,22 @@ namespace tombolo
     {
       return this->n_cells() - cell_points.cells().n_present_cells() - this->n_converted_cells();
     }
-    void add_nodes_of_removed_cells(
-        std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const override;
 
-    void deactivate_cells(const std::vector<unsigned int> &converted) override;
+    void add_nodes_of_removed_cells(
+        std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const override
+    {
+      for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
+        if (lost_cells.is_lost(cell) && !lost_cells.is_converted(cell))
+          nodes_of_cells.push_back(this->nodes_of_cell(cell));
+    }
+
+    void deactivate_cells(const std::vector<unsigned int> &converted) override
+    {
+      if (converted.empty())
+        return;
+      lost_cells.convert(converted, this->n_cells());
+      cell_points.remove(lost_cells.flags(), points());
+    }
 
   private:
     using Points = CellPoints<dim, Element>;
@@ -305,146 +405,4 @@ namespace tombolo
     ErosionCriterion erosion;
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
   };
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::initialize(const PartSetup<dim> &setup)
-  {
-    part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
-    cell_points.take_cells(setup, Element::degree, Element::lumping, can_lose_cells());
-    if (setup.has_mechanics)
-    {
-      std::vector<std::vector<double>> shape_values;
-      for (const dealii::Point<dim> &point : Element::reference_points())
-        shape_values.push_back(lagrange_values<dim>(Element::degree, point));
-      AssertDimension(shape_values.size(), Element::n_points);
-      cell_points.create_points(shape_values, cell_points.cells().n_batches_of_places());
-    }
-    integration.create_points();
-    erosion.initialize(points(), setup.has_mechanics);
-    criterion.initialize(points(), setup.has_mechanics);
-    if (setup.has_mechanics)
-      integration.set_initial_state();
-    cell_points.cells().release_initial_positions();
-    if (!setup.has_mechanics)
-      return;
-
-    const std::vector<std::string> failures =
-        texts_of_ranks(setup.communicator, integration.failure());
-    for (const std::string &failure : failures)
-      if (!failure.empty())
-        throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + failure);
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::courant_limits(const NodalVector &position,
-                                                     std::vector<double> &time_steps) const
-  {
-    constexpr double of_removed_cells = 1e300;
-    const CellBatches<dim> &cells = cell_points.cells();
-    time_steps.assign(this->n_cells(), of_removed_cells);
-    const PointStiffness stiffness(part_points);
-    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
-    {
-      typename Points::NodeValues x;
-      Lanes volume[Element::n_points];
-      integration.find_volumes(batch, position, x, volume);
-      Lanes total = 0.;
-      for (const Lanes &of_point : volume)
-        total += of_point;
-      const Lanes time =
-          characteristic_length<dim, Element::degree>(x, total) /
-          (this->material().longitudinal_wave_speed() *
-           square_root(stiffness.squared_speed(Points::first_point(batch), Element::n_points)));
-      for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-        time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
-    }
-  }
-
-  template <int dim, typename Element>
-  EnergyAccounts CellFormulation<dim, Element>::energies() const
-  {
-    EnergyAccounts result = Base::energies();
-    integration.add_energies(result);
-    return result;
-  }
-
-  template <int dim, typename Element>
-  unsigned int CellFormulation<dim, Element>::find_failed_cells(const NodalVector &position)
-  {
-    // A point with more than this part of its initial volume does not lose it in one stable step.
-    constexpr double small_volume = 0.5;
-    const double *const ratios = points().component(MaterialPoints::volume_ratio, 0);
-    failed_places.clear();
-    for (unsigned int place = 0; place < cell_points.cells().n_present_cells(); ++place)
-    {
-      bool is_large = true;
-      for (unsigned int q = 0; q < Element::n_points; ++q)
-        is_large = is_large && ratios[Points::point_at(place, q)] > small_volume;
-      if (erosion.means().are_reached(points(), place, Element::n_points) ||
-          (!is_large && !integration.is_volume_positive(place, position)))
-        failed_places.push_back(place);
-    }
-    return static_cast<unsigned int>(failed_places.size());
-  }
-
-  template <int dim, typename Element>
-  RemovedCells CellFormulation<dim, Element>::remove_failed_cells(const NodalVector &position,
-                                                                  const NodalVector &velocity,
-                                                                  const double time_increment)
-  {
-    RemovedCells result;
-    if (failed_places.empty())
-      return result;
-    const EnergyAccounts before = energies();
-    const double pending_before = this->pending_plastic_heat();
-    double power = 0;
-    for (const unsigned int place : failed_places)
-      power += integration.internal_power(place, position, velocity, time_increment);
-
-    std::vector<unsigned int> failed_cells;
-    for (const unsigned int place : failed_places)
-      failed_cells.push_back(cell_points.cells().cell_at(place));
-    result.n_cells = static_cast<unsigned int>(failed_cells.size());
-    failed_places.clear();
-    lost_cells.remove(failed_cells, this->n_cells());
-    cell_points.remove(lost_cells.flags(), points());
-
-    EnergyAccounts lost = before;
-    lost.add(energies(), -1.);
-    this->keep_dissipated(lost);
-    result.energy = lost.sum_of(EnergyKind::stored) + 0.5 * time_increment * power;
-    result.pending_heat = pending_before - this->pending_plastic_heat();
-    return result;
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::deactivate_cells(const std::vector<unsigned int> &converted)
-  {
-    if (converted.empty())
-      return;
-    lost_cells.convert(converted, this->n_cells());
-    cell_points.remove(lost_cells.flags(), points());
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::add_nodes_of_removed_cells(
-      std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const
-  {
-    for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
-      if (lost_cells.is_lost(cell) && !lost_cells.is_converted(cell))
-        nodes_of_cells.push_back(this->nodes_of_cell(cell));
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::list(Records &records)
-  {
-    if (!can_lose_cells())
-      return;
-    records.archived(
-        [this](StateArchive &archive)
-        {
-          if (lost_cells.serialize(this->n_cells(), part_points.heat() != nullptr, archive))
-            cell_points.remove(lost_cells.flags(), points());
-        });
-  }
 } // namespace tombolo

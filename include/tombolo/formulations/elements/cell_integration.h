@@ -84,21 +84,119 @@ namespace tombolo
     {}
 
     /** Makes the points of the cells of @p part, with the variables of the element. */
-    void create_points();
+    void create_points()
+    {
+      if (!part.has_mechanics())
+        return;
+      element.set_material(part.material());
+      part.create(points.n_points_of_places(), element.variables());
+      plastic_flow.set(part.points());
+    }
 
     /** Sets volumes and variables of the points as they are at the start. Only with points, and
      * before the initial positions of nodes are released. */
-    void set_initial_state();
+    void set_initial_state()
+    {
+      failure_message.clear();
+      double *const volumes = part.points().component(MaterialPoints::volume, 0);
+      NodeValues x, v;
+      for (auto &of_node : v)
+        std::fill_n(of_node, dim, Lanes(0.));
+      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      {
+        points.gather_initial_positions(batch, x);
+        typename Element::Work work;
+        Lanes volume[n_points];
+        Matrix3<Lanes> gradient[n_points];
+        element.evaluate(x, v, work, volume, gradient);
+        note_failure(batch, x, volume);
+        for (unsigned int q = 0; q < n_points; ++q)
+          for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+            volumes[(batch * n_points + q) * n_lanes + lane] = volume[q][lane];
+        element.initialize_variables(work,
+                                     variables_at(Points::first_point(batch), batch_variables));
+      }
+      part.begin_with_volumes(dim);
+    }
 
     /** @name As in Formulation */
     ///@{
-    void add_internal_force(const MechanicalInput &input, NodalVector &force);
+    void add_internal_force(const MechanicalInput &input, NodalVector &force)
+    {
+      failure_message.clear();
+      typename Element::Work work[batches_per_block];
+      Sweep sweep(part, input.time_increment);
+      alignas(64) double plastic_strain[points_per_block];
+      const bool limits = Element::limits_forces && plastic_flow.is_possible();
+      const unsigned int n_batches = points.cells().n_batches();
+      for (unsigned int begin = 0; begin < n_batches; begin += batches_per_block)
+      {
+        const unsigned int end = std::min(begin + batches_per_block, n_batches);
+        const unsigned int n = (end - begin) * points_per_batch;
+        sweep.begin(Points::first_point(begin), n);
+        for (unsigned int batch = begin; batch < end; ++batch)
+          advance_motion(batch, input, work[batch - begin], sweep,
+                         (batch - begin) * points_per_batch);
+        if (limits)
+          plastic_flow.keep(part.points(), Points::first_point(begin), n, plastic_strain);
+        sweep.update_stress();
+        sweep.update_viscosity();
+        for (unsigned int batch = begin; batch < end; ++batch)
+        {
+          if (limits)
+            limit_forces(batch, plastic_strain + (batch - begin) * points_per_batch,
+                         work[batch - begin]);
+          scatter_force(batch, work[batch - begin], force);
+        }
+      }
+    }
+
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 double time_step, NodalVector &force) const;
+                                 const double time_step, NodalVector &force) const
+    {
+      const PointStiffness stiffness(part, time_step);
+      std::vector<double *> of_batch;
+      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      {
+        const std::size_t first = Points::first_point(batch);
+        NodeValues x, v;
+        points.gather(batch, position, x);
+        points.gather(batch, velocity, v);
+        typename Element::Work work;
+        Lanes volume[n_points];
+        Matrix3<Lanes> gradient[n_points];
+        element.evaluate(x, v, work, volume, gradient);
+        Lanes stress[n_points][6];
+        for (unsigned int q = 0; q < n_points; ++q)
+          stiffness.find_stress(first + q * n_lanes, gradient[q], volume[q], stress[q]);
+        element.linearize(work, time_step, variables_at(first, of_batch));
+        NodeValues action;
+        element.integrate(work, stress, action);
+        points.scatter(batch, action, force);
+      }
+    }
+
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take);
     /** Of hourglass control. */
-    void add_energies(EnergyAccounts &energies) const;
+    void add_energies(EnergyAccounts &energies) const
+    {
+      Lanes stored = 0., dissipated = 0.;
+      std::vector<double *> of_batch;
+      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      {
+        Lanes batch_stored = 0., batch_dissipated = 0.;
+        element.add_energies(variables_at(Points::first_point(batch), of_batch), batch_stored,
+                             batch_dissipated);
+        const unsigned int n_valid = points.cells().n_valid(batch);
+        const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
+        stored += is_cell * batch_stored;
+        dissipated += is_cell * batch_dissipated;
+      }
+      energies.add("hourglass energy", EnergyKind::stored, reduce(stored));
+      energies.add("viscous dissipation", EnergyKind::artificial, reduce(dissipated));
+    }
+
     std::string unfit_to_linearize() const
     {
       const std::string of_points = part.unfit_to_linearize();
@@ -114,18 +212,76 @@ namespace tombolo
 
     /** The power of the internal forces of t_{n-1} on @p velocity, that of a cell which has moved
      * with it to @p position. */
-    double internal_power(unsigned int place, const NodalVector &position,
-                          const NodalVector &velocity, double time_increment) const;
+    double internal_power(const unsigned int place, const NodalVector &position,
+                          const NodalVector &velocity, const double time_increment) const
+    {
+      const unsigned int batch = place / n_lanes, lane = place % n_lanes;
+      NodeValues x, v;
+      points.gather(batch, position, x);
+      points.gather(batch, velocity, v);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          x[k][d] -= time_increment * v[k][d];
+      typename Element::Work work;
+      Lanes volume[n_points];
+      Matrix3<Lanes> gradient[n_points];
+      element.evaluate(x, v, work, volume, gradient);
+
+      // A step of no duration gives the element's own forces; it is made with a copy, since cells
+      // of the same batch remain.
+      dealii::AlignedVector<double> copy;
+      const std::vector<double *> of_batch = copy_variables(Points::first_point(batch), copy);
+      Lanes spin[n_points][3];
+      for (auto &of_point : spin)
+        std::fill_n(of_point, 3, Lanes(0.));
+      element.advance(work, spin, 0., of_batch.data());
+
+      Lanes stress[n_points][6];
+      integrate_stress(batch, stress);
+      NodeValues force;
+      element.integrate(work, stress, force);
+      double power = 0;
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          power += force[k][d][lane] * v[k][d][lane];
+      return power;
+    }
 
     /** See Formulation::find_volumes(). */
-    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new);
+    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new)
+    {
+      NodeValues x;
+      Lanes volume[n_points];
+      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      {
+        find_volumes(batch, position, x, volume);
+        MeanDilatation::take_volumes(part.points(), Points::first_point(batch), volume,
+                                     shares_volume(), are_new);
+      }
+    }
 
     /** The positions of the nodes of a batch, and the volumes of its points there. */
-    void find_volumes(unsigned int batch, const NodalVector &position, NodeValues &x,
-                      Lanes (&volume)[n_points]) const;
+    void find_volumes(const unsigned int batch, const NodalVector &position, NodeValues &x,
+                      Lanes (&volume)[n_points]) const
+    {
+      NodeValues v;
+      points.gather(batch, position, x);
+      for (auto &of_node : v)
+        std::fill_n(of_node, dim, Lanes(0.));
+      typename Element::Work work;
+      Matrix3<Lanes> gradient[n_points];
+      element.evaluate(x, v, work, volume, gradient);
+    }
 
     /** Whether all points of the cell at a place have a positive volume at these positions. */
-    bool is_volume_positive(unsigned int place, const NodalVector &position) const;
+    bool is_volume_positive(const unsigned int place, const NodalVector &position) const
+    {
+      NodeValues x;
+      Lanes volume[n_points];
+      find_volumes(place / n_lanes, position, x, volume);
+      return std::all_of(volume, volume + n_points,
+                         [&](const Lanes &of_point) { return of_point[place % n_lanes] > 0.; });
+    }
 
   private:
     template <int, typename>
@@ -173,19 +329,87 @@ namespace tombolo
       element.share(work, part.is_logarithmic(), motions);
     }
 
-    void advance_motion(unsigned int batch, const MechanicalInput &input,
-                        typename Element::Work &work, Sweep &sweep, unsigned int offset);
+    void advance_motion(const unsigned int batch, const MechanicalInput &input,
+                        typename Element::Work &work, Sweep &sweep, const unsigned int offset)
+    {
+      NodeValues x, v;
+      points.gather(batch, *input.position, x);
+      points.gather(batch, *input.velocity, v);
+      Lanes volume[n_points];
+      Matrix3<Lanes> gradient[n_points];
+      element.evaluate(x, v, work, volume, gradient);
+      note_failure(batch, x, volume);
+      element.separate(work, gradient);
+      MotionIncrement<Lanes> motions[n_points];
+      sweep.move_cells(
+          offset, points.cells().n_valid(batch), gradient, volume, shares_volume(), motions,
+          [&](MotionIncrement<Lanes>(&of_points)[n_points]) { share(work, of_points); });
+      if (part.heating().is_on())
+        points.interpolate(batch, *input.temperature, sweep.nodal_temperature + offset);
+      Lanes spin[n_points][3];
+      for (unsigned int q = 0; q < n_points; ++q)
+        std::copy_n(motions[q].spin, 3, spin[q]);
+      element.advance(work, spin, input.time_increment,
+                      variables_at(Points::first_point(batch), batch_variables));
+    }
+
     /** Element::limit() of a batch, with the plastic strain @p before the step. */
-    void limit_forces(unsigned int batch, const double *before, typename Element::Work &work);
+    void limit_forces(const unsigned int batch, const double *before, typename Element::Work &work)
+    {
+      const std::size_t first = Points::first_point(batch);
+      Lanes flow_stress[n_points];
+      for (unsigned int q = 0; q < n_points; ++q)
+        flow_stress[q] =
+            plastic_flow.stress(part.points(), first + q * n_lanes, before + q * n_lanes);
+      element.limit(work, flow_stress, variables_at(first, batch_variables));
+    }
+
     /** Volume times stress, and what acts beside it, at the points of a batch. */
     void integrate_stress(const unsigned int batch, Lanes (&stress)[n_points][6]) const
     {
       for (unsigned int q = 0; q < n_points; ++q)
         part.integrate_stress(Points::first_point(batch) + q * n_lanes, stress[q]);
     }
-    void scatter_force(unsigned int batch, const typename Element::Work &work,
-                       NodalVector &force) const;
-    void note_failure(unsigned int batch, const NodeValues &x, const Lanes (&volume)[n_points]);
+
+    void scatter_force(const unsigned int batch, const typename Element::Work &work,
+                       NodalVector &force) const
+    {
+      Lanes stress[n_points][6];
+      integrate_stress(batch, stress);
+      NodeValues internal_force;
+      element.integrate(work, stress, internal_force);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          internal_force[k][d] = -internal_force[k][d];
+      points.scatter(batch, internal_force, force);
+    }
+
+    void note_failure(const unsigned int batch, const NodeValues &x,
+                      const Lanes (&volume)[n_points])
+    {
+      auto is_sound = volume[0] > 0.;
+      for (unsigned int q = 1; q < n_points; ++q)
+        is_sound = is_sound && volume[q] > 0.;
+      if (all_of(is_sound) || !failure_message.empty())
+        return;
+      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+        if (!is_sound[lane] && failure_message.empty())
+        {
+          dealii::Point<dim> centre, initial;
+          for (const auto &of_node : x)
+            for (unsigned int d = 0; d < dim; ++d)
+              centre[d] += of_node[d][lane] / n_nodes;
+          double smallest = volume[0][lane];
+          for (unsigned int q = 0; q < n_points; ++q)
+          {
+            initial += points.initial_positions()[Points::point_at(batch * n_lanes + lane, q)] /
+                       double(n_points);
+            if (!(volume[q][lane] >= smallest))
+              smallest = volume[q][lane];
+          }
+          failure_message = describe_unusable_cell(centre, initial, smallest);
+        }
+    }
 
     Element element;
     PartPoints &part;
@@ -194,276 +418,4 @@ namespace tombolo
     std::vector<double *> batch_variables; // those of the batch at hand
     std::string failure_message;
   };
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::create_points()
-  {
-    if (!part.has_mechanics())
-      return;
-    element.set_material(part.material());
-    part.create(points.n_points_of_places(), element.variables());
-    plastic_flow.set(part.points());
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::set_initial_state()
-  {
-    failure_message.clear();
-    double *const volumes = part.points().component(MaterialPoints::volume, 0);
-    NodeValues x, v;
-    for (auto &of_node : v)
-      std::fill_n(of_node, dim, Lanes(0.));
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      points.gather_initial_positions(batch, x);
-      typename Element::Work work;
-      Lanes volume[n_points];
-      Matrix3<Lanes> gradient[n_points];
-      element.evaluate(x, v, work, volume, gradient);
-      note_failure(batch, x, volume);
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-          volumes[(batch * n_points + q) * n_lanes + lane] = volume[q][lane];
-      element.initialize_variables(work, variables_at(Points::first_point(batch), batch_variables));
-    }
-    part.begin_with_volumes(dim);
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::add_internal_force(const MechanicalInput &input,
-                                                         NodalVector &force)
-  {
-    failure_message.clear();
-    typename Element::Work work[batches_per_block];
-    Sweep sweep(part, input.time_increment);
-    alignas(64) double plastic_strain[points_per_block];
-    const bool limits = Element::limits_forces && plastic_flow.is_possible();
-    const unsigned int n_batches = points.cells().n_batches();
-    for (unsigned int begin = 0; begin < n_batches; begin += batches_per_block)
-    {
-      const unsigned int end = std::min(begin + batches_per_block, n_batches);
-      const unsigned int n = (end - begin) * points_per_batch;
-      sweep.begin(Points::first_point(begin), n);
-      for (unsigned int batch = begin; batch < end; ++batch)
-        advance_motion(batch, input, work[batch - begin], sweep,
-                       (batch - begin) * points_per_batch);
-      if (limits)
-        plastic_flow.keep(part.points(), Points::first_point(begin), n, plastic_strain);
-      sweep.update_stress();
-      sweep.update_viscosity();
-      for (unsigned int batch = begin; batch < end; ++batch)
-      {
-        if (limits)
-          limit_forces(batch, plastic_strain + (batch - begin) * points_per_batch,
-                       work[batch - begin]);
-        scatter_force(batch, work[batch - begin], force);
-      }
-    }
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::advance_motion(const unsigned int batch,
-                                                     const MechanicalInput &input,
-                                                     typename Element::Work &work, Sweep &sweep,
-                                                     const unsigned int offset)
-  {
-    NodeValues x, v;
-    points.gather(batch, *input.position, x);
-    points.gather(batch, *input.velocity, v);
-    Lanes volume[n_points];
-    Matrix3<Lanes> gradient[n_points];
-    element.evaluate(x, v, work, volume, gradient);
-    note_failure(batch, x, volume);
-    element.separate(work, gradient);
-    MotionIncrement<Lanes> motions[n_points];
-    sweep.move_cells(offset, points.cells().n_valid(batch), gradient, volume, shares_volume(),
-                     motions,
-                     [&](MotionIncrement<Lanes>(&of_points)[n_points]) { share(work, of_points); });
-    if (part.heating().is_on())
-      points.interpolate(batch, *input.temperature, sweep.nodal_temperature + offset);
-    Lanes spin[n_points][3];
-    for (unsigned int q = 0; q < n_points; ++q)
-      std::copy_n(motions[q].spin, 3, spin[q]);
-    element.advance(work, spin, input.time_increment,
-                    variables_at(Points::first_point(batch), batch_variables));
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::limit_forces(const unsigned int batch, const double *before,
-                                                   typename Element::Work &work)
-  {
-    const std::size_t first = Points::first_point(batch);
-    Lanes flow_stress[n_points];
-    for (unsigned int q = 0; q < n_points; ++q)
-      flow_stress[q] =
-          plastic_flow.stress(part.points(), first + q * n_lanes, before + q * n_lanes);
-    element.limit(work, flow_stress, variables_at(first, batch_variables));
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::scatter_force(const unsigned int batch,
-                                                    const typename Element::Work &work,
-                                                    NodalVector &force) const
-  {
-    Lanes stress[n_points][6];
-    integrate_stress(batch, stress);
-    NodeValues internal_force;
-    element.integrate(work, stress, internal_force);
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        internal_force[k][d] = -internal_force[k][d];
-    points.scatter(batch, internal_force, force);
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::apply_elastic_stiffness(const NodalVector &position,
-                                                              const NodalVector &velocity,
-                                                              const double time_step,
-                                                              NodalVector &force) const
-  {
-    const PointStiffness stiffness(part, time_step);
-    std::vector<double *> of_batch;
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      const std::size_t first = Points::first_point(batch);
-      NodeValues x, v;
-      points.gather(batch, position, x);
-      points.gather(batch, velocity, v);
-      typename Element::Work work;
-      Lanes volume[n_points];
-      Matrix3<Lanes> gradient[n_points];
-      element.evaluate(x, v, work, volume, gradient);
-      Lanes stress[n_points][6];
-      for (unsigned int q = 0; q < n_points; ++q)
-        stiffness.find_stress(first + q * n_lanes, gradient[q], volume[q], stress[q]);
-      element.linearize(work, time_step, variables_at(first, of_batch));
-      NodeValues action;
-      element.integrate(work, stress, action);
-      points.scatter(batch, action, force);
-    }
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::add_energies(EnergyAccounts &energies) const
-  {
-    Lanes stored = 0., dissipated = 0.;
-    std::vector<double *> of_batch;
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      Lanes batch_stored = 0., batch_dissipated = 0.;
-      element.add_energies(variables_at(Points::first_point(batch), of_batch), batch_stored,
-                           batch_dissipated);
-      const unsigned int n_valid = points.cells().n_valid(batch);
-      const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
-      stored += is_cell * batch_stored;
-      dissipated += is_cell * batch_dissipated;
-    }
-    energies.add("hourglass energy", EnergyKind::stored, reduce(stored));
-    energies.add("viscous dissipation", EnergyKind::artificial, reduce(dissipated));
-  }
-
-  template <int dim, typename Element>
-  double CellIntegration<dim, Element>::internal_power(const unsigned int place,
-                                                       const NodalVector &position,
-                                                       const NodalVector &velocity,
-                                                       const double time_increment) const
-  {
-    const unsigned int batch = place / n_lanes, lane = place % n_lanes;
-    NodeValues x, v;
-    points.gather(batch, position, x);
-    points.gather(batch, velocity, v);
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        x[k][d] -= time_increment * v[k][d];
-    typename Element::Work work;
-    Lanes volume[n_points];
-    Matrix3<Lanes> gradient[n_points];
-    element.evaluate(x, v, work, volume, gradient);
-
-    // A step of no duration gives the element's own forces; it is made with a copy, since cells of
-    // the same batch remain.
-    dealii::AlignedVector<double> copy;
-    const std::vector<double *> of_batch = copy_variables(Points::first_point(batch), copy);
-    Lanes spin[n_points][3];
-    for (auto &of_point : spin)
-      std::fill_n(of_point, 3, Lanes(0.));
-    element.advance(work, spin, 0., of_batch.data());
-
-    Lanes stress[n_points][6];
-    integrate_stress(batch, stress);
-    NodeValues force;
-    element.integrate(work, stress, force);
-    double power = 0;
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        power += force[k][d][lane] * v[k][d][lane];
-    return power;
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::find_volumes(const unsigned int batch,
-                                                   const NodalVector &position, NodeValues &x,
-                                                   Lanes (&volume)[n_points]) const
-  {
-    NodeValues v;
-    points.gather(batch, position, x);
-    for (auto &of_node : v)
-      std::fill_n(of_node, dim, Lanes(0.));
-    typename Element::Work work;
-    Matrix3<Lanes> gradient[n_points];
-    element.evaluate(x, v, work, volume, gradient);
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::take_volumes(const NodalVector &position,
-                                                   const std::vector<bool> &are_new)
-  {
-    NodeValues x;
-    Lanes volume[n_points];
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      find_volumes(batch, position, x, volume);
-      MeanDilatation::take_volumes(part.points(), Points::first_point(batch), volume,
-                                   shares_volume(), are_new);
-    }
-  }
-
-  template <int dim, typename Element>
-  bool CellIntegration<dim, Element>::is_volume_positive(const unsigned int place,
-                                                         const NodalVector &position) const
-  {
-    NodeValues x;
-    Lanes volume[n_points];
-    find_volumes(place / n_lanes, position, x, volume);
-    return std::all_of(volume, volume + n_points,
-                       [&](const Lanes &of_point) { return of_point[place % n_lanes] > 0.; });
-  }
-
-  template <int dim, typename Element>
-  void CellIntegration<dim, Element>::note_failure(const unsigned int batch, const NodeValues &x,
-                                                   const Lanes (&volume)[n_points])
-  {
-    auto is_sound = volume[0] > 0.;
-    for (unsigned int q = 1; q < n_points; ++q)
-      is_sound = is_sound && volume[q] > 0.;
-    if (all_of(is_sound) || !failure_message.empty())
-      return;
-    for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-      if (!is_sound[lane] && failure_message.empty())
-      {
-        dealii::Point<dim> centre, initial;
-        for (const auto &of_node : x)
-          for (unsigned int d = 0; d < dim; ++d)
-            centre[d] += of_node[d][lane] / n_nodes;
-        double smallest = volume[0][lane];
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          initial += points.initial_positions()[Points::point_at(batch * n_lanes + lane, q)] /
-                     double(n_points);
-          if (!(volume[q][lane] >= smallest))
-            smallest = volume[q][lane];
-        }
-        failure_message = describe_unusable_cell(centre, initial, smallest);
-      }
-  }
 } // namespace tombolo

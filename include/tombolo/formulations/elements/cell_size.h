@@ -5,7 +5,6 @@
 
 #include <tombolo/base/simd/vectorization.h>
 
-#include <cmath>
 #include <string>
 
 namespace tombolo

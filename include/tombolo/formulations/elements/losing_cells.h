@@ -173,5 +173,4 @@ namespace tombolo
     LostCells lost_cells;
     Integration integration;
   };
-
 } // namespace tombolo

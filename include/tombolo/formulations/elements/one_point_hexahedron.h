@@ -9,7 +9,6 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/element_modes.h>
 
-#include <string>
 #include <vector>
 
 namespace tombolo

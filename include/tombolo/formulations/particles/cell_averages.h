@@ -5,7 +5,7 @@
 #include <tombolo/approximation/row_sharing.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/of_all_ranks.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/mesh/nodes.h>
 
@@ -17,7 +17,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>

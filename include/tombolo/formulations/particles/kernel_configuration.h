@@ -7,7 +7,6 @@
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/state/records.h>
 
-#include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
 
 #include <string>

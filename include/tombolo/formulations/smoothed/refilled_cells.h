@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/elements/conversion_criterion.h>

@@ -8,8 +8,6 @@
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
 #include <tombolo/formulations/smoothed/smoothed_point_state.h>
 
-#include <functional>
-#include <string>
 #include <vector>
 
 namespace tombolo

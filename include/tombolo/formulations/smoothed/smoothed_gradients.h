@@ -10,10 +10,8 @@
 #include <tombolo/materials/temperature_table.h>
 
 #include <deal.II/base/index_set.h>
-#include <deal.II/base/point.h>
 
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace tombolo

@@ -6,7 +6,6 @@
 #include <deal.II/base/tensor.h>
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace tombolo

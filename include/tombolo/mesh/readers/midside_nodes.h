@@ -4,7 +4,6 @@
 #include <tombolo/mesh/readers/mesh_file.h>
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace tombolo

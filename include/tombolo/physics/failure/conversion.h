@@ -7,8 +7,6 @@
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
-#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/state/state_archive.h>
 
@@ -18,7 +16,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -142,14 +139,6 @@ namespace tombolo
       model.renew_partition();
       if (model.heat)
         model.heat->limit_is_outdated = true;
-    }
-
-    /** What was stored in the parts less than before, what isolated particles released, and what
-     * forces before and after the change do in the two halves of its step: this rank's share
-     * [M L^2/T^2]. */
-    double lost_energy() const
-    {
-      return lost;
     }
 
     /** Over all ranks. Collective. */

@@ -150,12 +150,6 @@ namespace tombolo
       return lost;
     }
 
-    /** Owned nodes all of whose cells were removed. */
-    const std::vector<unsigned int> &massless_nodes() const
-    {
-      return massless;
-    }
-
     /** Over all ranks. Collective. */
     unsigned long n_removed_cells() const
     {
@@ -233,6 +227,6 @@ namespace tombolo
     MPI_Comm communicator;
     std::vector<ErodingCells<dim> *> parts;
     ErosionLoss lost;
-    std::vector<unsigned int> massless;
+    std::vector<unsigned int> massless; ///< owned nodes all of whose cells were removed
   };
 } // namespace tombolo

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/registry.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <vector>
 

@@ -1,18 +1,33 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/stopwatch.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/heat_balance.h>
 #include <tombolo/physics/heat/heat_integrator.h>
 
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace tombolo
 {
+  /** Where the heat of a scene is and where it came from, at one time; sums over all ranks
+   * [M L^2/T^2]. */
+  struct HeatBalance
+  {
+    /** "enthalpy" of the nodes (zero at the initial temperatures), "heat through NAME" of each
+     * condition, "plastic heat", "pending heat" (not yet given to nodes), and what processes have
+     * given. */
+    EnergyAccounts heat;
+    double initial_enthalpy = 0; ///< at the start
+    double external = 0;         ///< entered since
+    double magnitude = 0;        ///< Σ |H|
+    /** (held - initial - external) / the largest of these so far, where Σ |H| stands for the
+     * enthalpy. */
+    double error = 0;
+  };
+
   /**
    * Algorithm 2 of Pan et al. 2019 with its own clock (doc/method.md, section 10). The thermal step
    * in progress leads from t_n^θ to t_{n+1}^θ >= t, with all heat but that of plastic work and

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/impulse_balance.h>
-#include <tombolo/boundary/load_sum.h>
+#include <tombolo/base/moment.h>
 #include <tombolo/model/impulse_account.h>
 
 #include <array>

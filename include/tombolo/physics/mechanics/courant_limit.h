@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/model/model.h>
-#include <tombolo/model/step_limit.h>
 
 namespace tombolo
 {

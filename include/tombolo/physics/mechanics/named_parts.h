@@ -23,13 +23,10 @@ namespace tombolo
     const auto found = std::find(names.begin(), names.end(), name);
     if (found != names.end())
       return static_cast<unsigned int>(found - names.begin());
-    std::string list;
-    for (const std::string &known : names)
-      list += (list.empty() ? "\"" : ", \"") + known + "\"";
     const std::string nearest = nearest_name(name, names);
     section.fail(entry, "there is no part \"" + name + "\"" +
                             (nearest.empty() ? "." : ", did you mean \"" + nearest + "\"?") +
-                            " Parts are " + list + ".");
+                            " Parts are " + in_quotes(names) + ".");
   }
 
   /** The numbers of the parts of an entry that is a list of names. Throws InputError. */

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/base/input/section_names.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>

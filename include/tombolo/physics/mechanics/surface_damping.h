@@ -6,8 +6,6 @@
 #include <tombolo/model/tangent.h>
 #include <tombolo/state/dependent_nodes.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
@@ -14,7 +15,6 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -68,10 +68,8 @@ namespace tombolo
         const auto volumes = CellSimplices<dim>::volumes(result.back());
         if (problem.empty() && !(*std::min_element(volumes.begin(), volumes.end()) > 0.))
         {
-          std::ostringstream text;
-          text << "at t = " << time << " it turns a cell of the mesh over, which is around ("
-               << cell.centre() << ") at the start.";
-          problem = text.str();
+          problem = as_text("at t = ", time, " it turns a cell of the mesh over, which is around (",
+                            cell.centre(), ") at the start.");
         }
       }
       for (const std::string &of_rank : texts_of_ranks(communicator, problem))

@@ -21,7 +21,6 @@
 #include <array>
 #include <memory>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 namespace tombolo

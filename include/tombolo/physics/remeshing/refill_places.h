@@ -5,7 +5,6 @@
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/shown_by_processes.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/physics/remeshing/filled_places.h>
 #include <tombolo/physics/remeshing/lattice_motion.h>
