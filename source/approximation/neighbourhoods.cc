@@ -12,6 +12,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   template <int dim>
   Neighbourhoods<dim>::Neighbourhoods(const double skin) : skin(skin)
   {}

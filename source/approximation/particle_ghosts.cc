@@ -8,6 +8,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     template <typename Box>

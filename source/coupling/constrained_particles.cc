@@ -7,6 +7,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     bool is_prescribed(const ConstrainedParticle &particle, const unsigned int c)

@@ -13,6 +13,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   MassSplit::MassSplit(const SmoothingSettings &smoothing, const bool is_trace,
                        const bool is_of_motion)
       : is_smoothed(smoothing.is_active), smallest_mass_share(smoothing.smallest_mass_share),

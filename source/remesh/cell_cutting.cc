@@ -3,6 +3,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     /** The number of the lowest bit that is set; there must be one. */

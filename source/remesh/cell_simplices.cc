@@ -9,6 +9,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     template <int dim>

@@ -7,6 +7,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     /** ∫ ∇Ψ_J · ∇Ψ_K over a cell. */

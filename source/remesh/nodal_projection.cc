@@ -10,6 +10,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     template <int dim>

@@ -8,6 +8,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     volatile std::sig_atomic_t noted_signal = 0;

@@ -9,6 +9,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   std::vector<unsigned int>
   with_nodes_depended_on(const std::shared_ptr<const NodePartition> &partition,
                          std::vector<unsigned int> owned)

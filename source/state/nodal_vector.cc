@@ -11,6 +11,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   static_assert(node_stride == NodeLanes::size(), "A node of a nodal vector is one NodeLanes.");
 
   namespace

@@ -7,6 +7,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   ParameterScanner::Item read_override(const std::string &assignment)
   {
     const auto refuse = [&](const std::string &message)

@@ -12,6 +12,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   namespace
   {
     using Tree = boost::property_tree::ptree;

@@ -7,6 +7,8 @@
 
 namespace tombolo
 {
+  using namespace dealii;
+
   std::string in_quotes(const std::string &text)
   {
     constexpr std::size_t shown = 160;

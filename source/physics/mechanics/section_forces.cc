@@ -280,7 +280,7 @@ namespace tombolo
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };
 
-  constexpr const char *list_of_sections = "Sections", *section_history = "section history";
+  constexpr const char *sections_list = "Sections", *section_history = "section history";
 
   /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
@@ -375,10 +375,10 @@ namespace tombolo
       void declare_parameters(Parameters &parameters) const override
       {
         parameters.handler().declare_entry(
-            list_of_sections, "", Patterns::Anything(),
+            sections_list, "", Patterns::Anything(),
             "Names of sections of the bodies, each with a section `Section: NAME`: forces and "
             "moments through them are in sections.csv.");
-        for (const std::string &name : section_names(parameters, list_of_sections))
+        for (const std::string &name : section_names(parameters, sections_list))
           declare_section<BodySection<dim>>(parameters, "Section: " + name,
                                             std::vector<Part<dim>>());
       }
@@ -386,7 +386,7 @@ namespace tombolo
       void validate(const Parameters &parameters,
                     const std::vector<Part<dim>> &parts) const override
       {
-        for (const Section &section : named_sections(parameters, list_of_sections, "Section"))
+        for (const Section &section : named_sections(parameters, sections_list, "Section"))
         {
           BodySection<dim>(section, parts);
           if (std::none_of(parts.begin(), parts.end(),
@@ -400,7 +400,7 @@ namespace tombolo
                                                Model<dim> &model) const override
       {
         std::vector<BodySection<dim>> sections;
-        for (const Section &section : named_sections(parameters, list_of_sections, "Section"))
+        for (const Section &section : named_sections(parameters, sections_list, "Section"))
         {
           sections.emplace_back(section, model.parts);
           sections.back().find_side(section, model);
@@ -425,5 +425,5 @@ namespace tombolo
        "every scene that has `Sections`.",
        false, false, "sections"},
       4, "the entry Sections",
-      [](const Section &output) { return !output.all().raw_list(list_of_sections).empty(); });
+      [](const Section &output) { return !output.all().raw_list(sections_list).empty(); });
 } // namespace tombolo
