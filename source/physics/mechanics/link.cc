@@ -62,6 +62,7 @@ namespace tombolo
           1);
       if (e.declares())
         return;
+      entries.emplace(e.section());
       point = read_vector<dim>(e.section(), "Point");
       if (e.is_set("Other point"))
         other_point = read_vector<dim>(e.section(), "Other point");
@@ -96,15 +97,15 @@ namespace tombolo
         second.node.find(*model.nodes, model.state, *other_point,
                          this->records.group("other point of " + name));
         if (first.node.persistent_id() == second.node.persistent_id())
-          section.fail("Other point",
-                       "the same node is next to \"Point\"; allowed is another one.");
+          entries->fail("Other point",
+                        "the same node is next to \"Point\"; allowed is another one.");
       }
       length_at_start = reach(model, 0.).norm();
       this->records.value("length at the start of " + name, length_at_start);
       this->records.value("force of " + name, force);
       if (!is_joint && !(length_at_start > 0.))
-        section.fail(other_point ? "Other point" : "End",
-                     "both ends are at one place at the start; allowed are two, or `Length = 0`.");
+        entries->fail(other_point ? "Other point" : "End",
+                      "both ends are at one place at the start; allowed are two, or `Length = 0`.");
       find_masses(model);
       model.signals.trials.connect([this](const Clock &, double) { resists_no_rates = true; });
       this->observed.history(link_history,
@@ -231,6 +232,7 @@ namespace tombolo
       row.add("force", "M L/T^2", components);
     }
 
+    std::optional<Section> entries;
     Vector point;
     std::optional<Vector> other_point;
     std::optional<Expression<dim>> end, free_length;
