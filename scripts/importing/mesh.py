@@ -65,6 +65,7 @@ class Mesh:
         self.surfaces = {}     # pairs of the nodes of a face and its line
         self.node_sets = {}    # indices of nodes
         self.remarks = []
+        self.faces_at_node = {}   # by their places among boundary_faces
         self.boundary_faces = {}  # the cell of each face that one cell has
         self.n_second_order = 0
         self.largest_bend, self.place_of_largest = 0, None
@@ -222,7 +223,12 @@ class Mesh:
     def faces_of_nodes(self, nodes):
         """Faces of the boundary of which a set has all nodes."""
         nodes = set(nodes)
-        return [face for face in self.boundary_faces if nodes.issuperset(face)]
+        if not self.faces_at_node:
+            for k, face in enumerate(self.boundary_faces):
+                for node in face:
+                    self.faces_at_node.setdefault(node, []).append((k, face))
+        found = {one for node in nodes for one in self.faces_at_node.get(node, ())}
+        return [face for _, face in sorted(found) if nodes.issuperset(face)]
 
     def area(self, faces):
         """The total area of faces, or the length of lines, by their nodes in any order round or across."""

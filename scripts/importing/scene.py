@@ -117,6 +117,11 @@ class Scene:
             self.in_cells = {node for cell in self.mesh.cells for node in cell.nodes}
         return self.in_cells
 
+    def places_of_cells(self):
+        if not hasattr(self, "places"):
+            self.places = [self.mesh.points[node] for node in self.nodes_of_cells()]
+        return self.places
+
     def new_set(self, nodes):
         sets = self.mesh.node_sets
         for name, members in sets.items():
@@ -139,7 +144,7 @@ class Scene:
         points = [mesh.points[node] for node in nodes]
         low, high = ([end(point[d] for point in points) for d in range(dimension)] for end in (min, max))
         eps = self.tolerance()
-        everything = [mesh.points[node] for node in self.nodes_of_cells()]
+        everything = self.places_of_cells()
         inside = sum(all(a - eps <= x <= b + eps for x, a, b in zip(point, low, high)) for point in everything)
         if inside != len(nodes):
             return None
@@ -214,7 +219,9 @@ class Scene:
         entries["Materials"] = ", ".join(self.materials)
         for kind, _ in KINDS:
             if self.named[kind] and kind not in entries:
-                entries[kind] = ", ".join(self.named[kind])
+                # Stages but the first one begin as the one before ends.
+                of_first = kind == "Initial conditions" and self.stages
+                (next(iter(self.stages.values())) if of_first else entries)[kind] = ", ".join(self.named[kind])
         yield from lines_of_entries(entries)
         yield ""
         yield from lines_of_section("Mesh", {"Type": "file", "file": {"File": self.mesh_file().name}})
