@@ -148,9 +148,16 @@ class Section:
                 continue
             if name == "SECTION_SOLID" and lines and self.fields(lines[0])[1:2] == ["47"]:
                 name = "SECTION_SOLID_SPG"
+            if name.startswith("BOUNDARY_PRESCRIBED_MOTION_") and name in REPEATED and lines and self.has_axis(lines[0]):
+                name += "_ABOUT"
             n_cards = n_cards_of(name) if self.name in REPEATED else len(lines)
             yield Record(self, title, lines[:n_cards], name)
             lines = lines[n_cards:]
+
+    def has_axis(self, line):
+        """Whether a prescribed motion has a second card."""
+        values = [value_of(text) for text in self.fields(line)[1:3]]
+        return (values[:1] and abs(values[0] or 0) in (9, 10, 11)) or values[1:] == [4]
 
     def head(self):
         """The first card as a record, and the lines of the others."""
