@@ -11,7 +11,7 @@ PARTICLES = "momentum consistent particle"
 MOST_NODES_OF_A_PREDICATE = 100
 LARGEST_RATIO_OF_DENSITIES = 1000
 KINDS = (("Conditions", "Condition"), ("Initial conditions", "Initial condition"), ("Contacts", "Contact"),
-         ("Body contacts", "Body contact"))
+         ("Body contacts", "Body contact"), ("Processes", "Process"))
 
 
 class NotUnderstood(Exception):
@@ -72,15 +72,21 @@ class Scene:
         self.stages = {}      # entries by name
         self.tables = {}      # rows by file name
 
-    def add(self, kind, word, entries, comment=""):
-        """Gives a condition or contact a name."""
+    def add(self, kind, word, entries, comment="", name=""):
+        """Gives a condition or contact a name: a word and a number, or one that it has."""
         named = self.named[kind]
-        name = f"{word} {len(named) + 1}"
+        name = f"{name} ({len(named) + 1})" if name in named else name or f"{word} {len(named) + 1}"
         named[name] = comment, entries
         return name
 
     def output(self):
         return self.sections.setdefault("Output", {})
+
+    def ask_for(self, table):
+        """A table that is written on request."""
+        output = self.output()
+        known = [word for word in output.get("Further outputs", "").split(", ") if word]
+        output["Further outputs"] = ", ".join(dict.fromkeys(known + [table]))
 
     def table(self, name, points):
         """The name of the file of a function of time."""
@@ -241,7 +247,7 @@ class Scene:
                 if comment:
                     yield f"# {comment}"
                 yield from lines_of_section(f"{word}: {name}", entries)
-        for name, entries in self.sections.items():
+        for name, entries in ((name, entries) for name, entries in self.sections.items() if entries):
             yield ""
             yield from lines_of_section(name, entries)
         yield from self.report.comments()

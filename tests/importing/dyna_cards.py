@@ -24,7 +24,7 @@ class DynaCards(DeckTest):
                    "set Boundary = segment set 4 set Type = pressure set Function = 0.001*table(deck_curve_6.csv, t)",
                    "set Function = 0; 0; -1*table(deck_curve_6.csv, t)", "set Safety factor = 0.6",
                    "set Quadratic bulk viscosity = 1.2", "set Interval = 1e-06", "set Statistics interval = 1e-07",
-                   "set Further outputs = part history", "set Locations = node 1: 0, 0, 0; node 2: 1, 0, 0",
+                   "set Further outputs = part history", "set Mesh nodes = 1, 2",
                    "LCSS = 8 is a table over strain rates: that of the rate 0.001 is taken", "set Flow stresses = 200, 300",
                    "SOFT = 2 is not used", "VDC = 20 is not used", "*HOURGLASS (1 time")
         self.dry_run("deck.prm")
@@ -162,13 +162,13 @@ class DynaCards(DeckTest):
     def test_a_bar_that_is_turned_a_quarter(self):
         text = replaced(BAR, (BAR[BAR.index("*SET_NODE_LIST"):BAR.index("*DEFINE_CURVE")],
                               "*SET_NODE_GENERAL\n" + card(1) + "\n" + card("ALL") + "\n*DATABASE_HISTORY_NODE\n" + card(20) +
-                              "\n"),
+                              "\n*DATABASE_HISTORY_SOLID\n" + card(4) + "\n"),
                         (card(2, 1, 2, 1, 1.0), card(1, 11, 2, 1, 1.570796) + "\n" + card(1, 0.5)))
         self.check(text, "set Centre = 1, 0.5, 0")
         code, printed = self.run_program("deck.prm")
         self.assertEqual(code, 0, printed)
         # The node 20 lies at 4, 0, 1.
-        place = [values[-1] for name, values in self.rows("probes.csv").items() if "node 20 position" in name]
+        place = [values[-1] for name, values in self.rows("probes.csv").items() if name.startswith("mesh node 20 position")]
         for value, wanted in zip(place, (1.5, 3.5, 1)):
             self.assertAlmostEqual(value, wanted, 4)
 

@@ -5,7 +5,7 @@
     hardening.py PROJECT_DIRECTORY PROGRAM
 """
 
-from deck_testing import DeckTest, card, main, replaced, text_of
+from deck_testing import DeckTest, card, main, part_of, replaced, text_of
 
 BAR, IMPACT, TIED = text_of("bar.k"), text_of("impact.inp"), text_of("tied.inp")
 ELASTIC = BAR[BAR.index("*MAT_ELASTIC"):BAR.index("*NODE")]
@@ -30,6 +30,24 @@ class DynaHardening(DeckTest):
                    "set Back stress moduli = 17500 ")
         self.check(self.kinematic(1), "set Model = j2 plasticity", "set Hardening modulus = 23333.33333", "!Back stress")
         self.check(self.kinematic(0, 0), "set Model = j2 plasticity", "set Hardening modulus = 0", "!Back stress")
+
+    def test_a_pull_along_the_tangent(self):
+        """A bar that is pulled and pushed slowly: E and ETAN, and yield after twice the yield stress."""
+        deck = replaced(BAR, (ELASTIC, self.kinematic(0)),
+                        ("*CONTROL_TERMINATION\n   1.0E-06\n", "*CONTROL_TERMINATION\n" + card(2) +
+                         "\n*CONTROL_IMPLICIT_GENERAL\n" + card(1, 0.1) + "\n*DATABASE_HISTORY_SOLID\n" + card(2) + "\n"),
+                        (part_of(BAR, "*DEFINE_CURVE", "*BOUNDARY_PRESCRIBED"), "*DEFINE_CURVE\n" + card(1) + "\n" + "".join(
+                            card(time, way, width=20) + "\n" for time, way in ((0, 0), (1, 0.04), (2, 0)))),
+                        (card(1, 0, 1, 1, 1, 0, 0, 0), card(1, 0, 1) + "\n*BOUNDARY_SPC_NODE\n" + card(1, 0, 0, 1, 1) + "\n" +
+                         card(2, 0, 0, 0, 1)))
+        self.check_scene(deck, "deck.k", "set Model = chaboche", "set Time integration = quasi-static")
+        code, printed = self.run_program("deck.prm")
+        self.assertEqual(code, 0, printed)
+        rows = self.rows("points.csv")
+        peak, end = max(rows["solid 2 stress xx"]), rows["solid 2 stress xx"][-1]
+        # Strain of 0.01: 300 + ETAN (0.01 - 300/E); back by 600/E elastically, then along ETAN.
+        self.assertAlmostEqual(peak, 300 + 21000 * (0.01 - 300 / 210000), delta=5)
+        self.assertAlmostEqual(end, peak - 600 - 21000 * (0.01 - 600 / 210000), delta=10)
 
 
 class AbaqusHardening(DeckTest):

@@ -136,6 +136,8 @@ class Conditions:
         for targets, values in self.alike():
             line = values["line"]
             nodes = [node for target in targets for node in self.converter.all_nodes_of(line, target)]
+            if self.converter.links.prescribe(nodes, dict(self.items(values))):
+                continue
             try:
                 where = self.selection(nodes)
             except NotUnderstood as reason:

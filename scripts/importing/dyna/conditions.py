@@ -14,6 +14,7 @@ def hold_nodes(converter):
     """TC of *NODE."""
     for axis in AXES:
         name = converter.mesh.names.get(("held", axis))
+        converter.links.links.prescribe(converter.mesh.held.get(axis, ()), {AXES.index(axis): "0"})
         if name:
             converter.scene.add("Conditions", "support", {
                 "Boundary": name, "Type": "displacement", "Function": components(converter, axis)}, "TC of *NODE")
@@ -72,9 +73,17 @@ def cross(a, b):
     return [a[d - 2] * b[d - 1] - a[d - 1] * b[d - 2] for d in range(3)]
 
 
+def are_ends(converter, record, nodes, texts):
+    """Prescribes texts by axis of ends of links that are in no cell; whether that is all that the card does."""
+    return not record.unused() and converter.links.links.prescribe(nodes, texts)
+
+
 def support(converter, record):
-    where = converter.node_set(record)
+    nodes = converter.nodes_named_by(record)
     axes = in_global_axes(converter, record, held_axes(record))
+    if are_ends(converter, record, nodes, {AXES.index(axis): "0" for axis in axes}):
+        return
+    where = converter.node_set(record)
     yield "Conditions", "support", fixed(converter, where, axes) if axes else None
 
 
@@ -85,7 +94,7 @@ def support_of_nodes(converter, section):
         axes = tuple(in_global_axes(converter, record, held_axes(record)))
         node = converter.mesh.node(record.integer("NID"), record.line)
         converter.refuse_unused(record)
-        if axes:
+        if axes and not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes}):
             nodes.setdefault(axes, []).append(node)
             first.setdefault(axes, record)
     for axes, members in nodes.items():
@@ -108,7 +117,7 @@ def times_table(converter, factor, curve):
 
 
 def motion(converter, record):
-    where = where_of(converter, record)
+    nodes = converter.nodes_named_by(record)
     axis, kind = record.integer("DOF"), record.integer("VAD")
     if axis in (5, 6, 7):
         raise NotUnderstood(f"DOF = {axis} is a rotation of nodes, and nodes of solids do not turn (9, 10 and 11 turn them "
@@ -124,14 +133,17 @@ def motion(converter, record):
         return
     if record.unused():
         return
+    if any(node in converter.links.links.prescribed for node in nodes):
+        way = times_table(converter, factor, curve) if kind == 2 else way_of(converter, factor, curve)
+        if are_ends(converter, record, nodes, {axis - 1: way}):
+            return
     yield "Conditions", "drive", {
-        **where, "Type": "velocity" if kind == 0 else "displacement",
+        **where_of(converter, record, nodes), "Type": "velocity" if kind == 0 else "displacement",
         "Function": components(converter, AXES[axis - 1], times_table(converter, factor, curve))}
 
 
-def where_of(converter, record):
-    return converter.node_set(record) if "NSID" in record.fields else \
-        converter.scene.selection([converter.mesh.node(record.integer("NID"), record.line)])
+def where_of(converter, record, nodes):
+    return converter.node_set(record) if "NSID" in record.fields else converter.scene.selection(nodes)
 
 
 def way_of(converter, factor, curve):
@@ -145,7 +157,7 @@ def turning(converter, record, axis, kind, factor, curve):
     along = AXES.index(axis)
     if converter.mesh.dimension == 2 and axis != "z":
         raise NotUnderstood("in two dimensions nodes turn about z (DOF = 11)")
-    where = where_of(converter, record)
+    where = where_of(converter, record, converter.nodes_named_by(record))
     centre = [0.0, 0.0, 0.0]
     # The coordinates of a point of the axis, in cyclic order.
     for field, d in (("OFFSET1", along - 2), ("OFFSET2", along - 1)):

@@ -122,9 +122,13 @@ class Section:
             return lines[0].text.strip(BLANKS), lines[1:]
         if not self.is_head(lines):
             return "", lines
+        return self.number_and_title(lines[0])[1], lines[1:]
+
+    def number_and_title(self, line):
+        """The first field of a card, in a list, and the text behind it, in which there may be commas."""
         end = 20 if self.is_long else 10
-        text = lines[0].text
-        return (text.partition(",")[2] if "," in text[:end] else text[end:]).strip(BLANKS), lines[1:]
+        text, _, title = line.text.partition(",") if "," in line.text[:end] else (line.text[:end], "", line.text[end:])
+        return [text.strip(BLANKS)], title.strip(BLANKS)
 
     def is_head(self, lines):
         """Whether a card has number and title of a keyword with _ID: the first one, and others with fields that
