@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Springs and dashpots between nodes, as processes."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import dist
 
 from .scene import NotUnderstood, number
@@ -17,7 +17,6 @@ class Link:
     stiffness: float = 0.0
     damping: float = 0.0
     extension: float = 0.0  # at the start, by which it pulls
-    remarks: list = field(default_factory=list)
 
 
 class Links:

@@ -141,6 +141,11 @@ class AbaqusLinks(DeckTest):
                    "set Initial conditions = flight 1 subsection Statics")
         code, printed = self.run_program("deck.prm")
         self.assertEqual(code, 0, printed)
+        let_go = replaced(text, ("*BOUNDARY\n 90, 3, 3, 0.25\n", "*BOUNDARY, OP=NEW\n FOOT, 1, 3\n 91, PINNED\n"))
+        scene, said = self.scene(let_go, "deck.inp")
+        self.assertIn('TYPE=SPRINGA, 11: in the step "release" its node 90 is in no cell, and is not held', said)
+        self.assertIn("set Processes = spring 12, damper 13 ", scene)
+        self.assertNotIn("spring 11", scene.replace("SPRINGA, 11", ""))
         for name, pull in (("pull", 0.5), ("release", 0.25)):
             rows = self.rows("links.csv", f"deck/{name}")
             self.assertAlmostEqual(rows["spring 11 force z"][-1], 100 * pull, delta=2)
@@ -179,6 +184,10 @@ class AbaqusLinks(DeckTest):
         self.assertIn("is a number and two nodes", self.error(abaqus(replaced(
             SPRINGS, (" 11, 9, 90\n", " 11, 9, 90, 1\n"))), "deck.inp"))
         self.assertIn("its node 90 is in no cell, and is not held", self.scene(abaqus(held=""), "deck.inp")[1])
+        grounded = "*ELEMENT, TYPE=SPRING1, ELSET=G\n 20, 9\n*SPRING, ELSET=G\n 3\n 100.\n"
+        said = self.scene(abaqus(SPRINGS + grounded), "deck.inp")[1]
+        self.assertIn("*SPRING: it is of no elements SPRINGA or SPRING2, so that this is left out", said)
+        self.assertIn("*ELEMENT, TYPE=SPRING1 is left out", said)
         mesh = self.converted(abaqus(), "deck.inp", is_mesh_alone=True)
         self.assertIn("*ELEMENT, TYPE=SPRINGA is left out", "\n".join(mesh.report.summary()))
 

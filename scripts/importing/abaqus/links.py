@@ -13,8 +13,8 @@ class LinkReader:
     def __init__(self, converter):
         self.converter, self.mesh, self.links = converter, converter.mesh, Links(converter.scene)
         self.left = dict(enumerate(self.mesh.links))  # elements without a section so far
-        self.reasons = {}    # of elements that are left out, by their places
-        self.texts = []      # of the displacements of ends, by steps
+        self.elements = {}  # by the names of links
+        self.texts = []     # of the displacements of ends, by steps
         for section in converter.deck.named(*TYPES):
             self.read(section)
         for element in self.left.values():
@@ -25,7 +25,10 @@ class LinkReader:
         elements = [index for kind, index in self.converter.elements_of(section.line, section.name_in("ELSET"), section.scope)
                     if kind == "link"]
         try:
-            directions, constant = self.constant(section, any(self.mesh.links[index].type.endswith("2") for index in elements))
+            types = {self.mesh.links[index].type for index in elements}
+            if not types.intersection(TYPES[section.name]):
+                raise NotUnderstood(f"it is of no elements {' or '.join(TYPES[section.name])}")
+            directions, constant = self.constant(section, any(one.endswith("2") for one in types))
         except NotUnderstood as reason:
             section.options, section.rows_so_far = {}, None
             self.converter.report.leave_out(section, section.lines, f"{reason}, so that this is left out "
@@ -63,8 +66,9 @@ class LinkReader:
                 raise NotUnderstood("an end is the reference node of a rigid body, at which nothing can pull here")
             if element.type.endswith("2"):
                 self.check_direction(element, directions)
-            self.links.add(Link(f"{'spring' if is_spring else 'damper'} {element.prefix}{element.number}", element.nodes,
-                                element.line.place, stiffness=constant if is_spring else 0.0,
+            name = f"{'spring' if is_spring else 'damper'} {element.prefix}{element.number}"
+            self.elements[name] = element
+            self.links.add(Link(name, element.nodes, element.line.place, stiffness=constant if is_spring else 0.0,
                                 damping=0.0 if is_spring else constant))
         except NotUnderstood as reason:
             self.leave_out(element, reason)
@@ -101,23 +105,31 @@ class LinkReader:
 
     def write(self):
         """The processes, with ends that move in other ways in further steps."""
-        by_place = {element.line.place: element for element in self.mesh.links}
-        scene = self.converter.scene
-        self.links.prescribed = self.texts[0] if self.texts else self.links.prescribed
-        self.links.write(lambda link, reason: self.leave_out(by_place[link.place], reason))
-        by_name = {link.name: link for link in self.links.links}
-        if len(self.texts) < 2:
+        steps = list(zip(self.converter.steps, self.texts))
+        for link in list(self.links.links):
+            self.check(link, steps)
+        if not steps:
             return
-        for name, (_, entries) in list(scene.named["Processes"].items()):
+        self.links.prescribed = self.texts[0]
+        self.links.write(lambda link, reason: self.leave_out(self.elements[link.name], reason))
+        for link in self.links.links if len(steps) > 1 else ():
+            _, entries = self.converter.scene.named["Processes"][link.name]
             # The length of a link is that of the start of the first step.
-            entries["link"].setdefault("Length", number(self.links.length(by_name[name])))
-            for step, texts in zip(self.converter.steps, self.texts):
+            entries["link"].setdefault("Length", number(self.links.length(link)))
+            for step, texts in steps[1:]:
                 self.links.prescribed = texts
-                try:
-                    of_step = self.links.entries(by_name[name])
-                except NotUnderstood as reason:
-                    self.leave_out(by_place[by_name[name].place], f'in the step "{step.name}" {reason}')
-                    del scene.named["Processes"][name]
-                    break
+                of_step = self.links.entries(link)
                 if of_step.get("End") != entries["link"].get("End"):
-                    scene.stages[step.name][f"Process: {name}"] = {"link": {"End": of_step["End"]}}
+                    self.converter.scene.stages[step.name][f"Process: {link.name}"] = {"link": {"End": of_step["End"]}}
+
+    def check(self, link, steps):
+        """Leaves out a link that is not possible in all steps."""
+        try:
+            if not steps:
+                raise NotUnderstood("there is no step")
+            for step, texts in steps:
+                self.links.prescribed, where = texts, f'in the step "{step.name}" ' if step is not steps[0][0] else ""
+                self.links.entries(link)
+        except NotUnderstood as reason:
+            self.links.links.remove(link)
+            self.leave_out(self.elements[link.name], (where if steps else "") + str(reason))
