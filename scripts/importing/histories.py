@@ -49,19 +49,20 @@ class Histories:
 
     def add_cells(self, cells, place, word, labels=()):
         """Cells by indices; a material point is the one next to the middle. Throws NotUnderstood where there are too
-        many."""
-        self.refuse_many(cells, MOST_CELLS, "elements")
+        many in all."""
         places, labels = self.list_of("point history", "Locations", "; "), dict(zip(cells, labels))
-        rigid = self.cells_of_rigid_parts()
-        for cell in dict.fromkeys(cells):
+        rigid = self.cells_of_rigid_parts().intersection(cells)
+        cells = [cell for cell in dict.fromkeys(cells) if cell not in rigid]
+        self.refuse_many(cells, MOST_CELLS, "elements")
+        for cell in cells:
             one = self.mesh.cells[cell]
-            if cell in rigid:
-                self.report.note(place, f"the element {one.number} is one of a rigid part: it has no history.")
-                continue
             middle = [sum(self.mesh.points[node][d] for node in one.nodes) / len(one.nodes) for d in range(3)]
             text = self.place(self.name(labels.get(cell, "")) or f"{word} {one.number}", middle, places)
             if text:
                 places.append(text)
+        self.refuse_many(places, MOST_CELLS, "elements")
+        for cell in sorted(rigid):
+            self.report.note(place, f"the element {self.mesh.cells[cell].number} is one of a rigid part: it has no history.")
         self.keep("point history", "Locations", places, "; ")
 
     def every(self, section, entries):
@@ -77,7 +78,7 @@ class Histories:
     @staticmethod
     def refuse_many(members, most, what):
         if len(set(members)) > most:
-            raise NotUnderstood(f"there are {len(set(members))} {what}, more than {most}")
+            raise NotUnderstood(f"there are {len(set(members))} {what} with histories, more than {most}")
 
     @staticmethod
     def name(label):

@@ -61,7 +61,11 @@ class DynaHistories(DeckTest):
         for k in range(n):
             text += card(k + 1, 1, *(4 * k + c for c in (1, 5, 6, 2, 4, 8, 7, 3)), width=8) + "\n"
         text += "*SET_SOLID_GENERATE\n" + card(7) + "\n" + card(1, n) + "\n*DATABASE_HISTORY_SOLID_SET\n" + card(7) + "\n*END\n"
-        self.check_scene(text, "deck.k", f"there are {n} elements, more than 50, so that this is left out", "!point history")
+        self.check_scene(text, "deck.k", f"there are {n} elements with histories, more than 50, so that this is left out",
+                         "!point history")
+        some = "*DATABASE_HISTORY_SOLID\n" + "".join(card(k) + "\n" for k in range(1, 51))
+        self.check_scene(replaced(text, ("*DATABASE", some + "*DATABASE")), "deck.k", "solid 50: 49.5", "!solid 51",
+                         "there are 60 elements with histories")
 
 
 def history(*requests, options=", TIME INTERVAL=1E-7"):
