@@ -53,6 +53,8 @@ def convert(source, target, dimension=None, is_mesh_alone=False):
     for remark in mesh.remarks:
         report.remark(remark)
     if is_mesh_alone or not has_scene:
+        if suffix in ABAQUS:
+            mesh.remark_links()
         if not is_mesh_alone:
             report.remark("The deck has no materials: its mesh is written alone.")
         for section in deck.sections:

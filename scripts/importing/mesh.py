@@ -65,7 +65,11 @@ class Mesh:
         self.surfaces = {}     # pairs of the nodes of a face and its line
         self.node_sets = {}    # indices of nodes
         self.remarks = []
+        self.faces_at_node = {}   # by their places among boundary_faces
+        self.of_file = {}         # numbers of nodes in the file that is written
         self.boundary_faces = {}  # the cell of each face that one cell has
+        self.all_node_sets = {}   # node_sets with nodes of no cell
+        self.midsides = set()     # midside nodes, which are left out
         self.n_second_order = 0
         self.largest_bend, self.place_of_largest = 0, None
 
@@ -73,6 +77,7 @@ class Mesh:
         """Looks how far nodes of second order are off the middle of their edges."""
         self.n_second_order += 1
         n_corners = 2 ** self.dimension
+        self.midsides.update(nodes[n_corners:])
         for (a, b), middle in zip(MIDSIDES[self.dimension], nodes[n_corners:]):
             begin, end = self.points[nodes[a]], self.points[nodes[b]]
             length = dist(begin, end)
@@ -108,11 +113,12 @@ class Mesh:
         for name in list(self.surfaces):
             self.check_surface(name)
         in_cells = {node for cell in self.cells for node in cell.nodes}
+        self.all_node_sets = dict(self.node_sets)
         for name, nodes in list(self.node_sets.items()):
             self.node_sets[name] = sorted(in_cells.intersection(nodes))
             if not self.node_sets[name]:
                 del self.node_sets[name]
-                self.remarks.append(f'The set "{name}" has no nodes of cells, and is left out.')
+                self.remarks.append(f'The set "{name}" has no nodes of cells, and is no boundary.')
         self.groups = {name: sorted(set(cells)) for name, cells in self.groups.items() if cells}
 
     def remark_second_order(self):
@@ -219,10 +225,25 @@ class Mesh:
 
     # What conditions ask.
 
+    def numbers_in_file(self):
+        """Of the corners of cells: those of the deck, where these tell the nodes apart."""
+        if not self.of_file:
+            used = sorted({node for cell in self.cells for node in cell.nodes})
+            numbers = [self.numbers[node] for node in used]
+            if doubled(numbers) or min(numbers) < 1:
+                numbers = range(1, len(used) + 1)
+            self.of_file = dict(zip(used, numbers))
+        return self.of_file
+
     def faces_of_nodes(self, nodes):
         """Faces of the boundary of which a set has all nodes."""
         nodes = set(nodes)
-        return [face for face in self.boundary_faces if nodes.issuperset(face)]
+        if not self.faces_at_node:
+            for k, face in enumerate(self.boundary_faces):
+                for node in face:
+                    self.faces_at_node.setdefault(node, []).append((k, face))
+        found = {one for node in nodes for one in self.faces_at_node.get(node, ())}
+        return [face for _, face in sorted(found) if nodes.issuperset(face)]
 
     def area(self, faces):
         """The total area of faces, or the length of lines, by their nodes in any order round or across."""

@@ -53,11 +53,8 @@ class Writer:
 
     def write_nodes(self):
         mesh = self.mesh
-        used = sorted({node for cell in mesh.cells for node in cell.nodes})
-        numbers = [mesh.numbers[node] for node in used]
-        if doubled(numbers) or min(numbers) < 1:
-            numbers = range(1, len(used) + 1)
-        self.number_of = dict(zip(used, numbers))
+        self.number_of = mesh.numbers_in_file()
+        used, numbers = list(self.number_of), list(self.number_of.values())
         self.lines += ["$Nodes", f"1 {len(used)} {min(numbers)} {max(numbers)}", f"{mesh.dimension} 1 0 {len(used)}"]
         self.lines += [str(number) for number in numbers]
         self.lines += [" ".join(f"{x:.16g}" for x in mesh.points[node]) for node in used]

@@ -11,7 +11,7 @@ PARTICLES = "momentum consistent particle"
 MOST_NODES_OF_A_PREDICATE = 100
 LARGEST_RATIO_OF_DENSITIES = 1000
 KINDS = (("Conditions", "Condition"), ("Initial conditions", "Initial condition"), ("Contacts", "Contact"),
-         ("Body contacts", "Body contact"))
+         ("Body contacts", "Body contact"), ("Processes", "Process"))
 
 
 class NotUnderstood(Exception):
@@ -72,15 +72,21 @@ class Scene:
         self.stages = {}      # entries by name
         self.tables = {}      # rows by file name
 
-    def add(self, kind, word, entries, comment=""):
-        """Gives a condition or contact a name."""
+    def add(self, kind, word, entries, comment="", name=""):
+        """Gives a condition or contact a name: a word and a number, or one that it has."""
         named = self.named[kind]
-        name = f"{word} {len(named) + 1}"
+        name = f"{name} ({len(named) + 1})" if name in named else name or f"{word} {len(named) + 1}"
         named[name] = comment, entries
         return name
 
     def output(self):
         return self.sections.setdefault("Output", {})
+
+    def ask_for(self, table):
+        """A table that is written on request."""
+        output = self.output()
+        known = [word for word in output.get("Further outputs", "").split(", ") if word]
+        output["Further outputs"] = ", ".join(dict.fromkeys(known + [table]))
 
     def table(self, name, points):
         """The name of the file of a function of time."""
@@ -117,6 +123,11 @@ class Scene:
             self.in_cells = {node for cell in self.mesh.cells for node in cell.nodes}
         return self.in_cells
 
+    def places_of_cells(self):
+        if not hasattr(self, "places"):
+            self.places = [self.mesh.points[node] for node in self.nodes_of_cells()]
+        return self.places
+
     def new_set(self, nodes):
         sets = self.mesh.node_sets
         for name, members in sets.items():
@@ -139,7 +150,7 @@ class Scene:
         points = [mesh.points[node] for node in nodes]
         low, high = ([end(point[d] for point in points) for d in range(dimension)] for end in (min, max))
         eps = self.tolerance()
-        everything = [mesh.points[node] for node in self.nodes_of_cells()]
+        everything = self.places_of_cells()
         inside = sum(all(a - eps <= x <= b + eps for x, a, b in zip(point, low, high)) for point in everything)
         if inside != len(nodes):
             return None
@@ -214,7 +225,9 @@ class Scene:
         entries["Materials"] = ", ".join(self.materials)
         for kind, _ in KINDS:
             if self.named[kind] and kind not in entries:
-                entries[kind] = ", ".join(self.named[kind])
+                # Stages but the first one begin as the one before ends.
+                of_first = kind == "Initial conditions" and self.stages
+                (next(iter(self.stages.values())) if of_first else entries)[kind] = ", ".join(self.named[kind])
         yield from lines_of_entries(entries)
         yield ""
         yield from lines_of_section("Mesh", {"Type": "file", "file": {"File": self.mesh_file().name}})
@@ -234,7 +247,7 @@ class Scene:
                 if comment:
                     yield f"# {comment}"
                 yield from lines_of_section(f"{word}: {name}", entries)
-        for name, entries in self.sections.items():
+        for name, entries in ((name, entries) for name, entries in self.sections.items() if entries):
             yield ""
             yield from lines_of_section(name, entries)
         yield from self.report.comments()

@@ -12,15 +12,7 @@ IMPACT, TIED = text_of("impact.inp"), text_of("tied.inp")
 
 class AbaqusScene(DeckTest):
     def check(self, text, *parts, runs=False):
-        """What is written and said has these parts, or has them not (!). --validate finds nothing wrong."""
-        scene, said = self.scene(text, "deck.inp")
-        for part in parts:
-            if part.startswith("!"):
-                self.assertNotIn(part[1:], scene + said)
-            else:
-                self.assertIn(part, scene + said)
-        code, printed = self.run_program(*([] if runs else ["--validate"]), "deck.prm")
-        self.assertEqual(code, 0, printed)
+        self.check_scene(text, "deck.inp", *parts, runs=runs)
 
     def refused(self, text, message):
         with self.assertRaises(DeckError) as context:
@@ -80,6 +72,18 @@ class AbaqusScene(DeckTest):
                                              "*SFILM\n B2.UPPER, F, 20., 5.\n*DSFLUX\n B2.UPPER, S, 7.\n*END STEP\n")
         self.check(text, "set Type = convection", "set Ambient temperature = 20", "set Film coefficient = 5",
                    "set Type = heat flux", "!backward Euler")
+
+    def test_single_nodes_that_are_held_alike_are_one_condition(self):
+        text = replaced(IMPACT, (" FOOT, 3, 3\n", " 1, 3, 3\n 2, 3, 3\n 3, 3, 3\n 5, 1, 1\n 4, 3, 3\n"))
+        self.check(text, "set Boundary = FOOT set Type = displacement set Function = free; free; 0",
+                   "set Where = abs(x - 0) < 2e-06 && abs(y - 0) < 2e-06 && abs(z - 1) < 2e-06 set Type = displacement",
+                   "set Conditions = support 1, support 2, support 3, load 4")
+
+    def test_initial_conditions_are_those_of_the_first_stage(self):
+        step = IMPACT[IMPACT.index("*STEP"):].rstrip("\n").replace("*STEP", "*STEP, NAME=Fly")
+        text = IMPACT + step + "\n"
+        self.check(text, "subsection Stage: step 1", "load 3 set Initial conditions = flight 1 ", "subsection Stage: Fly")
+        self.assertEqual(self.scene(text, "deck.inp")[0].count("set Initial conditions"), 1)
 
     def test_nothing_is_lost_without_a_word(self):
         self.check(replaced(IMPACT, ("*ELASTIC\n 124000., 0.34", "*ELASTIC, MODULI=LONG TERM\n 124000., 0.34, 0., 7."),

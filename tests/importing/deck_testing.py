@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What tests of decks share: the importer, decks, and the measures of meshes."""
 
+import csv
 import os
 import shutil
 import subprocess
@@ -69,6 +70,23 @@ class DeckTest(unittest.TestCase):
             path.write_text(content, encoding="utf-8")
         prm = self.directory / name
         return " ".join(prm.with_suffix(".prm").read_text(encoding="utf-8").split()), "\n".join(result.report.summary())
+
+    def check_scene(self, text, name, *parts, runs=False):
+        """What is written and said has these parts, or has them not (!). --validate finds nothing wrong."""
+        scene, said = self.scene(text, name)
+        for part in parts:
+            if part.startswith("!"):
+                self.assertNotIn(part[1:], scene + said)
+            else:
+                self.assertIn(part, scene + said)
+        code, printed = self.run_program(*([] if runs else ["--validate"]), str(Path(name).with_suffix(".prm")))
+        self.assertEqual(code, 0, printed)
+
+    def rows(self, table, name="deck"):
+        """The columns of a table by their names without units."""
+        with open(self.directory / "output" / name / table, encoding="utf-8") as file:
+            head, *rows = csv.reader(file)
+        return {column.partition(" [")[0]: [float(row[k]) for row in rows] for k, column in enumerate(head)}
 
     def run_program(self, *options):
         result = subprocess.run([PROGRAM, *options], cwd=self.directory, capture_output=True, text=True, check=False)

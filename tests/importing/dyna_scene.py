@@ -80,9 +80,9 @@ class DynaScene(DeckTest):
         kinematic = "\n".join(["*MAT_003", card(1, "7.85e-9", 210000, 0.3, 300, 21000, 0),
                                card(40, 5, 0.4)]) + "\n"
         scene = self.scene_of((old, kinematic))
-        self.assertIn("set Hardening modulus = 23333.33333", scene)
+        self.assertIn("set Hardening modulus = 0", scene)
+        self.assertIn("set Back stress moduli = 23333.33333", scene)
         self.assertIn("set Erosion strain = 0.4", scene)
-        self.assertIn("# BETA < 1, kinematic hardening", scene)
         self.assertIn("Cowper and Symonds is left out", scene)
         self.assertEqual(self.run_program("--dry-run", "rod.prm")[0], 0)
 

@@ -133,16 +133,17 @@ class Conditions:
     def conditions_of_step(self):
         """Names of conditions of what is held now."""
         names = []
-        for target, values in list(self.held.items()):
-            if target[:1] == ("rigid",):
-                self.converter.parts.drive(target[1], values)
-                continue
+        for targets, values in self.alike():
             line = values["line"]
+            nodes = [node for target in targets for node in self.converter.all_nodes_of(line, target)]
+            if self.converter.links.prescribe(nodes, dict(self.items(values))):
+                continue
             try:
-                where = self.selection(line, target)
+                where = self.selection(nodes)
             except NotUnderstood as reason:
-                self.report.note(line.place, f"*BOUNDARY of {target}: {reason}, so that this is left out.")
-                del self.held[target]
+                self.report.note(line.place, f"*BOUNDARY of {', '.join(targets)}: {reason}, so that this is left out.")
+                for target in targets:
+                    del self.held[target]
                 continue
             for kind in ("displacement", "velocity"):
                 dofs = {dof: text for dof, (of_kind, text, _) in self.items(values) if of_kind == kind and dof <= 3}
@@ -161,6 +162,22 @@ class Conditions:
             names.append(self.add(word, entries, place))
         return names
 
+    def alike(self):
+        """What is held now, but for rigid parts: targets with the values of the first one. Single nodes with equal values
+        stand together, apart from those of no cell."""
+        result = {}
+        for target, values in self.held.items():
+            if target[:1] == ("rigid",):
+                self.converter.parts.drive(target[1], values)
+                continue
+            key_of_target = target
+            if target.isdigit():
+                node = self.converter.all_nodes_of(values["line"], target)[0]
+                key_of_target = (node in self.scene.nodes_of_cells(),
+                                 tuple((dof, *value[:2]) for dof, value in sorted(self.items(values))))
+            result.setdefault(key_of_target, ([], values))[0].append(target)
+        return list(result.values())
+
     @staticmethod
     def items(values):
         return [(dof, value) for dof, value in values.items() if dof != "line"]
@@ -172,8 +189,8 @@ class Conditions:
                 return name
         return self.scene.add("Conditions", word, entries, comment)
 
-    def selection(self, line, target):
-        nodes = self.converter.nodes_of(line, target)
+    def selection(self, nodes):
+        nodes = [node for node in nodes if node in self.scene.nodes_of_cells()]
         name = next((name for name, members in self.mesh.node_sets.items() if set(members) == set(nodes)), "")
         return self.scene.selection(nodes, name)
 
@@ -210,7 +227,7 @@ class Conditions:
                              f"faces, whose area is {area:g}: the sum is the same, its distribution is not.")
             text = self.value(section, target, dof, value * len(nodes) / area)
             texts = [text if d == dof else "0" for d in range(1, self.mesh.dimension + 1)]
-            self.keep(section, target, dof, "load", {**self.selection(row.line, target), "Type": "traction",
+            self.keep(section, target, dof, "load", {**self.selection(nodes), "Type": "traction",
                                                      "Function": "; ".join(texts)}, row.line.place)
 
     def distributed(self, section):

@@ -8,6 +8,7 @@ PLANE = re.compile(r"(?:CPS|CPE|CPEG|DC2D|SFM3D|M3D|R3D|DS|S)(\d+).*")
 TRIANGLE = re.compile(r"(?:STRI)(\d+).*")
 LINE = re.compile(r"(?:T2D|T3D|B2|B3|R2D|RB2D|RB3D|DC1D|SAX)(\d).*")
 CONNECTOR = re.compile(r"(?:MASS|ROTARYI|SPRING|DASHPOT|CONN|GAP|JOINT|DCOUP|ITS|PIPE|FRAME|D$|U\d).*")
+LINK = re.compile(r"SPRING[2A]|DASHPOT[2A]")
 CUBES = {3: (8, 20, 27), 2: (4, 8, 9), 1: (2, 3)}
 
 
@@ -17,6 +18,7 @@ class ElementType:
     def __init__(self, name):
         self.name, self.dimension, self.n_nodes = name, 0, 0
         self.is_rigid = self.is_cube = False
+        self.is_link = bool(LINK.fullmatch(name))
         for dimension, pattern in ((3, SOLID), (2, PLANE), (2, TRIANGLE), (1, LINE)):
             match = pattern.fullmatch(name)
             if match:

@@ -3,6 +3,7 @@
 
 from ..scene import at_one_temperature, interpolated, linear_hardening, number, plastic_curve
 from .deck import key
+from .hardening import KinematicHardening
 
 
 def at_temperatures(pairs):
@@ -21,8 +22,10 @@ class Material:
         self.density, self.constants, self.flow, self.damage, self.equation = None, {}, {}, {}, {}
         self.heat, self.eta, self.remarks = {}, None, []
         self.rate = None
+        self.kinematic = None
         self.temperature_dependent = False
         self.readers = {"DENSITY": self.read_density, "ELASTIC": self.read_elastic, "PLASTIC": self.read_plastic,
+                        "CYCLIC HARDENING": self.read_cyclic,
                         "RATE DEPENDENT": self.read_rate, "EXPANSION": self.read_expansion,
                         "CONDUCTIVITY": self.read_conductivity, "SPECIFIC HEAT": self.read_specific_heat,
                         "INELASTIC HEAT FRACTION": self.read_heat_fraction, "DAMAGE INITIATION": self.read_damage,
@@ -71,7 +74,9 @@ class Material:
         if hardening not in ("ISOTROPIC", "KINEMATIC", "COMBINED"):
             section.line.fail(f"*PLASTIC with HARDENING={hardening} is not possible here.")
         if hardening != "ISOTROPIC":
-            self.remarks.append(f"HARDENING={hardening}: hardening is isotropic here.")
+            self.kinematic = KinematicHardening.of_plastic(section, self.remarks)
+            if self.kinematic:
+                return
         curves = {}
         for row in rows:
             curves.setdefault(row.number(2), []).append((row.number(1), row.number(0)))
@@ -92,6 +97,14 @@ class Material:
         table["Flow stresses"] = "; ".join(", ".join(number(interpolated(points, strain)) for strain in strains)
                                            for points in curves.values())
         self.flow = {"Flow stress": "tabular", "tabular": table}
+
+    def read_cyclic(self, section):
+        if self.kinematic:
+            self.kinematic.read_cyclic(section)
+            return
+        self.remarks.append(f"*CYCLIC HARDENING ({section.line.place}) is for HARDENING=COMBINED with "
+                            "DATA TYPE=PARAMETERS, and is left out.")
+        section.is_read = False
 
     def read_rate(self, section):
         kind = key(section.get("TYPE"))
@@ -159,10 +172,14 @@ class Material:
         if "Young's modulus" not in self.constants and not (has_heat and not self.flow):
             self.line.fail(f'the material "{self.name}" has no *ELASTIC (--mesh makes the mesh alone).')
         density = {"Density": number(self.density)}
+        if self.kinematic:
+            self.resolve_hardening(has_heat, initial_temperature)
         if not has_heat:
             self.constants = at_one_temperature(self.constants, initial_temperature, self.remarks)
         if "Young's modulus" not in self.constants:
             model, entries = "heat conductor", density
+        elif self.kinematic:
+            model, entries = "chaboche", {**density, **self.constants, **self.flow, **self.heating(has_heat, is_adiabatic)}
         elif self.flow:
             model, entries = "j2 plasticity", {**density, **self.constants, **self.completed_flow(
                 has_heat, is_adiabatic, initial_temperature)}
@@ -181,6 +198,27 @@ class Material:
                 " are" if len(self.heat) > 1 else " is") + " not used." if not is_adiabatic else
                 "The step is adiabatic: the conductivity, if there is one, is not used.")
         return [f"*MATERIAL on {self.line.place}", *self.remarks], result
+
+    def resolve_hardening(self, has_heat, temperature):
+        """Kinematic hardening as the flow stress of its model, or of that of isotropic hardening."""
+        kinematic = self.kinematic
+        if not kinematic.is_kinematic():
+            self.kinematic, self.flow = None, kinematic.flow(has_heat, temperature)
+        elif self.damage or self.equation:
+            lacks = "*DAMAGE INITIATION" if self.damage else "*EOS"
+            self.remarks.append(f"{lacks} goes with isotropic hardening alone: hardening is isotropic here.")
+            self.kinematic, self.flow = None, kinematic.isotropic(temperature)
+        else:
+            self.flow = kinematic.entries(has_heat, temperature)
+        if self.kinematic and self.rate:
+            self.remarks.append("*RATE DEPENDENT without HARDENING=JOHNSON COOK is left out.")
+
+    def heating(self, has_heat, is_adiabatic):
+        """How much of the plastic work heats."""
+        if self.eta is not None and not has_heat:
+            self.remarks.append("Plastic work does not heat: " + (
+                "ADIABATIC is for isotropic hardening alone." if is_adiabatic else "no step has heat or is ADIABATIC."))
+        return {"Taylor-Quinney coefficient": number(self.eta)} if self.eta is not None and has_heat else {}
 
     def completed_flow(self, has_heat, is_adiabatic, initial_temperature):
         flow = {**self.flow, **self.damage, **self.equation}

@@ -66,11 +66,19 @@ class Block:
         self.type, self.elements = kind, []
 
 
+class LinkElement:
+    """A spring or a dashpot: its nodes by their names, then by their indices."""
+
+    def __init__(self, kind, number, names, line):
+        self.type, self.number, self.names, self.line = kind, number, names, line
+        self.nodes, self.prefix = (), ""
+
+
 class Content:
     """What a scope says of the mesh."""
 
     def __init__(self):
-        self.nodes, self.blocks = {}, []
+        self.nodes, self.blocks, self.links = {}, [], []
         self.node_sets, self.element_sets, self.surfaces = {}, {}, {}
 
 
@@ -84,7 +92,7 @@ class Body:
     def __init__(self, name, content, scope):
         self.name, self.content, self.scope = name, content, scope
         self.nodes = {}     # indices by number
-        self.elements = {}  # kind ("cell", "face" or None) and index by number
+        self.elements = {}  # kind ("cell", "face", "link" or None) and index by number
 
 
 class AbaqusMesh(Mesh):
@@ -95,12 +103,14 @@ class AbaqusMesh(Mesh):
         self.deck, self.report = deck, report
         self.contents = {}
         self.faces, self.faces_in_sets = [], set()
+        self.links = []
         self.gaps = {}
         self.all_elements = []  # kind and index of all elements of all bodies
         for section in deck.sections:
             self.read(section)
         self.bodies = []
         self.make_bodies()
+        self.find_nodes_of_links()
         if not self.points:
             raise DeckError("There is no section *NODE.")
         self.name_sets()
@@ -159,6 +169,13 @@ class AbaqusMesh(Mesh):
         block = Block(kind)
         content.blocks.append(block)
         entries = set_of(content.element_sets, section.get("ELSET")).entries if section.get("ELSET") else None
+        if kind.is_link:
+            links = [self.link_of(line, kind) for line in section.lines]
+            content.links += links
+            block.elements = []
+            if entries is not None:
+                entries.extend(Entry.of_number(link.line, link.number) for link in links)
+            return
         if self.is_left_out(kind):
             # One line each; sets may name them.
             self.report.count(section.line.place, f"*ELEMENT, TYPE={kind.name} is left out: such elements are neither "
@@ -169,6 +186,13 @@ class AbaqusMesh(Mesh):
             self.read_block(section, block)
         if entries is not None:
             entries.extend(Entry.of_number(line, number) for number, _, line in block.elements)
+
+    @staticmethod
+    def link_of(line, kind):
+        fields = fields_of(line.text)
+        if len(fields) != 3:
+            line.fail(f"An element of type {kind.name} is a number and two nodes.")
+        return LinkElement(kind.name, line.integer(fields[0], "the number of an element"), fields[1:], line)
 
     @staticmethod
     def read_block(section, block):
@@ -271,6 +295,8 @@ class AbaqusMesh(Mesh):
             self.numbers.append(number)
         for block in content.blocks:
             self.add_block(body, block)
+        for link in content.links:
+            self.add_link(body, link)
 
     def placement_of(self, instance):
         """Moved, then turned about an axis by two points and an angle in degrees."""
@@ -320,6 +346,29 @@ class AbaqusMesh(Mesh):
                 body.elements[number] = ("face", len(self.faces))
                 self.faces.append((corners, line))
 
+    def add_link(self, body, link):
+        if link.number in body.elements:
+            link.line.fail(f"There are two elements of number {link.number}.")
+        body.elements[link.number] = ("link", len(self.links))
+        of_body = LinkElement(link.type, link.number, link.names, link.line)
+        of_body.prefix, of_body.body = body.name + "." if body.name else "", body
+        self.links.append(of_body)
+
+    def find_nodes_of_links(self):
+        """When all bodies are there: a link of the assembly may name nodes of instances."""
+        for link in self.links:
+            nodes = [self.members(link.body, Entry(link.line, name), f"the element {link.number}", True)
+                     for name in link.names]
+            if any(len(one) != 1 for one in nodes):
+                link.line.fail(f"The element {link.number} has two nodes, and each is a number or a set of one node.")
+            link.nodes = tuple(node for one in nodes for node in one)
+
+    def remark_links(self):
+        """Of a mesh alone."""
+        for link in self.links:
+            self.report.count(link.line.place, f"*ELEMENT, TYPE={link.type} is left out: such elements are neither cells nor "
+                              "faces of cells.")
+
     # Sets.
 
     def body_of(self, name, line):
@@ -344,7 +393,8 @@ class AbaqusMesh(Mesh):
         for entry in one.with_nodes:
             for kind, index in self.members(body, entry, of_what, False, ()):
                 if kind:
-                    nodes = self.cells[index].nodes if kind == "cell" else self.faces[index][0]
+                    nodes = self.cells[index].nodes if kind == "cell" else \
+                        self.links[index].nodes if kind == "link" else self.faces[index][0]
                     members.update(dict.fromkeys(nodes))
         return list(members)
 

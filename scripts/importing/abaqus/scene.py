@@ -7,6 +7,8 @@ from ..text import DeckError
 from .conditions import Conditions
 from .contacts import Contacts
 from .deck import key
+from .histories import HistoryReader
+from .links import LinkReader
 from .materials import read_materials
 from .mesh import Entry
 from .parts import Parts
@@ -36,11 +38,13 @@ class Converter:
         if not self.scene.parts:
             raise DeckError("there is no *SOLID SECTION with cells: nothing says of which material the cells are.")
         self.complete_materials()
+        self.links, self.histories = LinkReader(self), HistoryReader(self)
         self.conditions, self.contacts = Conditions(self), Contacts(self)
         self.is_model, self.step = True, self.steps[0] if self.steps else Step(None, 1, 0.0)
         self.read_sections(self.model)
         self.is_model = False
         self.make_steps()
+        self.links.write()
         self.report_what_is_left_out()
 
     def complete_materials(self):
@@ -91,13 +95,16 @@ class Converter:
         for step in self.steps:
             self.step = step
             self.conditions.begin_step()
+            self.links.begin_step()
             for section in step.sections:
                 if section.name == "OUTPUT":
                     read_output(section, step, self.scene)
                 elif section.name in ("FIXED MASS SCALING", "VARIABLE MASS SCALING"):
                     read_mass_scaling(section, step)
+            self.histories.read(step)
             self.read_sections(step.sections)
             names = self.conditions.conditions_of_step()
+            self.links.end_step()
             entries = {**step.own_entries(), **step.entries}
             if len(self.steps) == 1:
                 self.scene.end_time = step.time

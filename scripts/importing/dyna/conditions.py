@@ -14,6 +14,7 @@ def hold_nodes(converter):
     """TC of *NODE."""
     for axis in AXES:
         name = converter.mesh.names.get(("held", axis))
+        converter.links.links.prescribe(converter.mesh.held.get(axis, ()), {AXES.index(axis): "0"})
         if name:
             converter.scene.add("Conditions", "support", {
                 "Boundary": name, "Type": "displacement", "Function": components(converter, axis)}, "TC of *NODE")
@@ -72,9 +73,17 @@ def cross(a, b):
     return [a[d - 2] * b[d - 1] - a[d - 1] * b[d - 2] for d in range(3)]
 
 
+def are_ends(converter, record, nodes, texts):
+    """Prescribes texts by axis of ends of links that are in no cell; whether that is all that the card does."""
+    return not record.unused() and converter.links.links.prescribe(nodes, texts)
+
+
 def support(converter, record):
-    where = converter.node_set(record)
+    nodes = converter.nodes_named_by(record)
     axes = in_global_axes(converter, record, held_axes(record))
+    if are_ends(converter, record, nodes, {AXES.index(axis): "0" for axis in axes}):
+        return
+    where = converter.node_set(record)
     yield "Conditions", "support", fixed(converter, where, axes) if axes else None
 
 
@@ -85,7 +94,7 @@ def support_of_nodes(converter, section):
         axes = tuple(in_global_axes(converter, record, held_axes(record)))
         node = converter.mesh.node(record.integer("NID"), record.line)
         converter.refuse_unused(record)
-        if axes:
+        if axes and not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes}):
             nodes.setdefault(axes, []).append(node)
             first.setdefault(axes, record)
     for axes, members in nodes.items():
@@ -108,20 +117,58 @@ def times_table(converter, factor, curve):
 
 
 def motion(converter, record):
-    where = converter.node_set(record) if "NSID" in record.fields else \
-        converter.scene.selection([converter.mesh.node(record.integer("NID"), record.line)])
+    nodes = converter.nodes_named_by(record)
     axis, kind = record.integer("DOF"), record.integer("VAD")
-    if axis not in (1, 2, 3):
-        raise NotUnderstood(f"DOF = {axis} is not understood (1, 2 and 3 are)")
+    if axis in (5, 6, 7):
+        raise NotUnderstood(f"DOF = {axis} is a rotation of nodes, and nodes of solids do not turn (9, 10 and 11 turn them "
+                            "about an axis)")
+    if axis not in (1, 2, 3, 9, 10, 11):
+        raise NotUnderstood(f"DOF = {axis} is not understood (1, 2, 3 and 9, 10, 11 are)")
     if kind not in (0, 2):
         raise NotUnderstood(f"VAD = {kind} is not understood (0 and 2 are)")
     factor, curve = function_of_time(converter, record)
     converter.until_the_end(record, "DEATH")
+    if axis > 3:
+        yield "Conditions", "drive", turning(converter, record, AXES[axis - 9], kind, factor, curve)
+        return
     if record.unused():
         return
+    if any(node in converter.links.links.prescribed for node in nodes):
+        way = times_table(converter, factor, curve) if kind == 2 else way_of(converter, factor, curve)
+        if are_ends(converter, record, nodes, {axis - 1: way}):
+            return
     yield "Conditions", "drive", {
-        **where, "Type": "velocity" if kind == 0 else "displacement",
+        **where_of(converter, record, nodes), "Type": "velocity" if kind == 0 else "displacement",
         "Function": components(converter, AXES[axis - 1], times_table(converter, factor, curve))}
+
+
+def where_of(converter, record, nodes):
+    return converter.node_set(record) if "NSID" in record.fields else converter.scene.selection(nodes)
+
+
+def way_of(converter, factor, curve):
+    """A factor times the integral of a curve."""
+    converter.curves.along_time(curve)
+    return f"{number(factor)}*table({converter.table(integrated(converter, curve))}, t)"
+
+
+def turning(converter, record, axis, kind, factor, curve):
+    """DOF 9, 10 and 11: nodes turn about an axis, along which they are free."""
+    along = AXES.index(axis)
+    if converter.mesh.dimension == 2 and axis != "z":
+        raise NotUnderstood("in two dimensions nodes turn about z (DOF = 11)")
+    where = where_of(converter, record, converter.nodes_named_by(record))
+    centre = [0.0, 0.0, 0.0]
+    # The coordinates of a point of the axis, in cyclic order.
+    for field, d in (("OFFSET1", along - 2), ("OFFSET2", along - 1)):
+        centre[d] = record.number(field)
+    entries = {**where, "Type": "displacement"}
+    if converter.mesh.dimension == 3:
+        entries["Function"] = components(converter, axis, "free", "0")
+        entries["Axis"] = ", ".join("1" if other == axis else "0" for other in AXES)
+    entries["Angle"] = times_table(converter, factor, curve) if kind == 2 else way_of(converter, factor, curve)
+    entries["Centre"] = ", ".join(map(number, centre[:converter.mesh.dimension]))
+    return entries
 
 
 def rigid_motion(converter, record):
@@ -198,10 +245,22 @@ def load_of_nodes(converter, record):
 def pressure(converter, record):
     name = converter.boundary("segment set", record.integer("SSID"), record)
     factor, curve = function_of_time(converter, record)
+    birth, death = record.number("AT"), record.number("DT")
     if record.unused():
         return
     yield "Conditions", "pressure", {"Boundary": name, "Type": "pressure",
-                                     "Function": times_table(converter, factor, curve)}
+                                     "Function": pressure_of_time(converter, factor, curve, birth, death)}
+
+
+def pressure_of_time(converter, factor, curve, birth, death):
+    """A factor times a curve whose time begins at its birth; before it, and from its death on, there is none."""
+    converter.curves.along_time(curve)
+    end = converter.scene.end_time
+    time = f"t - {number(birth)}" if birth > 0 else "t"
+    text = f"{number(factor)}*table({converter.table(curve)}, {time})"
+    if birth > 0:
+        text = f"if(t < {number(birth)}, 0, {text})"
+    return f"if(t < {number(death)}, {text}, 0)" if death > 0 and not (end and death >= end) else text
 
 
 def pressure_on_segments(converter, section):
@@ -209,18 +268,20 @@ def pressure_on_segments(converter, section):
     groups = {}
     for record in section.records():
         factor, curve = function_of_time(converter, record)
+        birth = record.number("AT")
         n_corners = 4 if converter.mesh.dimension == 3 else 2
         nodes = [converter.mesh.node(record.integer(f"N{k}"), record.line) for k in range(1, n_corners + 1)]
         converter.refuse_unused(record)
-        groups.setdefault((factor, curve), []).append((tuple(nodes), record))
-    for (factor, curve), faces in groups.items():
+        groups.setdefault((factor, curve, birth), []).append((tuple(nodes), record))
+    for (factor, curve, birth), faces in groups.items():
         place = faces[0][1].line.place
         wanted = [face for face, _ in faces if tuple(sorted(face)) in converter.mesh.boundary_faces]
         if len(wanted) < len(faces):
             raise NotUnderstood(f"{len(faces) - len(wanted)} of its segments are no faces of the boundary")
         name = converter.scene.new_surface(wanted, f"segments of {place}".replace('"', ""))
         converter.scene.add("Conditions", "pressure", {
-            "Boundary": name, "Type": "pressure", "Function": times_table(converter, factor, curve)}, place)
+            "Boundary": name, "Type": "pressure",
+            "Function": pressure_of_time(converter, factor, curve, birth, 0.0)}, place)
 
 
 def body_load(converter, record):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*CONTROL_..., *DATABASE_..., *DAMPING_...: how long, in which steps, and what is written."""
 
-from ..scene import number
+from ..scene import NotUnderstood, number
 
 
 def termination(converter, record):
@@ -54,33 +54,88 @@ def statistics(converter, record):
 def further(name):
     def add(converter, record):
         record.number("DT")
-        output = converter.scene.output()
-        known = [word for word in output.get("Further outputs", "").split(", ") if word]
-        if name not in known:
-            output["Further outputs"] = ", ".join(known + [name])
+        converter.scene.ask_for(name)
     return add
 
 
-def probes(converter, section):
-    """*DATABASE_HISTORY_NODE: places of nodes."""
+def interval(section_of_output, entry):
+    """*DATABASE_NODOUT, _ELOUT and _DEFORC: how often a history has rows, which a later card may ask for."""
+    def read(converter, record):
+        converter.intervals.append((record, section_of_output, entry))
+    return read
+
+
+def intervals_of_histories(converter):
+    """When all histories are known."""
+    if converter.scene.named["Processes"]:
+        converter.scene.output().setdefault("link history", {})
+    for record, section_of_output, entry in converter.intervals:
+        if record.number("DT") > 0 and not converter.histories.every(section_of_output, {entry: number(record.number("DT"))}):
+            converter.report.note(record.line.place, f"*{record.section.keyword} is used by nothing.")
+    output = converter.scene.output()
+    if not output.get("link history", True):
+        del output["link history"]
+
+
+def watched(converter, section, what):
+    """Lines of a *DATABASE_HISTORY with their numbers, and the labels of these."""
     section.is_read = True
-    places = []
-    lines = section.lines
-    for line in lines:
-        fields = section.fields(line)
-        numbers = [fields[0]] if section.has_id else fields
-        for text in filter(None, numbers):
-            node = converter.mesh.node(line.integer(text), line, section.transform)
-            label = (fields[1] if section.has_id and len(fields) > 1 else "") or f"node {text}"
-            point = converter.mesh.points[node][:converter.mesh.dimension]
-            places.append(f"{label}: " + ", ".join(map(number, point)))
-    if places:
-        probes_section = converter.scene.output().setdefault("probes", {})
-        known = probes_section.get("Locations")
-        probes_section["Locations"] = "; ".join(([known] if known else []) + places)
+    for line in section.lines:
+        fields, label = ([], "") if not section.has_id else section.number_and_title(line)
+        for text in filter(None, fields or section.fields(line)):
+            number_of_one = line.integer(text, f"the number of {what}")
+            if number_of_one:
+                yield line, number_of_one, label
+
+
+def nodes(converter, section):
+    """*DATABASE_HISTORY_NODE."""
+    found = [(converter.mesh.node(one, line, section.transform), label, line)
+             for line, one, label in watched(converter, section, "a node")]
+    if found:
+        members, labels, lines = zip(*found)
+        try_to_add(converter, section, lines[0], converter.histories.add_nodes, members, labels)
+
+
+def node_sets(converter, section):
+    """*DATABASE_HISTORY_NODE_SET."""
+    for line, one, _ in watched(converter, section, "a set of nodes"):
+        name = converter.name_of_set("node set", section.transform.number("S", one), line)
+        try_to_add(converter, section, line, converter.histories.add_nodes, converter.mesh.all_node_sets[name])
+
+
+def solids(converter, section):
+    """*DATABASE_HISTORY_SOLID."""
+    found = []
+    for line, one, label in watched(converter, section, "an element"):
+        cell = converter.mesh.cell_of_element.get(section.transform.number("E", one))
+        if cell is None:
+            line.fail(f"There is no element of number {one}.")
+        found.append((cell, label, line))
+    if found:
+        cells, labels, lines = zip(*found)
+        try_to_add(converter, section, lines[0], converter.histories.add_cells, cells, "solid", labels)
+
+
+def solid_sets(converter, section):
+    """*DATABASE_HISTORY_SOLID_SET."""
+    for line, one, _ in watched(converter, section, "a set of elements"):
+        name = converter.name_of_set("solid set", section.transform.number("S", one), line)
+        try_to_add(converter, section, line, converter.histories.add_cells, converter.mesh.groups.get(name, ()), "solid")
+
+
+def try_to_add(converter, section, line, add, members, *further):
+    try:
+        add(members, line.place, *further)
+    except NotUnderstood as reason:
+        converter.leave_out(section, [line], line.place, reason)
 
 
 RECORDS = {"CONTROL_TERMINATION": termination, "CONTROL_TIMESTEP": time_step, "CONTROL_BULK_VISCOSITY": viscosity,
            "CONTROL_IMPLICIT_GENERAL": implicit, "DAMPING_GLOBAL": damping, "DATABASE_BINARY_D3PLOT": pictures,
-           "DATABASE_GLSTAT": statistics, "DATABASE_MATSUM": further("part history")}
-SECTIONS = {"DATABASE_HISTORY_NODE": probes}
+           "DATABASE_GLSTAT": statistics, "DATABASE_MATSUM": further("part history"),
+           "DATABASE_NODOUT": interval("probes", "Interval"),
+           "DATABASE_ELOUT": interval("point history", "Time between rows"),
+           "DATABASE_DEFORC": interval("link history", "Time between rows")}
+SECTIONS = {"DATABASE_HISTORY_NODE": nodes, "DATABASE_HISTORY_NODE_SET": node_sets, "DATABASE_HISTORY_SOLID": solids,
+            "DATABASE_HISTORY_SOLID_SET": solid_sets}

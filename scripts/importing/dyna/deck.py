@@ -122,9 +122,13 @@ class Section:
             return lines[0].text.strip(BLANKS), lines[1:]
         if not self.is_head(lines):
             return "", lines
+        return self.number_and_title(lines[0])[1], lines[1:]
+
+    def number_and_title(self, line):
+        """The first field of a card, in a list, and the text behind it, in which there may be commas."""
         end = 20 if self.is_long else 10
-        text = lines[0].text
-        return (text.partition(",")[2] if "," in text[:end] else text[end:]).strip(BLANKS), lines[1:]
+        text, _, title = line.text.partition(",") if "," in line.text[:end] else (line.text[:end], "", line.text[end:])
+        return [text.strip(BLANKS)], title.strip(BLANKS)
 
     def is_head(self, lines):
         """Whether a card has number and title of a keyword with _ID: the first one, and others with fields that
@@ -148,9 +152,16 @@ class Section:
                 continue
             if name == "SECTION_SOLID" and lines and self.fields(lines[0])[1:2] == ["47"]:
                 name = "SECTION_SOLID_SPG"
+            if name.startswith("BOUNDARY_PRESCRIBED_MOTION_") and name in REPEATED and lines and self.has_axis(lines[0]):
+                name += "_ABOUT"
             n_cards = n_cards_of(name) if self.name in REPEATED else len(lines)
             yield Record(self, title, lines[:n_cards], name)
             lines = lines[n_cards:]
+
+    def has_axis(self, line):
+        """Whether a prescribed motion has a second card."""
+        values = [value_of(text) for text in self.fields(line)[1:3]]
+        return (values[:1] and abs(values[0] or 0) in (9, 10, 11)) or values[1:] == [4]
 
     def head(self):
         """The first card as a record, and the lines of the others."""

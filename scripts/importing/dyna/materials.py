@@ -21,6 +21,7 @@ class Material:
         self.failure_strain, self.has_damage = None, False
         self.equation, self.remarks, self.flow, self.heat = {}, [], {}, {}
         self.moduli = {}
+        self.back_stress = 0  # the modulus of kinematic hardening
         self.start_of_tables = record.number("TREF")
         readers = {"MAT_003": self.read_plastic_kinematic, "MAT_004": self.read_over_temperature, "MAT_024": self.read_piecewise_linear,
                    "MAT_106": self.read_viscoplastic_thermal, "MAT_020": self.read_rigid}
@@ -42,14 +43,20 @@ class Material:
     def hardening(self, yield_stress, tangent):
         """Linear hardening of a tangent modulus of the uniaxial curve."""
         self.refuse_zero("yield stress (SIGY)", yield_stress)
-        slope = self.modulus * tangent / (self.modulus - tangent) if tangent < self.modulus else 0
-        return linear_hardening(yield_stress, slope)
+        return linear_hardening(yield_stress, self.slope(tangent))
+
+    def slope(self, tangent):
+        """Of the stress over the plastic strain."""
+        return self.modulus * tangent / (self.modulus - tangent) if tangent < self.modulus else 0
 
     def read_plastic_kinematic(self):
         record = self.record
-        self.flow = self.hardening(record.number("SIGY"), record.number("ETAN"))
-        if record.number("BETA") < 1:
-            self.remarks.append("BETA < 1, kinematic hardening: hardening is isotropic here.")
+        self.refuse_zero("yield stress (SIGY)", record.number("SIGY"))
+        slope = self.slope(record.number("ETAN"))
+        isotropic = min(max(record.number("BETA"), 0.0), 1.0)
+        self.flow = linear_hardening(record.number("SIGY"), isotropic * slope)
+        if isotropic < 1 and slope > 0:
+            self.back_stress = (1 - isotropic) * slope
         self.leave_out_rates("SRC", "SRP", "SRC, SRP: the rate dependence of Cowper and Symonds is left out.")
         self.read_failure_strain("FS")
 
@@ -208,6 +215,9 @@ class Material:
         if self.kind == "MAT_001":
             self.remarks.append(f"The equation of state on {record.line.place} is left out: the model is elastic.")
             return
+        if self.back_stress:
+            self.remarks.append(f"The equation of state on {record.line.place} is left out: kinematic hardening has none.")
+            return
         if record.name != "EOS_GRUNEISEN" and form_of(record.name) == "EOS_LINEAR_POLYNOMIAL":
             self.give_polynomial(record)
             return
@@ -229,7 +239,8 @@ class Material:
 
     def entries(self):
         """Comments, and the entries of the section."""
-        model = "elastic" if self.kind in ("MAT_001", "MAT_020") or not self.flow else "j2 plasticity"
+        model = "elastic" if self.kind in ("MAT_001", "MAT_020") or not self.flow else \
+            "chaboche" if self.back_stress else "j2 plasticity"
         title = f": {self.record.title}" if self.record.title else ""
         if self.kind == "MAT_015" and not self.equation:
             self.remarks.append("There is no *EOS_GRUNEISEN of its parts: pressure is linear elastic.")
@@ -238,6 +249,8 @@ class Material:
         section = self.record.section
         comments = [f"*{section.keyword} on {section.line.place}{title}", *self.remarks]
         flow = dict(self.flow)
+        if self.back_stress:
+            flow["Back stress moduli"] = number(self.back_stress)
         if self.heat:
             flow.pop("Specific heat capacity", None)
             flow.pop("Initial temperature", None)

@@ -167,9 +167,9 @@ class DynaMesh(Mesh):
             self.titles.setdefault(part, "")
 
     def name_held_nodes(self):
-        said = []
+        said, in_cells = [], {node for cell in self.cells for node in cell.nodes}
         for axis, nodes in self.held.items():
-            if nodes:
+            if not in_cells.isdisjoint(nodes):
                 name = self.boundary_names.give("", f"held along {axis}")
                 said.append(f'"{name}" ({len(nodes)} nodes)')
                 self.names["held", axis] = name
@@ -184,7 +184,7 @@ class DynaMesh(Mesh):
             cells.setdefault(part, []).append(c)
         for part, title in sorted(self.titles.items()):
             if part not in cells:
-                if part not in self.shells:
+                if part not in self.shells and part not in self.parts_of_links():
                     self.remarks.append(f'The part {part} "{title}" has no cells: it is left out.')
                 continue
             number = f"part {part}"
@@ -193,6 +193,11 @@ class DynaMesh(Mesh):
             for group in (name, number):
                 if group not in self.groups:
                     self.add_group(group, cells[part])
+
+    def parts_of_links(self):
+        """Numbers of the parts of *ELEMENT_DISCRETE."""
+        return {section.transform.number("P", (section.integers(line, section.integer_width, 2, "a number") + [0, 0])[1])
+                for section in self.deck.named("ELEMENT_DISCRETE") for line in section.lines if line.text.strip()}
 
     def name_shells(self):
         for part, faces in self.shells.items():

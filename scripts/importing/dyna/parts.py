@@ -28,6 +28,9 @@ class PartReader:
         converter, report = self.converter, self.report
         number_of_part = record.integer("PID")
         mesh = converter.mesh
+        if number_of_part in converter.links.part_numbers:
+            converter.links.parts[number_of_part] = record
+            return
         if number_of_part not in mesh.part_names:
             report.note(record.line.place, f'the part {number_of_part} "{record.title}" has no solid elements.')
             converter.forget(record)

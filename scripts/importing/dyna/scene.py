@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The scene of a keyword file."""
 
+from ..histories import Histories
 from ..mesh import usable
 from ..scene import NotUnderstood, Scene, number, refuse_mixed_units
 from . import conditions, contacts, control, initial
 from .cards import form_of
 from .curves import Curves, Used
+from .links import LinkReader
 from .materials import EOS, MODELS, Material
 from .parts import PartReader
 
@@ -26,7 +28,8 @@ class Converter:
         deck.report = report
         self.deck, self.mesh, self.report = deck, mesh, report
         self.scene = Scene(deck.path, target, report, mesh)
-        self.records, self.integrated = [], {}
+        self.records, self.integrated, self.intervals = [], {}, []
+        self.histories = Histories(self.scene, self.scene.output())
         for section in deck.sections:
             section.is_read = getattr(section, "is_read", False) or section.name in OF_THE_MESH
             if section.name == "TITLE" and section.lines:
@@ -42,7 +45,9 @@ class Converter:
             for record in section.records():
                 self.viscosity = {"Linear bulk viscosity": number(record.number("Q2") or 0.06),
                                   "Quadratic bulk viscosity": number(record.number("Q1") or 1.5)}
+        self.links = LinkReader(self)
         self.parts = PartReader(self)
+        self.links.connect()
         for material in self.materials.values():
             self.scene.materials[f"material {material.number}"] = material.entries()
             for remark in material.remarks:
@@ -52,6 +57,8 @@ class Converter:
         conditions.hold_nodes(self)
         for section in sorted(deck.sections, key=lambda section: section.name.startswith(LAST)):
             self.read(section)
+        self.links.write()
+        control.intervals_of_histories(self)
         self.report_what_is_left_out()
 
     def read_materials(self):
@@ -139,7 +146,7 @@ class Converter:
         self.report.leave_out(section, lines, f"{reason}, so that this is left out ({place})")
 
     def report_what_is_left_out(self):
-        for things in (self.curves, self.equations, self.forms, self.thermal):
+        for things in (self.curves, self.equations, self.forms, self.thermal, self.links.forms, self.links.materials):
             for thing_number, thing in things.unused():
                 record = getattr(thing, "record", thing)
                 if record in self.records:
@@ -156,13 +163,17 @@ class Converter:
 
     def boundary(self, kind, number_of_set, record):
         """The name of a set of nodes or segments."""
+        return self.name_of_set(kind, number_of_set, record.section.line)
+
+    def name_of_set(self, kind, number_of_set, line):
+        """The name of a set that a line names."""
         name = self.mesh.names.get((kind, number_of_set))
         if name is None:
-            section = self.mesh.sets.not_read.get((kind, number_of_set))
-            if section:
-                raise NotUnderstood(f"the {kind} {number_of_set} is a *{section.keyword} ({section.line.place}), which is "
-                                    "not read")
-            record.section.line.fail(f"there is no {kind} {number_of_set}.")
+            of_set = self.mesh.sets.not_read.get((kind, number_of_set))
+            if of_set:
+                raise NotUnderstood(f"the {kind} {number_of_set} is a *{of_set.keyword} ({of_set.line.place}), which is not "
+                                    "read")
+            line.fail(f"there is no {kind} {number_of_set}.")
         return name
 
     def members(self, record, field="NSID"):
@@ -174,6 +185,15 @@ class Converter:
         if name not in self.mesh.node_sets:
             raise NotUnderstood(f"the node set {number_of_set} has no nodes of cells")
         return self.mesh.node_sets[name]
+
+    def nodes_named_by(self, record):
+        """All nodes that NSID or NID names, also those of no cell."""
+        if "NSID" not in record.fields:
+            return [self.mesh.node(record.integer("NID"), record.line)]
+        number_of_set = record.integer("NSID")
+        if number_of_set == 0:
+            return self.members(record)
+        return self.mesh.all_node_sets[self.boundary("node set", number_of_set, record)]
 
     def node_set(self, record, field="NSID"):
         """Entries that select the nodes of a set."""

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -103,13 +104,14 @@ namespace tombolo
       length_at_start = reach(model, 0.).norm();
       this->records.value("length at the start of " + name, length_at_start);
       this->records.value("force of " + name, force);
+      this->records.value("length of " + name, length);
       if (!is_joint && !(length_at_start > 0.))
         entries->fail(other_point ? "Other point" : "End",
                       "both ends are at one place at the start; allowed are two, or `Length = 0`.");
+      this->observed.object(*this);
       find_masses(model);
       model.signals.trials.connect([this](const Clock &, double) { resists_no_rates = true; });
-      this->observed.history(link_history,
-                             [this, &model](BalanceHistory<dim> &row) { add_row(model, row); });
+      this->observed.history(link_history, [this](BalanceHistory<dim> &row) { add_row(row); });
       this->observed.step_limits.connect([this](const double step, double &fraction)
                                          { fraction = std::min(fraction, stable_share(step)); });
     }
@@ -122,6 +124,7 @@ namespace tombolo
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
     {
       force = pull(model, clock);
+      length = reach(model, clock.time).norm();
       if (first.node.is_here())
         first.pull->add_force(first.node.node(), force);
       if (second.pull != nullptr && second.node.is_here())
@@ -211,24 +214,55 @@ namespace tombolo
         if (const double mass = *model.bridge->mass().node(i); mass > 0.)
           lightest = std::min(lightest, mass);
       mobility = (other_point ? 2. : 1.) / Utilities::MPI::min(lightest, model.communicator);
+      // An end may be that of several links, which add up.
+      at_ends = {};
+      for (const PulledPoint *const end_point : {&first, &second})
+      {
+        Sum of_links;
+        for (const Link *const other : shown_by_processes<Link<dim>>(model))
+          other->add_at(end_point->node.persistent_id(), of_links);
+        at_ends.stiffness = std::max(at_ends.stiffness, of_links.stiffness);
+        at_ends.damping = std::max(at_ends.damping, of_links.damping);
+        if (second.pull == nullptr)
+          break;
+      }
+    }
+
+    /** What the links at a node resist with. */
+    struct Sum
+    {
+      double stiffness = 0, damping = 0;
+    };
+
+    /** Adds this link where it ends at the node. */
+    void add_at(const std::uint64_t node, Sum &sum) const
+    {
+      if (first.node.persistent_id() != node &&
+          (second.pull == nullptr || second.node.persistent_id() != node))
+        return;
+      sum.stiffness += stiffness;
+      sum.damping += damping;
     }
 
     /** Of the @p step of the bodies, 2 over their largest frequency, what is stable with the link:
-     * (2/ω) (√(1 + ξ²) - ξ) with both in ω and the damping as far as it lags behind. */
+     * (2/ω) (√(1 + ξ²) - ξ) with both in ω and the damping as far as it lags behind. Bodies without
+     * a limit are moved by what is prescribed alone. */
     double stable_share(const double step) const
     {
-      const double relative = std::sqrt(1. + 0.25 * step * step * stiffness * mobility);
-      const double lag = 0.25 * step * damping * mobility / relative;
+      if (!std::isfinite(step))
+        return 1.;
+      const double relative = std::sqrt(1. + 0.25 * step * step * at_ends.stiffness * mobility);
+      const double lag = 0.25 * step * at_ends.damping * mobility / relative;
       return (std::sqrt(1. + lag * lag) - lag) / relative;
     }
 
-    void add_row(const Model<dim> &model, BalanceHistory<dim> &row) const
+    void add_row(BalanceHistory<dim> &row) const
     {
       std::array<double, 3> components{};
       for (unsigned int d = 0; d < dim; ++d)
         components[d] = force[d];
       row.begin_item({name});
-      row.add("length", "L", reach(model, row.present().time).norm());
+      row.add("length", "L", length);
       row.add("force", "M L/T^2", components);
     }
 
@@ -240,8 +274,10 @@ namespace tombolo
     bool is_joint = false, resists_no_rates = false;
     std::string name;
     PulledPoint first, second;
-    Vector force; // on the first end
+    Vector force;      // on the first end at t_n
+    double length = 0; // at t_n
     double length_at_start = 0, mobility = 0;
+    Sum at_ends;
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Process, Link, "link",
