@@ -309,7 +309,7 @@ class Writer:
         self.set("Steps between conversions", conversion["interval"])
 
     def flows(self, material):
-        return self.scene["model" if material == "first" else "second model"] == "j2 plasticity"
+        return self.scene["model" if material == "first" else "second model"] in scenes.PLASTIC
 
     def particles(self, material):
         scene = self.scene
@@ -361,8 +361,12 @@ class Writer:
         self.set("Poisson's ratio", scene["poisson"])
         if scene["heat"] is not None:
             self.set("Thermal expansion", self.number(scene["expansion"], temperature=-1))
-        if model == "j2 plasticity":
-            self.flow_stress(stiffness)
+        if model in scenes.PLASTIC:
+            self.flow_stress(stiffness, keeps_temperature=model == "j2 plasticity")
+        if model == "chaboche":
+            moduli, rates = zip(*scene["back stress"])
+            self.set("Back stress moduli", ", ".join(self.pressure(c * scene["yield"] * stiffness) for c in moduli))
+            self.set("Recovery rates", ", ".join(map(str, rates)))
         self.end()
         if scene["heat"] is not None:
             heat = scene["heat"]
@@ -375,15 +379,18 @@ class Writer:
                                   "Initial temperature": self.temperature(300)})
         self.end()
 
-    def flow_stress(self, stiffness):
+    def flow_stress(self, stiffness, keeps_temperature):
         scene = self.scene
         flow, yields = scene["flow stress"], scene["yield"] * stiffness
+        heats = scene["taylor quinney"] > 0. and keeps_temperature
+        if flow == "johnson cook" and scene["heat"] is None and not keeps_temperature:
+            flow = "linear hardening"
         self.set("Flow stress", flow)
         if scene["taylor quinney"] > 0.:
             self.set("Taylor-Quinney coefficient", scene["taylor quinney"])
-        if scene["heat"] is None and scene["taylor quinney"] > 0.:
+        if scene["heat"] is None and heats:
             self.set("Specific heat capacity", self.number(1e-4, 2, 0, -2, -1))
-        if scene["heat"] is None and (scene["taylor quinney"] > 0. or flow == "johnson cook"):
+        if scene["heat"] is None and (heats or flow == "johnson cook"):
             self.set("Initial temperature", self.temperature(300))
         hardening = scene["hardening"] * yields
         if flow == "linear hardening":
@@ -391,7 +398,7 @@ class Writer:
         elif flow == "tabular":
             rows = [[yields, yields + 0.1 * hardening, yields + 0.5 * hardening]]
             entries = {"Plastic strains": "0, 0.1, 1"}
-            if scene["heat"] is not None or scene["taylor quinney"] > 0.:
+            if scene["heat"] is not None or heats:
                 rows.append([0.2 * value for value in rows[0]])
                 entries["Temperatures"] = ", ".join(map(self.temperature, (300, 900)))
             entries["Flow stresses"] = "; ".join(", ".join(map(self.pressure, row)) for row in rows)

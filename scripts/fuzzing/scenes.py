@@ -16,6 +16,8 @@ ELEMENTS = ["hexahedron", "fully integrated hexahedron", "lagrange hexahedron"]
 PARTICLES = "momentum consistent particle"
 # What may stand in the place of particles, and of fully integrated elements.
 SMOOTHED_PARTICLES, SMOOTHED_CELLS = "smoothed particle", "smoothed cells"
+PLASTIC = ["j2 plasticity", "chaboche"]
+BACK_STRESSES = [[[1., 0.]], [[10., 30.], [0.3, 0.]]]  # moduli over the yield stress, rates of recovery
 PAIR_TERMS = ["Artificial viscosity", "Artificial stress", "XSPH"]
 MOST_CELLS = 160
 
@@ -38,7 +40,7 @@ def drawn(seed):
     """The scene of a seed."""
     generator = random.Random(seed)
     choice = generator.choice
-    scene = {"seed": seed, "dimension": choice([2, 2, 3])}
+    scene = {"seed": seed, "dimension": choice([2, 2, 3]), "back stress": BACK_STRESSES[seed % 2]}
     scene.update(drawn_mesh(generator, scene["dimension"]))
     scene.update(drawn_body(generator))
     scene.update(drawn_particles(generator))
@@ -135,7 +137,7 @@ def drawn_body(generator):
     """Parts and what they are made of."""
     choice = generator.choice
     all_formulations = ELEMENTS[:2] * 2 + ELEMENTS[2:] + [PARTICLES] * 5
-    model = choice(["elastic", "j2 plasticity", "j2 plasticity", "j2 plasticity"])
+    model = choice(["elastic", "j2 plasticity", "j2 plasticity", "chaboche"])
     return {"layout": choice(["one", "one", "halves", "halves", "core", "layer"]),
             "formulations": [choice(all_formulations), choice(all_formulations)],
             "model": model, "flow stress": choice(["linear hardening", "johnson cook", "tabular"]),
@@ -234,7 +236,7 @@ def is_refined_beside_particles(scene):
 
 
 def is_plastic(scene):
-    return scene["model"] == "j2 plasticity"
+    return scene["model"] in PLASTIC
 
 
 def legal(scene):

@@ -215,17 +215,15 @@ namespace tombolo
       double *const thermal_work = is_thermoelastic() ? batch.internal_variables.back() : nullptr;
       advance_stress(batch, thermal_work);
       alignas(64) double bulk[n_lanes], shear[n_lanes], old_bulk[n_lanes], old_shear[n_lanes];
+      Return points;
+      points.old_back.resize(terms.size());
       for (unsigned int i = 0; i < batch.n; i += n_lanes)
       {
         const double *const temperature = batch.temperature ? batch.temperature + i : nullptr;
         elastic_moduli(n_lanes, temperature, bulk, shear);
         if (tangent)
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          {
-            MaterialTangent at = *tangent;
-            set_elastic_tangent(bulk[lane], shear[lane], i + lane, at);
-          }
-        Return points;
+            set_elastic_tangent(bulk[lane], shear[lane], i + lane, *tangent);
         points.shear = load_lanes(shear);
         if (!return_points(batch, i, points))
           continue;
@@ -278,8 +276,8 @@ namespace tombolo
       Lanes largest = von_mises(points.trial);
       for (std::size_t k = 0; k < terms.size(); ++k)
       {
-        points.old_back.push_back(load(back_stress(batch, k, i)));
-        largest += von_mises(points.old_back.back());
+        points.old_back[k] = load(back_stress(batch, k, i));
+        largest += von_mises(points.old_back[k]);
       }
       store_lanes(old_strain, points.strain);
       evaluate_flow(points, Lanes(0.), temperature, 0.);
@@ -399,8 +397,9 @@ namespace tombolo
         {
           const double deviatoric =
               (row == column ? 1. : 0.) - (row < 3 && column < 3 ? 1. / 3. : 0.);
-          Lanes change = twice_shear * twice_shear * along * (column < 3 ? 1. : 2.) * n[column] -
-                         1.5 * twice_shear * twice_shear * share * deviatoric;
+          const Lanes change =
+              twice_shear * twice_shear * along * (column < 3 ? 1. : 2.) * n[column] -
+              1.5 * twice_shear * twice_shear * share * deviatoric;
           double *const entry = tangent[6 * row + column] + i;
           store_lanes(load_lanes(entry) + change, entry);
         }

@@ -147,7 +147,7 @@ namespace tombolo
     std::vector<Hdf5Table::Column> headings;
     for (const Column &column : columns)
       if (column.is_in_file)
-        headings.push_back({column.name, unit_labels.label(column.unit)});
+        headings.push_back({column.name, unit_labels.label_of(column.name, column.unit)});
     hdf5.begin(*directory, headings, first_rows);
   }
 

@@ -151,10 +151,8 @@ namespace tombolo
     return result;
   }
 
-  std::string UnitLabels::heading(const std::string &name, const std::string &unit) const
+  std::string UnitLabels::label_of(const std::string &name, const std::string &unit) const
   {
-    if (unit.empty() || unit == "1")
-      return name;
     const bool is_moment =
         name.find("torque") != std::string::npos ||
         (name.find("moment") != std::string::npos && name.find("momentum") == std::string::npos);
@@ -162,7 +160,12 @@ namespace tombolo
       for (const auto *const labels : {&given, &derived})
         for (const auto &entry : *labels)
           if (entry.first == "torque")
-            return name + " [" + entry.second + "]";
-    return name + " [" + label(unit) + "]";
+            return entry.second;
+    return label(unit);
+  }
+
+  std::string UnitLabels::heading(const std::string &name, const std::string &unit) const
+  {
+    return unit.empty() || unit == "1" ? name : name + " [" + label_of(name, unit) + "]";
   }
 } // namespace tombolo

@@ -408,7 +408,7 @@ class Sections(Case):
                 (cut("a", -1), ("cuts no cell", "whole bodies")),
                 (("Section: a/Where = x > 5",), ("Where", "cuts no cell")),
                 (("Section: a/Normal = 0, 0, 0", "Section: a/Point = 1, 0, 0"), ("Normal", "length above zero")),
-                (("Section: a/Between parts = root, tap",), ('no part "tap"', 'Did you mean "tip"')),
+                (("Section: a/Between parts = root, tap",), ('no part "tap"', 'did you mean "tip"')),
                 (("Section: a/Between parts = root",), ("names of two parts",)),
                 (("Section: a/Between parts = root, tip", "Section: a/Where = x > 1"), ("no predicate",))):
             message = " ".join(self.refusal("Sections = a", *settings).split())

@@ -30,7 +30,7 @@ TWENTY = (
     (34, 'Smoothing" = "afine"'),
     (40, 'the entry "Density" is missing.'),
     (40, 'the entry "Poisson\'s ratio" is missing.'),
-    (46, '"Material: copper/Model" = "elastik": allowed is one of "elastic"'),
+    (46, '"Material: copper/Model" = "elastik": allowed is one of "chaboche", "elastic"'),
     (52, '"Condition: pulse/Function" = "0.1*sin(pi*t)"'),
     (56, 'unknown entry "Condition: wall/Wher". Did you mean "Where"?'),
     (61, '"Initial condition: start/Velocity" = "1; 2; 3"'),

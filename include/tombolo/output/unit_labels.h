@@ -34,6 +34,9 @@ namespace tombolo
     /** The unit with names put in; "1" stays. */
     std::string label(const std::string &unit) const;
 
+    /** The same of a quantity of this name: a moment has the unit of a torque, not of an energy. */
+    std::string label_of(const std::string &name, const std::string &unit) const;
+
     /** "name [unit]", or only the name where the unit is "1" or empty. */
     std::string heading(const std::string &name, const std::string &unit) const;
 

@@ -35,7 +35,8 @@ namespace tombolo
    * @endverbatim
    *
    * and the second by -f. The length L without force may change with time, as that of an actuator.
-   * A link costs two sums over ranks in a step, and nothing else where its points are not.
+   * A link costs a sum over ranks in a step for each of its points, another with a dashpot, and
+   * nothing else where its points are not.
    */
   template <int dim>
   class Link : public Process<dim>
@@ -123,8 +124,10 @@ namespace tombolo
 
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
     {
-      force = pull(model, clock);
-      length = reach(model, clock.time).norm();
+      const Vector r = reach(model, clock.time);
+      length = r.norm();
+      force =
+          pull(r, damping > 0. && !resists_no_rates ? rate(model, clock) : Vector(), clock.time);
       if (first.node.is_here())
         first.pull->add_force(first.node.node(), force);
       if (second.pull != nullptr && second.node.is_here())
@@ -133,19 +136,20 @@ namespace tombolo
 
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override
     {
+      if (!(stiffness > 0.))
+        return;
       const Vector r = reach(model, clock.time);
-      const double length = r.norm();
+      const double squared = r.norm_square();
       // What pushes has less stiffness across than none.
       const double across =
           is_joint ? stiffness
-                   : stiffness * std::max(0., 1. - length_without_force(clock.time) / length);
+                   : stiffness *
+                         std::max(0., 1. - length_without_force(clock.time) / std::sqrt(squared));
       Tensor<2, dim> change;
       for (unsigned int d = 0; d < dim; ++d)
         change[d][d] = across;
       if (!is_joint)
-        change += (stiffness - across) / (length * length) * outer_product(r, r);
-      if (!(stiffness > 0.))
-        return;
+        change += (stiffness - across) / squared * outer_product(r, r);
       if (second.pull == nullptr)
       {
         if (first.node.is_here())
@@ -193,16 +197,13 @@ namespace tombolo
       return free_length ? free_length->value(Point<dim>(), time) : length_at_start;
     }
 
-    /** The force on the first end. Collective. */
-    Vector pull(const Model<dim> &model, const Clock &clock) const
+    /** The force on the first end, by r and dr/dt. */
+    Vector pull(const Vector &r, const Vector &v, const double time) const
     {
-      const Vector r = reach(model, clock.time);
-      const Vector v = damping > 0. && !resists_no_rates ? rate(model, clock) : Vector();
       if (is_joint)
         return stiffness * r + damping * v;
-      const double length = r.norm();
       const Vector n = length > 0. ? r / length : Vector();
-      return (stiffness * (length - length_without_force(clock.time)) + damping * (n * v)) * n;
+      return (stiffness * (length - length_without_force(time)) + damping * (n * v)) * n;
     }
 
     /** Finds the lightest mass that an end may have. Collective. */
