@@ -232,7 +232,7 @@ namespace tombolo
           for (const auto &[entries, slide] :
                {std::make_pair("", 1e-2), std::make_pair("set Friction = 0.4\n", 1e-6),
                 std::make_pair("set Friction = 0.4\n", 1e-2),
-                std::make_pair("set Friction = 0.4\nset Shear limit = 1e-6\n", 1e-2),
+                std::make_pair("set Friction = 0.4\nset Shear limit = 1e-3\n", 1e-2),
                 std::make_pair("set Type = tied\n", 1e-6)})
           {
             SCOPED_TRACE(planes + entries + std::to_string(slide));
