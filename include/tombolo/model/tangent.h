@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/contact/contact_stiffness.h>
-#include <tombolo/state/body_point.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <cmath>
@@ -10,6 +9,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class BodyPoint;
+
   /**
    * How forces of processes change with positions and velocities, what Process::linearize() adds
    * to: members that are null are not asked for. The stiffness is that of steps of bodies at rest,
