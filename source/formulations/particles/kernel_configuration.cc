@@ -8,10 +8,24 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tombolo
 {
+  namespace
+  {
+    template <int dim>
+    std::array<double, dim * dim> row_major(const Tensor<2, dim> &tensor)
+    {
+      std::array<double, dim * dim> result;
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          result[a * dim + b] = tensor[a][b];
+      return result;
+    }
+  } // namespace
+
   template <int dim>
   KernelConfiguration<dim>::KernelConfiguration(const Entries &e, const std::string &default_kind)
   {
@@ -144,7 +158,7 @@ namespace tombolo
   {
     const double *const initial =
         particles.initial_supports().data() + std::size_t(i) * node_stride;
-    SupportSize::stretch<dim>(total.begin_raw(), initial, half_width);
+    SupportSize::stretch<dim>(row_major(total).data(), initial, half_width);
     if (stretch_limit > 0.)
       for (unsigned int d = 0; d < dim; ++d)
         half_width[d] =
@@ -205,14 +219,19 @@ namespace tombolo
   {
     std::vector<double> entries;
     for (const Tensor<2, dim> &of_particle : reference_deformation)
-      entries.insert(entries.end(), of_particle.begin_raw(), of_particle.end_raw());
+    {
+      const auto of_tensor = row_major(of_particle);
+      entries.insert(entries.end(), of_tensor.begin(), of_tensor.end());
+    }
     archive.rows("position at rebuild", node_stride, reference_position);
     archive.rows("support at rebuild", node_stride, half_widths);
     archive.rows("deformation at rebuild", dim * dim, entries);
     if (!archive.is_reading())
       return;
     for (std::size_t i = 0; i < reference_deformation.size(); ++i)
-      std::copy_n(&entries[i * dim * dim], dim * dim, reference_deformation[i].begin_raw());
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          reference_deformation[i][a][b] = entries[(i * dim + a) * dim + b];
   }
 
   template class KernelConfiguration<2>;
