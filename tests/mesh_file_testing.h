@@ -4,11 +4,9 @@
 #include <deal.II/base/mpi.h>
 
 #include <mesh_testing.h>
+#include <temporary_file.h>
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <unistd.h>
 
 namespace tombolo
 {
@@ -21,29 +19,6 @@ namespace tombolo
     {
       return MeshScene<dim>("file", "set File = " + file + "\n" + entries).create_mesh();
     }
-
-    /** Writes a file for the time of one action. Rank 0 alone writes: it alone reads. */
-    class TemporaryFile
-    {
-    public:
-      TemporaryFile(const std::string &text, const std::string &extension)
-      {
-        path = (std::filesystem::temp_directory_path() / "tombolo_mesh_file_").string() +
-               std::to_string(dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD,
-                                                                static_cast<int>(getpid()), 0)) +
-               extension;
-        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-          std::ofstream(path, std::ios::binary) << text;
-      }
-
-      ~TemporaryFile()
-      {
-        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-          std::remove(path.c_str());
-      }
-
-      std::string path;
-    };
 
     inline std::string replaced(std::string text, const std::string &old_part,
                                 const std::string &new_part)

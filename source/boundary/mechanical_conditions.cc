@@ -118,7 +118,7 @@ namespace tombolo
       else if (section.is_set("Axis"))
         section.fail("Axis", "two dimensions have none; nodes turn about `Centre`.");
       condition.turn.emplace(typename MechanicalCondition::Turn{
-          {section, "Angle", 1}, read_vector<dim>(section, "Centre"), axis});
+          {section, "Angle", 1}, read_vector<dim>(section, "Centre"), axis, {}, {}});
       if (condition.turn->angle.depends_on_place())
         section.fail("Angle", "allowed is a function of t.");
     }
@@ -129,22 +129,31 @@ namespace tombolo
   }
 
   template <int dim>
+  const Tensor<2, dim> &MechanicalCondition<dim>::Turn::rotation(const double time) const
+  {
+    using namespace Physics::Transformations::Rotations;
+    if (time_of_rotation != time)
+    {
+      const double now = angle.value(Point<dim>(), time);
+      if constexpr (dim == 2)
+        last_rotation = rotation_matrix_2d(now);
+      else
+        last_rotation = rotation_matrix_3d(axis, now);
+      time_of_rotation = time;
+    }
+    return last_rotation;
+  }
+
+  template <int dim>
   double MechanicalCondition<dim>::displacement(const Point<dim> &initial,
                                                 const unsigned int component,
                                                 const double time) const
   {
-    using namespace Physics::Transformations::Rotations;
     const double shift = function ? function->value(initial, time, component) : 0.;
     if (!turn)
       return shift;
     const Tensor<1, dim> arm = initial - turn->centre;
-    const double angle = turn->angle.value(Point<dim>(), time);
-    Tensor<1, dim> turned;
-    if constexpr (dim == 2)
-      turned = rotation_matrix_2d(angle) * arm;
-    else
-      turned = rotation_matrix_3d(turn->axis, angle) * arm;
-    return turned[component] - arm[component] + shift;
+    return turn->rotation(time)[component] * arm - arm[component] + shift;
   }
 
   template <int dim>

@@ -9,11 +9,14 @@
 
 namespace tombolo
 {
-  /** Faces whose normals have a larger cosine do not face each other. */
-  constexpr double largest_cosine = -0.3;
+  namespace
+  {
+    /** Faces whose normals have a larger cosine do not face each other. */
+    constexpr double largest_cosine = -0.3;
 
-  /** The slot of a nodal vector behind the components of a normal. */
-  constexpr unsigned int slot_of_depth = node_stride - 1;
+    /** The slot of a nodal vector behind the components of a normal. */
+    constexpr unsigned int slot_of_depth = node_stride - 1;
+  } // namespace
 
   template <int dim>
   MortarSegments<dim>::MortarSegments(const ContactFaces<dim> &slaves,

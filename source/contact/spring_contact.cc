@@ -13,8 +13,11 @@
 
 namespace tombolo
 {
-  constexpr const char *scalars_of_springs = "stiffness, depth, damping force",
-                       *slips_of_springs = "bond";
+  namespace
+  {
+    constexpr const char *scalars_of_springs = "stiffness, depth, damping force",
+                         *slips_of_springs = "bond";
+  } // namespace
 
   template <int dim>
   SpringContact<dim>::SpringContact(ContactScene<dim> &scene)

@@ -7,7 +7,10 @@
 
 namespace tombolo
 {
-  const char *const damage_entry = "Damage";
+  namespace
+  {
+    const char *const damage_entry = "Damage";
+  } // namespace
 
   const std::string DamageGrowth::field_name = "damage";
 

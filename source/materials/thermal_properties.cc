@@ -6,12 +6,16 @@
 
 namespace tombolo
 {
-  const char *const entries[] = {"Specific heat capacity", "Conductivity", "Initial temperature"};
+  namespace
+  {
+    const char *const heat_entries[] = {"Specific heat capacity", "Conductivity",
+                                        "Initial temperature"};
+  } // namespace
 
   std::shared_ptr<const ThermalProperties> ThermalProperties::read(const Section &material)
   {
     const Section section = material.subsection("Heat");
-    for (const char *const entry : entries)
+    for (const char *const entry : heat_entries)
       if (section.is_set(entry))
         return std::make_shared<const ThermalProperties>(section);
     return nullptr;

@@ -6,12 +6,14 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/chosen_mesh.h>
 #include <tombolo/mesh/communicator_of.h>
+#include <tombolo/mesh/convex_hulls.h>
 #include <tombolo/mesh/joined_ids.h>
-#include <tombolo/mesh/level_cells.h>
 #include <tombolo/mesh/memory_check.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
+#include <deal.II/grid/grid_generator.h>
+#include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 #include <deal.II/numerics/rtree.h>
 
@@ -36,6 +38,20 @@ namespace tombolo
 
     /** Coordinates beyond which volumes are not numbers any more. */
     constexpr double largest_coordinate = 1e90;
+
+    /** Cells that overlap after each corner has moved by this share towards the centre are in the
+     * same place. Bodies that touch along curved faces, which flat faces of cells replace, overlap
+     * by less: a fifth of a cell where both have cells of one size. */
+    constexpr double tolerated_share = 0.2;
+
+    template <int dim, typename Cell>
+    CellCorners<dim> corners_of(const Cell &cell)
+    {
+      CellCorners<dim> result;
+      for (const unsigned int v : cell->vertex_indices())
+        result[v] = cell->vertex(v);
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -89,7 +105,7 @@ namespace tombolo
   template <int dim>
   struct JoinedMeshes<dim>::Pieces
   {
-    std::vector<LevelCells<dim>> cells;                    ///< of each mesh
+    std::vector<Triangulation<dim>> meshes;                ///< of one level each
     unsigned int n_refinements = 0;                        ///< of all
     std::map<types::material_id, unsigned int> mesh_of_id; ///< of cells
     JoinedIds boundaries, groups;
@@ -101,15 +117,16 @@ namespace tombolo
   JoinedMeshes<dim>::read_pieces(const MPI_Comm communicator) const
   {
     Pieces result;
+    result.meshes.resize(members.size());
     std::vector<unsigned int> n_refinements;
     for (unsigned int m = 0; m < members.size(); ++m)
     {
       const Member &member = members[m];
       Mesh<dim> own(communicator);
       member.source->create(own);
-      LevelCells<dim> cells(own.triangulation, 0);
       n_refinements.push_back(own.triangulation.n_global_levels() - 1);
-      for (Point<dim> &vertex : cells.vertices)
+      auto [vertices, cells, faces] = GridTools::get_coarse_mesh_description(own.triangulation);
+      for (Point<dim> &vertex : vertices)
       {
         vertex = member.placement(vertex);
         if (!(Tensor<1, dim>(vertex).norm() <= largest_coordinate))
@@ -117,15 +134,22 @@ namespace tombolo
                                        "than 1e90 from the origin, where volumes are not numbers "
                                        "any more.");
       }
+      Triangulation<dim> &coarse = result.meshes[m];
+      coarse.create_triangulation(vertices, cells, faces);
       result.boundaries.begin_mesh(member.name);
-      for (auto &face : cells.faces)
-        face.id = result.boundaries.id(face.id);
+      for (const auto &cell : coarse.active_cell_iterators())
+        for (const auto &face : cell->face_iterators())
+          if (face->at_boundary())
+            face->set_boundary_id(result.boundaries.id(face->boundary_id()));
       result.boundaries.add_names(own.boundary_names, own.joint_boundaries);
 
       result.groups.begin_mesh(member.name);
       std::set<unsigned int> of_mesh;
-      for (auto &cell : cells.cells)
-        of_mesh.insert(cell.material_id = result.groups.id(cell.material_id));
+      for (const auto &cell : coarse.active_cell_iterators())
+      {
+        cell->set_material_id(result.groups.id(cell->material_id()));
+        of_mesh.insert(cell->material_id());
+      }
       for (const unsigned int id : of_mesh)
         result.mesh_of_id[id] = m;
       result.groups.add_name("mesh " + member.name, of_mesh);
@@ -142,20 +166,24 @@ namespace tombolo
       result.groups.add_names(own.group_names, own.joint_groups);
       for (const std::string &remark : own.remarks)
         result.remarks.push_back("Mesh " + in_quotes(member.name) + ": " + remark);
-      result.cells.push_back(std::move(cells));
     }
 
     result.n_refinements = *std::min_element(n_refinements.begin(), n_refinements.end());
     double n_coarse_cells = 0;
     for (unsigned int m = 0; m < members.size(); ++m)
-      n_coarse_cells += static_cast<double>(result.cells[m].cells.size()) *
+      n_coarse_cells += static_cast<double>(result.meshes[m].n_active_cells()) *
                         std::pow(2., dim * (n_refinements[m] - result.n_refinements));
     refuse_more_than_memory(root, list_of_meshes, n_coarse_cells,
                             n_coarse_cells * std::pow(2., dim * result.n_refinements),
                             communicator);
     for (unsigned int m = 0; m < members.size(); ++m)
       if (n_refinements[m] > result.n_refinements)
-        result.cells[m] = result.cells[m].refined(n_refinements[m] - result.n_refinements);
+      {
+        Triangulation<dim> flat;
+        result.meshes[m].refine_global(n_refinements[m] - result.n_refinements);
+        GridGenerator::flatten_triangulation(result.meshes[m], flat);
+        result.meshes[m] = std::move(flat);
+      }
     return result;
   }
 
@@ -163,23 +191,30 @@ namespace tombolo
   void JoinedMeshes<dim>::create(Mesh<dim> &mesh) const
   {
     const Pieces pieces = read_pieces(communicator_of(mesh.triangulation));
-    LevelCells<dim> all;
-    for (const LevelCells<dim> &piece : pieces.cells)
+    std::vector<Point<dim>> vertices;
+    std::vector<CellData<dim>> cells;
+    SubCellData faces;
+    for (const Triangulation<dim> &piece : pieces.meshes)
     {
-      const auto first_vertex = static_cast<unsigned int>(all.vertices.size());
-      const std::size_t first_cell = all.cells.size();
-      all.vertices.insert(all.vertices.end(), piece.vertices.begin(), piece.vertices.end());
-      for (CellData<dim> cell : piece.cells)
+      const auto first_vertex = static_cast<unsigned int>(vertices.size());
+      const auto append = [first_vertex](const auto &own, auto &all)
       {
-        for (unsigned int &vertex : cell.vertices)
-          vertex += first_vertex;
-        all.cells.push_back(cell);
-      }
-      for (const auto &face : piece.faces)
-        all.faces.push_back({first_cell + face.cell, face.number, face.id});
+        for (auto object : own)
+        {
+          for (unsigned int &vertex : object.vertices)
+            vertex += first_vertex;
+          all.push_back(object);
+        }
+      };
+      const auto [own_vertices, own_cells, own_faces] =
+          GridTools::get_coarse_mesh_description(piece);
+      vertices.insert(vertices.end(), own_vertices.begin(), own_vertices.end());
+      append(own_cells, cells);
+      append(own_faces.boundary_lines, faces.boundary_lines);
+      append(own_faces.boundary_quads, faces.boundary_quads);
     }
     Triangulation<dim> coarse;
-    all.fill(coarse);
+    coarse.create_triangulation(vertices, cells, faces);
     mesh.triangulation.copy_triangulation(coarse);
     mesh.triangulation.refine_global(pieces.n_refinements);
     pieces.boundaries.give_names(mesh.boundary_names, mesh.joint_boundaries);
@@ -191,36 +226,42 @@ namespace tombolo
   template <int dim>
   void JoinedMeshes<dim>::refuse_overlap(const Mesh<dim> &mesh, const Pieces &pieces) const
   {
-    using Cell = typename Triangulation<dim>::cell_iterator;
-    std::vector<std::vector<Cell>> cells(members.size());
+    // Level 0 has all cells on all ranks, each as large as 2^n of those that are compared with it.
+    const double share_of_coarse =
+        std::ldexp(tolerated_share, -static_cast<int>(pieces.n_refinements));
+    std::vector<std::vector<CellCorners<dim>>> cells(members.size());
     std::vector<std::vector<BoundingBox<dim>>> boxes(members.size());
-    for (const Cell &cell : mesh.triangulation.cell_iterators_on_level(0))
+    for (const auto &cell : mesh.triangulation.cell_iterators_on_level(0))
     {
       const unsigned int m = pieces.mesh_of_id.at(cell->material_id());
-      cells[m].push_back(cell);
+      cells[m].push_back(shrunk_corners<dim>(corners_of<dim>(cell), share_of_coarse));
       boxes[m].push_back(cell->bounding_box());
     }
-    /** A cell whose centre is inside of another mesh. */
+    /** A cell of one mesh that has a part in common with one of another. */
     struct Overlap
     {
       unsigned int mesh, other;
       Point<dim> place;
     };
     std::vector<Overlap> found;
-    for (unsigned int other = 0; other < members.size(); ++other)
+    for (unsigned int other = 1; other < members.size(); ++other)
     {
       const auto tree = pack_rtree_of_indices(boxes[other]);
       std::vector<std::size_t> near;
       for (const auto &cell : mesh.triangulation.active_cell_iterators())
       {
         const unsigned int m = pieces.mesh_of_id.at(cell->material_id());
-        if (!cell->is_locally_owned() || m == other)
+        if (!cell->is_locally_owned() || m >= other)
           continue;
         near.clear();
-        tree.query(boost::geometry::index::intersects(cell->center()), std::back_inserter(near));
+        tree.query(boost::geometry::index::intersects(cell->bounding_box()),
+                   std::back_inserter(near));
+        if (near.empty())
+          continue;
+        const auto corners = shrunk_corners<dim>(corners_of<dim>(cell), tolerated_share);
         if (std::any_of(near.begin(), near.end(),
                         [&](const std::size_t k)
-                        { return cells[other][k]->point_inside(cell->center()); }))
+                        { return have_points_in_common<dim>(corners, cells[other][k]); }))
           found.push_back({m, other, cell->center()});
       }
     }
@@ -236,12 +277,13 @@ namespace tombolo
     const Overlap first =
         *std::min_element(found.begin(), found.end(),
                           [&](const Overlap &a, const Overlap &b) { return key(a) < key(b); });
-    members[std::max(first.mesh, first.other)].section.fail(
-        "", "the meshes " + in_quotes(members[first.mesh].name) + " and " +
-                in_quotes(members[first.other].name) + " overlap: the cell of the first one at " +
-                place_text(first.place) +
-                " has its centre in a cell of the other one. Bodies can touch, but not be in the "
-                "same place: move one by `Shift`.");
+    members[first.other].section.fail(
+        "",
+        "the meshes " + in_quotes(members[first.mesh].name) + " and " +
+            in_quotes(members[first.other].name) + " overlap: the cell of the first one at " +
+            place_text(first.place) +
+            " goes into a cell of the other one. Bodies can touch, but not be in the same place: "
+            "move one by `Shift`.");
   }
 
   template <int dim>
@@ -269,7 +311,7 @@ namespace tombolo
                                         std::to_string(number) +
                                         ", so that numbers do not say which is meant; take "
                                         "places in their stead.");
-      numbers[m].resize(pieces.cells[m].vertices.size(), no_number);
+      numbers[m].resize(pieces.meshes[m].n_vertices(), no_number);
       result.insert(result.end(), numbers[m].begin(), numbers[m].end());
     }
     return result;

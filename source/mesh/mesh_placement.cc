@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/mesh_placement.h>
 
-#include <tombolo/mesh/rotation.h>
-
 #include <deal.II/base/numbers.h>
+#include <deal.II/physics/transformations.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +42,8 @@ namespace tombolo
     std::copy_n(point.begin(), dim, centre.begin_raw());
     std::copy_n(displacement.begin(), dim, shift.begin_raw());
     is_turned = degrees != 0.;
-    const Tensor<2, 3> matrix = rotation_matrix(axis / axis.norm(), degrees * numbers::PI / 180.);
+    const Tensor<2, 3> matrix = Physics::Transformations::Rotations::rotation_matrix_3d(
+        axis / axis.norm(), degrees * numbers::PI / 180.);
     for (unsigned int i = 0; i < dim; ++i)
       for (unsigned int j = 0; j < dim; ++j)
       {

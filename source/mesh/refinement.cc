@@ -17,11 +17,14 @@
 
 namespace tombolo
 {
-  const std::string where_entry = "Refine where";
-  const std::string levels_entry = "Refinement levels";
+  namespace
+  {
+    const std::string where_entry = "Refine where";
+    const std::string levels_entry = "Refinement levels";
 
-  /** Levels below the coarse cells of the mesh that numbers of nodes and cells can tell apart. */
-  constexpr unsigned int most_levels = 12;
+    /** Levels below the coarse cells of the mesh that numbers of nodes and cells can tell apart. */
+    constexpr unsigned int most_levels = 12;
+  } // namespace
 
   template <int dim>
   MeshRefinement<dim>::MeshRefinement(const Entries &e) : section(e.section())

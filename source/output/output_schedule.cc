@@ -9,8 +9,11 @@
 
 namespace tombolo
 {
-  constexpr double most_outputs = 1e6;
-  constexpr unsigned int default_number = 10;
+  namespace
+  {
+    constexpr double most_outputs = 1e6;
+    constexpr unsigned int default_number = 10;
+  } // namespace
 
   void OutputSchedule::declare_parameters(const Entries &e)
   {

@@ -131,8 +131,8 @@ namespace tombolo
           // One rank has the point: the sum only adds zeros to its values.
           Utilities::MPI::sum(std::vector<double>(values), communicator, values);
           const std::string name = place.name + " " + field.name;
-          static const std::array<const char *, 6> of_tensor = {" xx", " yy", " zz",
-                                                                " yz", " xz", " xy"};
+          static const std::array<const char *, 6> of_tensor = {
+              {" xx", " yy", " zz", " yz", " xz", " xy"}};
           for (unsigned int c = 0; c < field.n_components; ++c)
             this->table.add(name + (field.n_components == 1   ? ""
                                     : field.n_components == 6 ? of_tensor[c]

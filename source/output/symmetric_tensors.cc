@@ -12,7 +12,10 @@ namespace tombolo
 {
   using namespace dealii;
 
-  constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  namespace
+  {
+    constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  } // namespace
 
   double pressure(const double *const stress)
   {

@@ -10,7 +10,10 @@
 
 namespace tombolo
 {
-  constexpr const char *tools = "tools";
+  namespace
+  {
+    constexpr const char *tools = "tools";
+  } // namespace
 
   const OutputOfScene of_visualization(0, "visualization", "Output/Write solution",
                                        [](const Section &output)

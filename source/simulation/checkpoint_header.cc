@@ -7,7 +7,10 @@
 
 namespace tombolo
 {
-  constexpr const char *divisions_name = "divided cells";
+  namespace
+  {
+    constexpr const char *divisions_name = "divided cells";
+  } // namespace
 
   void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header)
   {

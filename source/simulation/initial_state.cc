@@ -12,7 +12,10 @@
 
 namespace tombolo
 {
-  constexpr const char *initial_state_entry = "Initial state";
+  namespace
+  {
+    constexpr const char *initial_state_entry = "Initial state";
+  } // namespace
 
   template <int dim>
   void InitialState<dim>::declare_parameters(const Entries &e)

@@ -22,10 +22,13 @@
 
 namespace tombolo
 {
-  static RunResult result_of(const int signal)
+  namespace
   {
-    return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
-  }
+    RunResult result_of(const int signal)
+    {
+      return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
+    }
+  } // namespace
 
   template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)

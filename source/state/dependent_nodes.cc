@@ -34,7 +34,7 @@ namespace tombolo
   {
     const NodePartition &partition = *is_zero.partition();
     const NodePartition::DependentNodes &dependent = partition.dependent_nodes();
-    if (dependent.depth > 0)
+    if (partition.has_dependent_nodes())
     {
       std::vector<std::pair<types::global_dof_index, Weights>> owned;
       for (std::size_t row = 0; row < dependent.node.size(); ++row)

@@ -161,36 +161,34 @@ namespace tombolo
   void NodalVector::distribute()
   {
     update_ghosts();
+    if (!node_partition->has_dependent_nodes())
+      return;
     const NodePartition::DependentNodes &dependent = node_partition->dependent_nodes();
-    for (unsigned int pass = 0; pass < dependent.depth; ++pass)
+    for (std::size_t row = 0; row < dependent.node.size(); ++row)
     {
-      for (std::size_t row = 0; row < dependent.node.size(); ++row)
-      {
-        double mean[node_stride] = {};
-        for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
-          for (unsigned int c = 0; c < slots; ++c)
-            mean[c] += dependent.weights[k].second * node(dependent.weights[k].first)[c];
-        std::copy_n(mean, slots, node(dependent.node[row]));
-      }
-      update_ghosts();
+      double mean[node_stride] = {};
+      for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
+        for (unsigned int c = 0; c < slots; ++c)
+          mean[c] += dependent.weights[k].second * node(dependent.weights[k].first)[c];
+      std::copy_n(mean, slots, node(dependent.node[row]));
     }
+    update_ghosts();
   }
 
   void NodalVector::condense()
   {
+    if (!node_partition->has_dependent_nodes())
+      return;
     const NodePartition::DependentNodes &dependent = node_partition->dependent_nodes();
-    for (unsigned int pass = 0; pass < dependent.depth; ++pass)
+    for (std::size_t row = 0; row < dependent.node.size(); ++row)
     {
-      for (std::size_t row = 0; row < dependent.node.size(); ++row)
-      {
-        double *const moved = node(dependent.node[row]);
-        for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
-          for (unsigned int c = 0; c < slots; ++c)
-            node(dependent.weights[k].first)[c] += dependent.weights[k].second * moved[c];
-        std::fill_n(moved, slots, 0.);
-      }
-      add_to_owners();
+      double *const moved = node(dependent.node[row]);
+      for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
+        for (unsigned int c = 0; c < slots; ++c)
+          node(dependent.weights[k].first)[c] += dependent.weights[k].second * moved[c];
+      std::fill_n(moved, slots, 0.);
     }
+    add_to_owners();
   }
 
   void NodalVector::collect()

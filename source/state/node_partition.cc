@@ -2,7 +2,6 @@
 #include <tombolo/state/node_partition.h>
 
 #include <tombolo/mesh/nodes.h>
-#include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -62,31 +61,8 @@ namespace tombolo
         dependent.weights.emplace_back(local_index(node), weight);
       dependent.start.push_back(dependent.weights.size());
     }
-
-    NodalVector depths(shared_from_this(), Quantity::scalar);
-    unsigned int has_changed = 1;
-    while (has_changed != 0)
-    {
-      has_changed = 0;
-      for (std::size_t row = 0; row < dependent.node.size(); ++row)
-      {
-        double of_row = 1.;
-        for (std::size_t k = dependent.start[row]; k < dependent.start[row + 1]; ++k)
-          of_row = std::max(of_row, 1. + *depths.node(dependent.weights[k].first));
-        double &before = *depths.node(dependent.node[row]);
-        has_changed = std::max(has_changed, before != of_row ? 1u : 0u);
-        before = of_row;
-        dependent.depth = std::max(dependent.depth, static_cast<unsigned int>(of_row));
-      }
-      depths.update_ghosts();
-      has_changed = Utilities::MPI::max(has_changed, communicator());
-    }
-    dependent.depth = Utilities::MPI::max(dependent.depth, communicator());
-  }
-
-  bool NodePartition::has_dependent_nodes() const
-  {
-    return dependent.depth > 0;
+    some_rank_has_dependent_nodes =
+        Utilities::MPI::max(dependent.node.empty() ? 0u : 1u, communicator()) > 0;
   }
 
   unsigned int NodePartition::local_index(const ImageNode &image) const

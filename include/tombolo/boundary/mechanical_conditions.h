@@ -45,9 +45,15 @@ namespace tombolo
     /** How the selected nodes of a displacement turn. */
     struct Turn
     {
+      /** R(angle) at @p time. It is kept for those who ask again for the same time, as all nodes of
+       * a step do. Throws RunError where the angle has no finite value. */
+      const dealii::Tensor<2, dim> &rotation(double time) const;
+
       Expression<dim> angle;         ///< of time [rad]
       dealii::Tensor<1, dim> centre; ///< a point of the axis [L]
       dealii::Tensor<1, 3> axis;     ///< of length one; z in two dimensions
+      mutable std::optional<double> time_of_rotation;
+      mutable dealii::Tensor<2, dim> last_rotation;
     };
     std::optional<Turn> turn;
 

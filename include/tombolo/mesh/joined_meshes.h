@@ -54,7 +54,7 @@ namespace tombolo
     /** The cells and names of all meshes. Collective. */
     Pieces read_pieces(MPI_Comm communicator) const;
 
-    /** Refuses a mesh that has the centre of a cell inside of another one. Collective. */
+    /** Refuses meshes of which two cells have more than a fringe in common. Collective. */
     void refuse_overlap(const Mesh<dim> &mesh, const Pieces &pieces) const;
 
     Section root;

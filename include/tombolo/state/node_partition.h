@@ -101,8 +101,8 @@ namespace tombolo
       Images::Map reflection;
     };
 
-    /** Makes these owned nodes dependent on others, which are owned or ghosts and can be dependent
-     * themselves. For a partition that no vector has yet. Collective. */
+    /** Makes these owned nodes dependent on others, which are owned or ghosts and depend on none.
+     * For a partition that no vector has yet. Collective. */
     void set_dependent_nodes(const std::vector<DependentNode> &rows);
 
     /** Owned nodes with their rows of C, one after the other, in local numbers. */
@@ -111,9 +111,6 @@ namespace tombolo
       std::vector<unsigned int> node;
       std::vector<std::size_t> start; ///< of each row in the weights, and their number
       std::vector<std::pair<unsigned int, double>> weights;
-      /** Of the longest chain of nodes that depend on dependent nodes, over all ranks: rows are
-       * applied as often. Zero where no rank has any. */
-      unsigned int depth = 0;
     };
 
     const DependentNodes &dependent_nodes() const
@@ -121,7 +118,11 @@ namespace tombolo
       return dependent;
     }
 
-    bool has_dependent_nodes() const; ///< on any rank
+    /** On any rank. */
+    bool has_dependent_nodes() const
+    {
+      return some_rank_has_dependent_nodes;
+    }
 
     /** All that the body has. */
     const Images &images_of_body() const
@@ -186,6 +187,7 @@ namespace tombolo
 
   private:
     DependentNodes dependent;
+    bool some_rank_has_dependent_nodes = false;
     std::shared_ptr<const Images> all_images;
     std::vector<ImageNode> image_nodes; // ascending
     std::vector<Reflected> reflected_images, reflected_onto_themselves;

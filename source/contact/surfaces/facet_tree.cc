@@ -10,9 +10,12 @@ namespace tombolo
 {
   using namespace dealii;
 
-  constexpr std::size_t largest_leaf = 4;
-  // Halves of unsigned numbers of facets are of one facet sooner.
-  constexpr unsigned int largest_depth = 40;
+  namespace
+  {
+    constexpr std::size_t largest_leaf = 4;
+    // Halves of unsigned numbers of facets are of one facet sooner.
+    constexpr unsigned int largest_depth = 40;
+  } // namespace
 
   template <int dim>
   FacetTree<dim>::FacetTree(const ClosedSurface<dim> &surface)
@@ -320,10 +323,13 @@ namespace tombolo
     return std::nullopt;
   }
 
-  /** A node with faces touches facets whose normals have a cosine below this with its own. */
-  constexpr double facing_limit = -0.1;
-  /** The slope at which a side goes on beyond its edge. */
-  constexpr double slope_beyond_edge = 0.1;
+  namespace
+  {
+    /** A node with faces touches facets whose normals have a cosine below this with its own. */
+    constexpr double facing_limit = -0.1;
+    /** The slope at which a side goes on beyond its edge. */
+    constexpr double slope_beyond_edge = 0.1;
+  } // namespace
 
   template <int dim>
   SurfaceGap<dim> SearchedSurface<dim>::gap(const Tensor<1, dim> &point,

@@ -3,14 +3,17 @@
 
 namespace tombolo
 {
-  const char *const strain_entry = "Conversion strain";
-  const char *const damage_limit_entry = "Conversion damage";
-  const char *const jacobian_entry = "Conversion scaled Jacobian";
-  const char *const time_step_entry = "Conversion time step";
-  const char *const gap_entry = "Conversion gap";
-  const char *const contact_entry = "Conversion contact";
-  const char *const layers_entry = "Conversion layers";
-  const char *const interval_entry = "Steps between conversions";
+  namespace
+  {
+    const char *const strain_entry = "Conversion strain";
+    const char *const damage_limit_entry = "Conversion damage";
+    const char *const jacobian_entry = "Conversion scaled Jacobian";
+    const char *const time_step_entry = "Conversion time step";
+    const char *const gap_entry = "Conversion gap";
+    const char *const contact_entry = "Conversion contact";
+    const char *const layers_entry = "Conversion layers";
+    const char *const interval_entry = "Steps between conversions";
+  } // namespace
 
   ConversionCriterion::ConversionCriterion(const Entries &e)
   {

@@ -3,8 +3,11 @@
 
 namespace tombolo
 {
-  const char *const erosion_strain_entry = "Erosion strain";
-  const char *const erosion_damage_entry = "Erosion damage";
+  namespace
+  {
+    const char *const erosion_strain_entry = "Erosion strain";
+    const char *const erosion_damage_entry = "Erosion damage";
+  } // namespace
 
   ErosionCriterion::ErosionCriterion(const Entries &e) : section(e.section())
   {

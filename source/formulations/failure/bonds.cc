@@ -13,7 +13,10 @@
 
 namespace tombolo
 {
-  constexpr char fraction_name[] = "broken bonds";
+  namespace
+  {
+    constexpr char fraction_name[] = "broken bonds";
+  } // namespace
 
   template <int dim>
   Bonds<dim>::Bonds(const Section &section, const ParticleSet<dim> &particles,

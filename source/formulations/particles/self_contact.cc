@@ -12,10 +12,13 @@
 
 namespace tombolo
 {
-  constexpr char force_name[] = "self-contact force";
-  constexpr char position_name[] = "self-contact position";
-  constexpr char label_name[] = "fragment";
-  constexpr char shrinkage_name[] = "contact shrinkage";
+  namespace
+  {
+    constexpr char force_name[] = "self-contact force";
+    constexpr char position_name[] = "self-contact position";
+    constexpr char label_name[] = "fragment";
+    constexpr char shrinkage_name[] = "contact shrinkage";
+  } // namespace
 
   template <int dim>
   std::unique_ptr<SelfContact<dim>> SelfContact<dim>::create(const Entries &e)

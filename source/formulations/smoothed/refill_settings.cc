@@ -3,10 +3,13 @@
 
 namespace tombolo
 {
-  const char *const stretch_entry = "Refill stretch";
-  const char *const motion_entry = "Refill motion";
-  const char *const void_entry = "Refill void cells";
-  const char *const remap_entry = "Refill remap";
+  namespace
+  {
+    const char *const stretch_entry = "Refill stretch";
+    const char *const motion_entry = "Refill motion";
+    const char *const void_entry = "Refill void cells";
+    const char *const remap_entry = "Refill remap";
+  } // namespace
 
   template <int dim>
   RefillSettings<dim>::RefillSettings(const Entries &e)

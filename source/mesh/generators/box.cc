@@ -3,13 +3,13 @@
 #include <deal.II/base/utilities.h>
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
+#include <deal.II/physics/transformations.h>
 
 #include <tombolo/base/format.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
 #include <tombolo/mesh/memory_check.h>
-#include <tombolo/mesh/rotation.h>
 
 #include <algorithm>
 #include <cmath>
@@ -171,7 +171,8 @@ namespace tombolo
     if (!std::isfinite(axis.norm()) || axis.norm() == 0)
       section.fail("Rotation axis", "The direction must be finite and not zero.");
     axis /= axis.norm();
-    const auto matrix = rotation_matrix(axis, degrees * dealii::numbers::PI / 180.);
+    const auto matrix = dealii::Physics::Transformations::Rotations::rotation_matrix_3d(
+        axis, degrees * dealii::numbers::PI / 180.);
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
         rotation[i][j] = degrees == 0 ? (i == j ? 1. : 0.) : matrix[i][j];

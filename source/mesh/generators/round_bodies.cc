@@ -368,10 +368,13 @@ namespace tombolo
     section_cells = std::move(kept_cells);
   }
 
-  constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
+  namespace
+  {
+    constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
 
-  constexpr Cylinder::Words words_of_cylinder = {"cylinder", "Length", "Cells along axis",
-                                                 "Foot",     "foot",   "rear"};
+    constexpr Cylinder::Words words_of_cylinder = {"cylinder", "Length", "Cells along axis",
+                                                   "Foot",     "foot",   "rear"};
+  } // namespace
 
   Cylinder::Cylinder(const Entries &e) : Cylinder(e, words_of_cylinder) {}
 
@@ -478,8 +481,11 @@ namespace tombolo
   TOMBOLO_REGISTER(MeshSource<3>, Cylinder, "cylinder",
                    "A cylinder along an axis, or its half or quarter: a core and rings of cells")
 
-  constexpr Cylinder::Words words_of_disc = {"disc",     "Thickness",  "Cells through thickness",
-                                             "Position", "lower face", "upper face"};
+  namespace
+  {
+    constexpr Cylinder::Words words_of_disc = {"disc",     "Thickness",  "Cells through thickness",
+                                               "Position", "lower face", "upper face"};
+  } // namespace
 
   Disc<2>::Disc(const Entries &e) : section(e.section()), round_section(e, {{'x', 'y'}}, "disc")
   {

@@ -39,7 +39,11 @@ namespace tombolo
     std::vector<double> radii;      ///< of the vertices, from the inner surface on
   };
 
-  constexpr dealii::types::boundary_id inner_sphere_id = 0, outer_sphere_id = 1, first_plane_id = 2;
+  namespace
+  {
+    constexpr dealii::types::boundary_id inner_sphere_id = 0, outer_sphere_id = 1,
+                                         first_plane_id = 2;
+  } // namespace
 
   SphericalShell::SphericalShell(const Entries &e) : section(e.section())
   {

@@ -12,8 +12,11 @@
 
 namespace tombolo
 {
-  // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.
-  constexpr double largest_share = 0.994;
+  namespace
+  {
+    // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.
+    constexpr double largest_share = 0.994;
+  } // namespace
 
   /** The forward Euler method of eqs (36), (37), (39), with the stable step of the spectrum of
    * the real operator, 2/λ. */

@@ -65,8 +65,6 @@ namespace tombolo
     // The scatter of eq. (10) reads owned values only.
     if (bridge.operators() == Bridge::Operators::identity || x.partition()->has_dependent_nodes())
       v_hat.distribute();
-    else if (bridge.operators() != Bridge::Operators::affine)
-      v_hat.make_symmetric();
   }
 
   template class CentralDifferences<2>;

@@ -147,7 +147,10 @@ namespace tombolo
     std::vector<double> yield_stress, n_points; ///< of owned nodes
   };
 
-  constexpr const char *corridor_entry = "Corridor";
+  namespace
+  {
+    constexpr const char *corridor_entry = "Corridor";
+  } // namespace
 
   /**
    * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of

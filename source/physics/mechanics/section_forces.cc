@@ -280,7 +280,10 @@ namespace tombolo
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };
 
-  constexpr const char *sections_list = "Sections", *section_history = "section history";
+  namespace
+  {
+    constexpr const char *sections_list = "Sections", *section_history = "section history";
+  } // namespace
 
   /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal

@@ -13,9 +13,12 @@
 
 namespace tombolo
 {
-  constexpr const char *integration_entry = "Time integration";
-  constexpr const char *explicit_steps = "explicit";
-  constexpr const char *statics_section = "Statics";
+  namespace
+  {
+    constexpr const char *integration_entry = "Time integration";
+    constexpr const char *explicit_steps = "explicit";
+    constexpr const char *statics_section = "Statics";
+  } // namespace
 
   template <int dim>
   void StaticSteps<dim>::declare_parameters(const Entries &of_run)

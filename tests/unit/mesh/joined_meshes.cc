@@ -207,14 +207,20 @@ TEST(JoinedMeshes, may_touch_and_not_overlap)
     return input_error([&] { scene.create(); });
   };
   EXPECT_EQ(error("1, 1", "2, 1"), "");
-  EXPECT_EQ(error("1, 1", "1.6, 1"), "");
+  EXPECT_EQ(error("1, 1", "2, 1.3"), "");
+  EXPECT_EQ(error("1, 1", "2, 2"), "");
+  EXPECT_EQ(error("4, 4", "1.97, 1.97"), "");
+  // No centre of a cell is in the other mesh.
+  EXPECT_TRUE(contains(error("1, 1", "1.6, 1.6"),
+                       "the meshes \"a\" and \"b\" overlap: the cell of the first one at (1.5, "
+                       "1.5) goes into a cell of the other one"));
   EXPECT_TRUE(contains(error("1, 1", "1.25, 1"),
                        "the meshes \"a\" and \"b\" overlap: the cell of the first one at (1.5, "
                        "1.5)"));
   // Small cells at the edge of a large one.
   EXPECT_TRUE(contains(error("4, 4", "1.75, 1"),
-                       "the meshes \"b\" and \"a\" overlap: the cell of the first one at (1.875, "
-                       "1.125)"));
+                       "the meshes \"a\" and \"b\" overlap: the cell of the first one at (1.5, "
+                       "1.5)"));
   EXPECT_TRUE(contains(error("1, 1", "-0.25, -0.25"),
                        "the meshes \"a\" and \"b\" overlap: the cell of the first one at (0.5, "
                        "0.5)"));

@@ -11,7 +11,7 @@ namespace
 {
   using Parts = std::vector<std::pair<std::string, std::string>>;
 
-  const std::string box = "set Upper corner = 10, 1\nset Cells = 20, 2\n";
+  const std::string strip_of_cells = "set Upper corner = 10, 1\nset Cells = 20, 2\n";
 
   /** The numbers of cells of each part. */
   std::vector<unsigned int> cells_of(const Parts &parts, const Mesh<2> &mesh,
@@ -29,7 +29,7 @@ namespace
 
   std::vector<unsigned int> cells_of(const Parts &parts)
   {
-    const MeshScene<2> model("box", box, parts);
+    const MeshScene<2> model("box", strip_of_cells, parts);
     return cells_of(parts, *model.create_mesh(), model);
   }
 
@@ -47,7 +47,7 @@ namespace
 
   std::vector<unsigned int> cells_of_groups(const Parts &parts)
   {
-    const MeshScene<2> model("box", box, parts);
+    const MeshScene<2> model("box", strip_of_cells, parts);
     return cells_of(parts, *mesh_with_group(model), model);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include "material_testing.h"
+#include "temporary_file.h"
 #include "tool_surfaces.h"
 
 #include <tombolo/contact/surfaces/facet_tree.h>
@@ -10,12 +11,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <random>
 #include <stdexcept>
-#include <unistd.h>
 
 namespace tombolo
 {
@@ -307,27 +304,6 @@ namespace tombolo
         EXPECT_GT(n_read, 300u);
         EXPECT_GT(n_refused, 1000u);
       }
-
-      /** A file for the time of one action, written by rank 0, which alone reads. */
-      class TemporaryFile
-      {
-      public:
-        TemporaryFile(const std::string &text, const std::string &extension)
-        {
-          path = (std::filesystem::temp_directory_path() / "tombolo_tool_").string() +
-                 std::to_string(dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD,
-                                                                  static_cast<int>(getpid()), 0)) +
-                 extension;
-          if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-            std::ofstream(path, std::ios::binary) << text;
-        }
-        ~TemporaryFile()
-        {
-          if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-            std::remove(path.c_str());
-        }
-        std::string path;
-      };
 
       template <int dim>
       std::unique_ptr<ContactSurface<dim>> load(const std::string &kind, const std::string &path,

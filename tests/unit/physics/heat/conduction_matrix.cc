@@ -22,7 +22,7 @@ namespace
   const std::string held = "subsection Condition: held\nset Type = temperature\nset Where = x < "
                            "1e-3\nset Function = 5\nend\n";
 
-  /** Nodes hang between hanging nodes, and on the boundary that is held. */
+  /** Cells of three sizes: nodes hang inside, and on the boundary that is held. */
   constexpr const char *graded =
       "set Refine where = x < 0.6; y < 0.3 && x < 0.4\nset Refinement levels = 1; 2\n";
 

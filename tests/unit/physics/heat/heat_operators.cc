@@ -236,6 +236,17 @@ TEST_P(HeatOperators, interpolate_prescribed_temperatures_of_all_ranks)
     EXPECT_EQ(*field.node(i), *expected.node(i));
 }
 
+TEST_P(HeatOperators, have_a_diagonal_with_the_films_of_all_ranks)
+{
+  HeatedBody<2> body(GetParam(),
+                     "subsection Condition: below\nset Type = convection\nset Where = y < "
+                     "1e-3\nset Film coefficient = 2\nset Ambient temperature = 1\nend\n");
+  NodalVector field = body.vector(), diagonal = body.vector(Quantity::scalar);
+  body.heat().conditions.update_areas(body.model->state.position);
+  body.heat().add_film_diagonal(0., field, diagonal);
+  EXPECT_NEAR(body.sum(diagonal), 2. * 2., 1e-12); // of a face of 2 (x 1)
+}
+
 TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)
 {
   for (const char *const integration : {"explicit", "backward Euler", "Crank-Nicolson"})

@@ -37,6 +37,14 @@ namespace
                          of_whole.values_at_nodes({&b.velocity, &b.unsmoothed_velocity})),
               1e-10);
     EXPECT_LT(difference(of_piece.stresses(), of_whole.stresses()), 1e-10);
+    // Nodes on planes stay there without round-off: what a resumed run reads is what was.
+    for (const NodePartition::Reflected &on_plane : a.partition()->nodes_on_planes())
+      for (unsigned int d = 0; d < dim; ++d)
+        if (on_plane.reflection.sign[d] < 0.)
+        {
+          EXPECT_EQ(a.unsmoothed_velocity.node(on_plane.source)[d], 0.);
+          EXPECT_EQ(a.position.node(on_plane.source)[d], 0.5 * on_plane.reflection.offset[d]);
+        }
   }
 
   class SymmetricMotion : public ::testing::TestWithParam<Method>
