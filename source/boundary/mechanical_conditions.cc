@@ -2,6 +2,7 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/read_vector.h>
 
 #include <deal.II/base/exceptions.h>
@@ -18,175 +19,30 @@ namespace tombolo
 {
   namespace
   {
-    using Type = MechanicalConditionType;
-
-    const std::pair<const char *, Type> mechanical_types[] = {{"traction", Type::traction},
-                                                              {"pressure", Type::pressure},
-                                                              {"body force", Type::body_force},
-                                                              {"gravity", Type::gravity},
-                                                              {"velocity", Type::velocity},
-                                                              {"displacement", Type::displacement},
-                                                              {"clamp", Type::clamp}};
-
-    Type type_of(const std::string &name)
+    /** Adds what a condition prescribes of a node, once. */
+    template <int dim>
+    void add_rows(const MechanicalCondition<dim> &condition, const unsigned int c,
+                  const Point<dim> &point, std::vector<PrescribedRow<dim>> &rows)
     {
-      const auto *const type =
-          std::find_if(std::begin(mechanical_types), std::end(mechanical_types),
-                       [&](const auto &other) { return name == other.first; });
-      Assert(type != std::end(mechanical_types), ExcInternalError());
-      return type->second;
+      const int number = static_cast<int>(c);
+      if (std::any_of(rows.begin(), rows.end(),
+                      [&](const PrescribedRow<dim> &row) { return row.condition == number; }))
+        return;
+      const Tensor<2, dim> axes = condition.axes.at(point);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!condition.function || !condition.function->is_free(d))
+          rows.push_back({number, d, axes[d]});
+    }
+
+    template <int dim>
+    double component_along(const Tensor<1, dim> &direction, const double *const vector)
+    {
+      double result = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        result += direction[d] * vector[d];
+      return result;
     }
   } // namespace
-
-  bool prescribes(const MechanicalConditionType type)
-  {
-    return type == Type::velocity || type == Type::displacement || type == Type::clamp;
-  }
-
-  bool is_on_faces(const MechanicalConditionType type)
-  {
-    return type == Type::traction || type == Type::pressure;
-  }
-
-  bool is_on_volume(const MechanicalConditionType type)
-  {
-    return type == Type::body_force || type == Type::gravity;
-  }
-
-  template <int dim>
-  void MechanicalCondition<dim>::declare_parameters(const Entries &e)
-  {
-    e.choice("Type", mandatory,
-             "traction|pressure|body "
-             "force|gravity|velocity|displacement|clamp|symmetry|temperature|heat "
-             "flux|convection|radiation|adiabatic|heat source",
-             "What is prescribed. Of the motion: `traction` (force per current area, on faces of "
-             "the boundary, in a given direction), `pressure` (force per current area against the "
-             "outward normal of the face as it is now), `body force` (force per mass), `gravity` "
-             "(the same, of everything unless `Where` is given), `velocity`, `displacement`, "
-             "`clamp` (no motion), or `symmetry` (the nodes that it selects are all those on one "
-             "plane normal to an axis, beyond which the body is its own mirror image). Of heat: "
-             "`temperature`; on faces of the boundary `heat flux` (into the body, per current area "
-             "and time), `convection`, `radiation`, `adiabatic` (no heat passes, as without a "
-             "condition); `heat source` (per initial volume and time).");
-    e.text("Where", "", "",
-           "A predicate of the initial position, for example `x < 1e-9`. For what acts on faces of "
-           "the boundary it selects these by their centre, otherwise nodes.");
-    e.text("Boundary", "", "",
-           "Names of boundaries, separated by commas, instead of or together with `Where`.");
-    e.text("Function", "",
-           "M/(L T^2) for a traction or a pressure, L/T^2 for a body force or gravity, L/T for a "
-           "velocity, L for a displacement, M/T^3 for a heat flux, M/(L T^3) for a heat source",
-           "Components separated by `;`, functions of the initial position x, y, z and of the time "
-           "t. For a velocity or a displacement the word `free` leaves a component free. "
-           "`table(FILE, t)` takes values from a file of points. One value for a pressure, a "
-           "temperature, a heat flux or a heat source.");
-    e.text("Angle", "", "rad",
-           "Of a displacement: the angle by which the nodes have turned about the axis at time t, "
-           "from their initial positions; `Function` is added, and may be left out.");
-    e.text("Axis", "0, 0, 1", "",
-           "The direction of the axis of `Angle`; in two dimensions it is z.");
-    e.text("Centre", dim == 2 ? "0, 0" : "0, 0, 0", "L", "A point of the axis of `Angle`.");
-  }
-
-  template <int dim>
-  MechanicalCondition<dim> MechanicalCondition<dim>::read(const Section &section)
-  {
-    const Type type = type_of(section.get("Type"));
-    MechanicalCondition condition{
-        section.name(), type, Place<dim>(section, is_on_volume(type)), {}, {}};
-    if (is_on_volume(type) && !section.get("Boundary").empty())
-      section.fail("Boundary",
-                   "a " + section.get("Type") + " acts on the volume; use `Where`, or neither.");
-    if (type == Type::clamp)
-    {
-      if (section.is_set("Function"))
-        section.fail("Function", "a clamp needs no function; for a prescribed motion use `Type = "
-                                 "velocity` or `displacement`.");
-      return condition;
-    }
-    const bool turns = section.is_set("Angle");
-    for (const char *const entry : {"Angle", "Axis", "Centre"})
-      if (section.is_set(entry) && !(turns && type == Type::displacement))
-        section.fail(entry, "it is for `Type = displacement` with an `Angle`.");
-    if (turns)
-    {
-      Tensor<1, 3> axis;
-      axis[2] = 1.;
-      if constexpr (dim == 3)
-        axis = read_direction<3>(section, "Axis");
-      else if (section.is_set("Axis"))
-        section.fail("Axis", "two dimensions have none; nodes turn about `Centre`.");
-      condition.turn.emplace(typename MechanicalCondition::Turn{
-          {section, "Angle", 1}, read_vector<dim>(section, "Centre"), axis, {}, {}});
-      if (condition.turn->angle.depends_on_place())
-        section.fail("Angle", "allowed is a function of t.");
-    }
-    if (!turns || section.is_set("Function"))
-      condition.function.emplace(section, "Function", type == Type::pressure ? 1 : dim,
-                                 prescribes(type));
-    return condition;
-  }
-
-  template <int dim>
-  const Tensor<2, dim> &MechanicalCondition<dim>::Turn::rotation(const double time) const
-  {
-    using namespace Physics::Transformations::Rotations;
-    if (time_of_rotation != time)
-    {
-      const double now = angle.value(Point<dim>(), time);
-      if constexpr (dim == 2)
-        last_rotation = rotation_matrix_2d(now);
-      else
-        last_rotation = rotation_matrix_3d(axis, now);
-      time_of_rotation = time;
-    }
-    return last_rotation;
-  }
-
-  template <int dim>
-  double MechanicalCondition<dim>::displacement(const Point<dim> &initial,
-                                                const unsigned int component,
-                                                const double time) const
-  {
-    const double shift = function ? function->value(initial, time, component) : 0.;
-    if (!turn)
-      return shift;
-    const Tensor<1, dim> arm = initial - turn->centre;
-    return turn->rotation(time)[component] * arm - arm[component] + shift;
-  }
-
-  template <int dim>
-  double MechanicalCondition<dim>::prescribed_velocity(const Point<dim> &initial,
-                                                       const double *const position,
-                                                       const unsigned int component,
-                                                       const double time,
-                                                       const double time_step) const
-  {
-    if (type == Type::clamp)
-      return 0.;
-    if (type == Type::velocity)
-      return function->value(initial, time + 0.5 * time_step, component);
-    return (initial[component] + displacement(initial, component, time + time_step) -
-            position[component]) /
-           time_step;
-  }
-
-  template <int dim>
-  double MechanicalCondition<dim>::initial_velocity(const Point<dim> &initial,
-                                                    const double *const position,
-                                                    const unsigned int component, const double time,
-                                                    const double interval) const
-  {
-    if (type != Type::displacement)
-      return prescribed_velocity(initial, position, component, time, 0.);
-    return (displacement(initial, component, time + interval) -
-            displacement(initial, component, time)) /
-           interval;
-  }
-
-  template struct MechanicalCondition<2>;
-  template struct MechanicalCondition<3>;
 
   template <int dim>
   MechanicalConditions<dim>::MechanicalConditions(const std::vector<Section> &sections,
@@ -199,12 +55,32 @@ namespace tombolo
     std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
              Point<dim>>
         shared;
+    acting.assign(conditions.size(), true);
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      acting[c] = conditions[c].acts_at(0.);
+    NodeRows rows;
+    const bool has_rows = std::any_of(conditions.begin(), conditions.end(),
+                                      [](const MechanicalCondition<dim> &condition) {
+                                        return prescribes(condition.type) &&
+                                               (condition.axes.are_local() || condition.is_timed());
+                                      });
+    const auto refuse_axis = [&](const unsigned int c, const Point<dim> &point)
+    {
+      if (conditions[c].axes.are_defined_at(point))
+        return;
+      sections[c].fail("Axes", as_text("the place (", point,
+                                       ") lies on the axis, from which nothing is radial; `Where` "
+                                       "can leave it out."));
+    };
     const auto select_node =
         [&](const unsigned int c, const types::global_dof_index node, const Point<dim> &point)
     {
       const MechanicalCondition<dim> &condition = conditions[c];
       if (!prescribes(condition.type) || !nodes.owned().is_element(node))
         return;
+      refuse_axis(c, point);
+      if (has_rows)
+        add_rows(condition, c, point, rows[node]);
       Constraint &constraint = Base::constraint_of(node, of_nodes);
       const int number = static_cast<int>(c);
       for (unsigned int d = 0; d < dim; ++d)
@@ -225,10 +101,14 @@ namespace tombolo
       for (unsigned int c = 0; c < conditions.size(); ++c)
         if (is_on_faces(conditions[c].type) && nodes.is_outer_face(cell, f) &&
             this->selects_face(c, cell, f))
+        {
+          for (const Point<dim> &point : face_points)
+            refuse_axis(c, point);
           areas.add_face(c, face_nodes,
                          conditions[c].type == MechanicalConditionType::pressure
                              ? areas.orientation(face_points, cell->center())
                              : 0.);
+        }
     };
     this->find(sections, nodes,
                [&]
@@ -240,6 +120,94 @@ namespace tombolo
       constraints.push_back(constraint);
     for (const auto &[of, point] : shared)
       overlapping.push_back({std::get<2>(of), std::get<3>(of), std::get<1>(of), point});
+    set_rows(std::move(rows));
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::set_rows(NodeRows rows)
+  {
+    for (std::size_t k = 0; k < constraints.size(); ++k)
+    {
+      const auto found = rows.find(constraints[k].global_node);
+      if (found != rows.end() &&
+          std::any_of(found->second.begin(), found->second.end(),
+                      [&](const PrescribedRow<dim> &row)
+                      {
+                        const auto &condition =
+                            conditions[static_cast<unsigned int>(row.condition)];
+                        return condition.axes.are_local() || condition.is_timed();
+                      }))
+        rows_of_nodes.emplace_back(k, std::move(found->second));
+    }
+    find_frames();
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::find_frames()
+  {
+    combinations.clear();
+    for (const auto &[k, rows] : rows_of_nodes)
+    {
+      std::vector<PrescribedRow<dim>> now;
+      for (const PrescribedRow<dim> &row : rows)
+        if (acting[static_cast<unsigned int>(row.condition)])
+          now.push_back(row);
+      PrescribedFrame<dim> frame(now);
+      constraints[k].condition = frame.condition;
+      for (unsigned int d = 0; d < dim; ++d)
+        constraints[k].is_turned[d] = frame.condition[d] >= 0 && frame.is_turned[d];
+      combinations.push_back({k, std::move(frame)});
+    }
+  }
+
+  template <int dim>
+  bool MechanicalConditions<dim>::are_timed() const
+  {
+    return std::any_of(conditions.begin(), conditions.end(),
+                       [](const MechanicalCondition<dim> &condition)
+                       { return prescribes(condition.type) && condition.is_timed(); });
+  }
+
+  template <int dim>
+  bool MechanicalConditions<dim>::will_change(const double time) const
+  {
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      if (prescribes(conditions[c].type) && conditions[c].acts_at(time) != acting[c])
+        return true;
+    return false;
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::act_at(const double time)
+  {
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      acting[c] = conditions[c].acts_at(time);
+    find_frames();
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::set_partition(const NodePartition &partition)
+  {
+    Base::set_partition(partition);
+    std::vector<ObliqueNode> turned;
+    for (const Combination &combination : combinations)
+    {
+      const PrescribedFrame<dim> &frame = combination.frame;
+      ObliqueNode node{constraint_nodes[combination.constraint], 0, {}};
+      node.axes[2][2] = 1.;
+      bool is_oblique = false;
+      for (unsigned int k = 0; k < dim; ++k)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          node.axes[k][d] = frame.axes[k][d];
+        if (frame.condition[k] >= 0)
+          node.prescribed = static_cast<std::uint8_t>(node.prescribed | (1u << k));
+        is_oblique = is_oblique || (frame.condition[k] >= 0 && frame.is_turned[k]);
+      }
+      if (is_oblique)
+        turned.push_back(node);
+    }
+    oblique = ObliqueNodes(std::move(turned));
   }
 
   template <int dim>
@@ -295,12 +263,13 @@ namespace tombolo
       alone->add_to_owners();
       take_alone(c, *alone);
     };
+    const auto acts = [&](const unsigned int c) { return conditions[c].acts_at(time); };
     for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (is_on_faces(conditions[c].type))
+      if (is_on_faces(conditions[c].type) && acts(c))
         add(c, [&]() { add_surface_forces(c, state, time, places, loads, sums[c], alone); });
     loads.add_to_owners();
     for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (is_on_volume(conditions[c].type))
+      if (is_on_volume(conditions[c].type) && acts(c))
         add(c, [&]()
             { add_body_forces(conditions[c], state, mass, time, places, loads, sums[c], alone); });
   }
@@ -315,11 +284,20 @@ namespace tombolo
     const Expression<dim> &function = *conditions[c].function;
     const bool is_pressure = conditions[c].type == MechanicalConditionType::pressure;
     double value[3] = {0, 0, 0};
+    const LocalAxes<dim> &axes = conditions[c].axes;
     for (unsigned int k = 0; k < nodes.size(); ++k)
     {
-      if (k == 0 || function.depends_on_place())
-        for (unsigned int d = 0; d < function.n_components(); ++d)
-          value[d] = function.value(point_of<dim>(state.initial_position.node(nodes[k])), time, d);
+      const Point<dim> initial = point_of<dim>(state.initial_position.node(nodes[k]));
+      if (k == 0 || function.depends_on_place() || axes.depend_on_place())
+      {
+        if (is_pressure)
+          value[0] = function.value(initial, time, 0);
+        else
+        {
+          const Tensor<1, dim> load = conditions[c].load_at(initial, time);
+          std::copy_n(load.begin_raw(), dim, value);
+        }
+      }
       double force[3] = {0, 0, 0};
       for (unsigned int d = 0; d < dim; ++d)
       {
@@ -346,9 +324,10 @@ namespace tombolo
       if (!condition.place.contains(initial))
         continue;
       double force[3] = {0, 0, 0};
+      const Tensor<1, dim> load = condition.load_at(initial, time);
       for (unsigned int d = 0; d < dim; ++d)
       {
-        force[d] = *mass.node(i) * condition.function->value(initial, time, d);
+        force[d] = *mass.node(i) * load[d];
         loads.node(i)[d] += force[d];
         if (alone != nullptr)
           alone->node(i)[d] += force[d];
@@ -364,11 +343,30 @@ namespace tombolo
     this->evaluate(
         [&]
         {
+          auto combination = combinations.begin();
           for (std::size_t k = 0; k < constraints.size(); ++k)
+          {
+            const unsigned int node = constraint_nodes[k];
+            if (combination != combinations.end() && combination->constraint == k)
+            {
+              const PrescribedFrame<dim> &frame = (combination++)->frame;
+              Tensor<1, dim> values;
+              for (unsigned int r = 0; r < frame.rows.size(); ++r)
+              {
+                const PrescribedRow<dim> &row = frame.rows[r];
+                const MechanicalCondition<dim> &condition =
+                    conditions[static_cast<unsigned int>(row.condition)];
+                values[r] = value(condition, node, row.component,
+                                  condition.axes.are_local() ? &row.direction : nullptr);
+              }
+              frame.prescribe(values, vector.node(node));
+              continue;
+            }
             for (unsigned int d = 0; d < dim; ++d)
               if (const int c = constraints[k].condition[d]; c >= 0)
-                vector.node(constraint_nodes[k])[d] =
-                    value(conditions[static_cast<unsigned int>(c)], constraint_nodes[k], d);
+                vector.node(node)[d] =
+                    value(conditions[static_cast<unsigned int>(c)], node, d, nullptr);
+          }
         });
   }
 
@@ -379,12 +377,15 @@ namespace tombolo
   {
     prescribe(state.acceleration,
               [&](const MechanicalCondition<dim> &condition, const unsigned int node,
-                  const unsigned int d)
+                  const unsigned int d, const Tensor<1, dim> *const direction)
               {
+                const double *const velocity = state.unsmoothed_velocity.node(node);
                 const double target = condition.prescribed_velocity(
                     point_of<dim>(state.initial_position.node(node)), state.position.node(node), d,
-                    time, position_time_step);
-                return (target - state.unsmoothed_velocity.node(node)[d]) / velocity_time_step;
+                    time, position_time_step, direction);
+                const double now =
+                    direction == nullptr ? velocity[d] : component_along(*direction, velocity);
+                return (target - now) / velocity_time_step;
               });
   }
 
@@ -393,7 +394,7 @@ namespace tombolo
                                                              const double interval) const
   {
     const auto value = [&](const MechanicalCondition<dim> &condition, const unsigned int node,
-                           const unsigned int d)
+                           const unsigned int d, const Tensor<1, dim> *)
     {
       return condition.initial_velocity(point_of<dim>(state.initial_position.node(node)),
                                         state.position.node(node), d, time, interval);

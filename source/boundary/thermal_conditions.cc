@@ -97,6 +97,10 @@ namespace tombolo
   {
     const std::optional<ThermalConditionType> type = thermal_condition_type(section);
     Assert(type, ExcMessage("This is no thermal condition."));
+    for (const char *const entry : {"Axes", "Start", "End"})
+      if (section.is_set(entry))
+        section.fail(entry, "it is for conditions of the motion and for loads; a function of time "
+                            "can have any value from some time on.");
     const bool is_source = *type == ThermalConditionType::heat_source;
     if (is_source && section.is_set("Boundary"))
       section.fail("Boundary", "a heat source is in the volume; use `Where`, or neither.");

@@ -11,9 +11,13 @@ namespace tombolo
   namespace
   {
     /** Puts prescribed components of these nodes to zero. */
-    void clear_prescribed(const std::vector<std::uint8_t> &constrained,
+    void clear_prescribed(const std::vector<std::uint8_t> &constrained, const ObliqueNodes &oblique,
                           const std::vector<unsigned int> &nodes, NodalVector &vector)
     {
+      if (!oblique.all().empty())
+        for (const unsigned int i : nodes)
+          if (const ObliqueNode *const frame = oblique.find(i))
+            frame->remove_prescribed(vector.node(i));
       for (const unsigned int i : nodes)
         for (unsigned int d = 0; i < constrained.size() && constrained[i] != 0 && d < 3; ++d)
           if ((constrained[i] >> d) & 1u)
@@ -109,31 +113,32 @@ namespace tombolo
       vector->set_zero();
   }
 
-  void PositionResponse::divide_by_mass(const std::vector<std::uint8_t> &constrained)
+  void PositionResponse::divide_by_mass(const std::vector<std::uint8_t> &constrained,
+                                        const ObliqueNodes &oblique)
   {
     const NodalVector &mass = bridge.mass_split().row_sums();
     for (const unsigned int i : touched_owned)
       store_node(load_node(force.node(i)) / load_node(mass.node(i)), field.node(i));
-    clear_prescribed(constrained, touched_owned, field);
+    clear_prescribed(constrained, oblique, touched_owned, field);
     field.update_ghosts();
   }
 
   void PositionResponse::respond(const NodalVector &loads,
                                  const std::vector<std::uint8_t> &constrained,
-                                 NodalVector &response)
+                                 NodalVector &response, const ObliqueNodes &oblique)
   {
     clear(touched, force);
     bridge.load_transfer().add_force_at_positions(nodes_of_forces, loads, force);
     force.add_to_owners();
-    divide_by_mass(constrained);
+    divide_by_mass(constrained, oblique);
     if (is_global())
-      respond_affine(constrained, response);
+      respond_affine(constrained, oblique, response);
     else
       bridge.load_transfer().interpolate(nodes_of_forces, field, response);
   }
 
   void PositionResponse::respond_affine(const std::vector<std::uint8_t> &constrained,
-                                        NodalVector &response)
+                                        const ObliqueNodes &oblique, NodalVector &response)
   {
     const MassSplit &split = bridge.mass_split();
     const auto add_own = [&](const NodalVector &from, NodalVector &to)
@@ -155,7 +160,7 @@ namespace tombolo
       const double mass = *split.unsmoothed_mass().node(i);
       store_node(load_node(rate.node(i)) / (mass > 0. ? mass : 1.), rate.node(i));
     }
-    clear_prescribed(constrained, touched_owned, rate);
+    clear_prescribed(constrained, oblique, touched_owned, rate);
     rate.update_ghosts();
     clear(touched, force);
     add_own(rate, force);

@@ -188,7 +188,7 @@ namespace tombolo
   }
 
   void Actions::collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
-                             NodalState &state)
+                             const ObliqueNodes &oblique, NodalState &state)
   {
     for (Action &action : all)
     {
@@ -197,10 +197,15 @@ namespace tombolo
       action.collect(bridge, buffer, state.force);
       const NodalForces &now = action.nodal_forces();
       for (std::size_t k = 0; k < now.nodes.size(); ++k)
+      {
+        Tensor<1, 3> force = now.forces[k];
+        if (const ObliqueNode *const frame = oblique.find(now.nodes[k]))
+          frame->remove_prescribed(force.begin_raw());
         for (unsigned int d = 0; d < 3; ++d)
           if (constrained.empty() || !((constrained[now.nodes[k]] >> d) & 1u))
             state.acceleration.node(now.nodes[k])[d] +=
-                now.forces[k][d] / bridge.nodal_mass().node(now.nodes[k])[d];
+                force[d] / bridge.nodal_mass().node(now.nodes[k])[d];
+      }
     }
   }
 

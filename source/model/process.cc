@@ -42,7 +42,8 @@ namespace tombolo
   {
     actions.begin_late();
     constrain_acceleration(model, clock, model.state);
-    actions.collect_late(*model.bridge, model.conditions->constrained_components(), model.state);
+    actions.collect_late(*model.bridge, model.conditions->constrained_components(),
+                         model.conditions->oblique_nodes(), model.state);
     collect_heat(model, true);
   }
 

@@ -73,6 +73,17 @@ class AbaqusScene(DeckTest):
         self.check(text, "set Type = convection", "set Ambient temperature = 20", "set Film coefficient = 5",
                    "set Type = heat flux", "!backward Euler")
 
+    def test_axes_of_nodes(self):
+        def of(transform):
+            return replaced(IMPACT, ("*SURFACE, NAME=TOP\n", transform + "*SURFACE, NAME=TOP\n"))
+        self.check(of("*TRANSFORM, NSET=FOOT\n 1., 0., 1., 0., 1., 0.\n"), "!*TRANSFORM",
+                   "set Boundary = FOOT set Type = displacement set Axes = 1, 0, 1; 0, 1, 0 set Function = free; free; 0")
+        self.check(of("*TRANSFORM, NSET=FOOT, TYPE=C\n 3., 0., 0., 3., 0., 2.\n"), "!*TRANSFORM",
+                   "set Type = displacement set Axes = cylindrical set Axis = 0, 0, 2 set Centre = 3, 0, 0 set Function = free; free; 0")
+        self.check(of("*TRANSFORM, NSET=FOOT, TYPE=S\n 3., 0., 0., 3., 0., 2.\n"), "TYPE=S is not understood (R and C are)",
+                   "!set Axes")
+        self.check(of("*TRANSFORM, NSET=FOOT\n 1., 0., 1., 2., 0., 2.\n"), "its two points span no plane with the origin")
+
     def test_single_nodes_that_are_held_alike_are_one_condition(self):
         text = replaced(IMPACT, (" FOOT, 3, 3\n", " 1, 3, 3\n 2, 3, 3\n 3, 3, 3\n 5, 1, 1\n 4, 3, 3\n"))
         self.check(text, "set Boundary = FOOT set Type = displacement set Function = free; free; 0",

@@ -143,10 +143,10 @@ class DynaCards(DeckTest):
                                   card(2, dof, kind, 7, 0.5, *further) + "\n" + (axis + "\n" if axis else "") + card(1, 1, 2, 7) + "\n" + END))
         self.check(of(9, 2), "set Function = free; 0; 0", "set Axis = 1, 0, 0", "set Angle = 0.5*table(deck_curve_7.csv, t)",
                    "set Centre = 0, 0.5, 0.25", "set Function = 1*table(deck_curve_7.csv, t); free; free")
+        self.check(of(9, 2, 0, "5.0E-7"), "set End = 5e-07", "set Angle = 0.5*table(deck_curve_7.csv, t)")
         self.check(of(10, 2), "set Function = 0; free; 0", "set Axis = 0, 1, 0", "set Centre = 0.25, 0, 0.5")
         self.check(of(11, 0), "set Angle = 0.5*table(deck_curve_7_integrated.csv, t)", "set Centre = 0.5, 0.25, 0")
         for changes, reason in (((-9, 2), "DOF = -9 is not understood"), ((9, 1), "VAD = 1 is not understood"),
-                                ((9, 2, 0, "5.0E-7"), "DEATH = 5.0E-7 is not understood"),
                                 ((9, 2, 0, 0, "5.0E-7"), "BIRTH = 5.0E-7 is not understood")):
             self.left_out(of(*changes), reason)
         self.left_out(of(9, 2, axis=card(0.5, 0.25, 1)), "LRB = 1 is not understood")

@@ -95,8 +95,22 @@ def wall(head, tail=0):
 # Changes of the deck, the exit code, and what is printed or written ("!": what is not).
 CASES = {
     "an end of a drive": ([(DRIVEN, DRIVEN + card(0, "5.0E-7"))], 0, [
-        "DEATH = 5.0E-7 is not understood, so that this is left out (line 53)", "!Condition: drive",
-        "Condition: support"]),
+        "set End      = 5e-07", "Condition: drive", "all keywords were used"]),
+    "a beginning of a drive": ([(DRIVEN, DRIVEN + card(0, 0, "5.0E-7"))], 0, [
+        "set Start    = 5e-07", ".csv, t - 5e-07); free; free", "all keywords were used"]),
+    "a support from a time to a time": ([("*BOUNDARY_SPC_SET", "*BOUNDARY_SPC_SET_BIRTH_DEATH"), (
+        SUPPORTED, SUPPORTED + "\n" + card("2.0E-7", "5.0E-7"))], 0, [
+            "set Start    = 2e-07", "set End      = 5e-07", "Condition: support", "all keywords were used"]),
+    "a drive along a vector": ([
+        (DRIVEN, card(2, 4, *DRIVEN.split()[2:5], 8)),
+        ("*END", "*DEFINE_VECTOR\n" + card(8, 1, 0, 0, 4, 0, 4) + "\n*END")], 0, [
+            "set Axes     = 0.6, 0, 0.8;",
+            "); free; free", "all keywords were used"]),
+    "a drive along a vector alone": ([
+        (DRIVEN, card(2, -4, *DRIVEN.split()[2:5], 8)),
+        ("*END", "*DEFINE_VECTOR\n" + card(8, 1, 0, 0, 4, 0, 4) + "\n*END")], 0, ["set Axes     = 0.6, 0, 0.8;", "); 0; 0"]),
+    "a drive along a vector that is not there": ([(DRIVEN, card(2, 4, *DRIVEN.split()[2:5], 8))], 0, [
+        "VID = 8 is no *DEFINE_VECTOR of this file", "!Condition: drive"]),
     "an end of a drive after that of the scene": ([(DRIVEN, DRIVEN + card(0, "2.0E-6"))], 0, [
         "Condition: drive", "all keywords were used"]),
     "exceptions of a velocity": ([("*END", VELOCITY + "*END")], 0, [
@@ -113,7 +127,7 @@ CASES = {
     "a wall whose first card is blank": ([("*END", wall("").replace("_ID\n         3anvil", "") + "*END")], 0, [
         "set Point  = -0.01, 0, 0", "all keywords were used"]),
     "a wall that welds": ([("*END", wall("", 2.0) + "*END")], 0, ["FRIC = 2 is not understood", "!Contact:"]),
-    "local axes": ([(SUPPORTED, card(1, 3, 1, 0, 0))], 0, ["CID = 3 is not understood", "!Condition: support"]),
+    "local axes": ([(SUPPORTED, card(1, 3, 1, 0, 0))], 0, ["CID = 3 is no *DEFINE_COORDINATE_SYSTEM", "!Condition: support"]),
     "local axes of a clamp": ([(SUPPORTED, card(1, 3, 1, 1, 1))], 0, ["set Type     = clamp"]),
     "local axes along the global ones": ([
         (SUPPORTED, card(1, 3, 1, 0, 0)),
@@ -122,7 +136,8 @@ CASES = {
     "oblique local axes": ([
         (SUPPORTED, card(1, 3, 1, 0, 0)),
         ("*END", "*DEFINE_COORDINATE_SYSTEM\n" + card(3, 0, 0, 0, 1, 1, 0) + "\n" + card(-1, 1, 0) + "\n*END")], 0, [
-            "CID = 3 is not understood", "!Condition: support"]),
+            "set Axes     = 0.7071067812, 0.7071067812, 0; -0.7071067812, 0.7071067812, 0", "set Function = 0; free; free",
+            "Condition: support", "all keywords were used"]),
     "several supports with titles": ([(SUPPORTED, SUPPORTED + "\n         2right, 5\n" + card(2, 0, 0, 1, 0)),
                                       ("*BOUNDARY_SPC_SET\n", "*BOUNDARY_SPC_SET_ID\n         1left\n")], 0, [
                                           "line 47: left", "line 49: right, 5", "free; 0; free"]),

@@ -403,6 +403,15 @@ def rings(inner, outer):
     return mesh
 
 
+def tube_sector():
+    """60 degrees of a tube about (3, 1), of the radii 1 and 2."""
+    mesh = Mesh(2)
+    mesh.add_block("tube", (even(1., 2., 16), even(math.radians(20), math.radians(80), 16)),
+                   lambda r, angle: (3 + r*math.cos(angle), 1 + r*math.sin(angle)),
+                   {(0, 0): "inner", (0, 1): "outer", (1, 0): "first end", (1, 1): "second end"})
+    return mesh
+
+
 def two_blocks(dim):
     """Blocks in cells of a third that fly at each other, the right one a little higher."""
     mesh = Mesh(dim, 17 if dim == 2 else 12)
@@ -484,6 +493,7 @@ OF_TESTS = {
     "flush_blocks_3d.msh": lambda: flush_blocks(3),
     "flush_wholes.msh": lambda: flush_blocks(2, -2.),
     "flush_wholes_3d.msh": lambda: flush_blocks(3, -2.),
+    "tube_sector.msh": tube_sector,
     "mirrored_half.msh": lambda: mirrored(False),
     "mirrored_whole.msh": lambda: mirrored(True),
     "small_rings.msh": lambda: rings(15., 20.),

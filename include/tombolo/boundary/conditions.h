@@ -62,7 +62,7 @@ namespace tombolo
         const unsigned int node = partition.local_index(constraint.global_node);
         constraint_nodes.push_back(node);
         for (unsigned int d = 0; d < n_components; ++d)
-          if (constraint.condition[d] >= 0)
+          if (constraint.condition[d] >= 0 && !constraint.is_turned[d])
             constrained[node] = static_cast<std::uint8_t>(
                 n_components == 1 ? std::numeric_limits<std::uint8_t>::max()
                                   : constrained[node] | (1u << d));
@@ -78,7 +78,7 @@ namespace tombolo
     }
 
     /** A bit per component of each owned node that is prescribed, all bits where there is one
-     * component; empty where nothing is, on any rank. */
+     * component; empty where nothing is, on any rank. Not of directions that are no axes. */
     const std::vector<std::uint8_t> &constrained_components() const
     {
       return constrained;
@@ -91,7 +91,7 @@ namespace tombolo
     }
 
     /** The number of the condition that prescribes a component of a node, by its place in
-     * constrained_nodes(); -1: none. */
+     * constrained_nodes(), or a direction that has the place of a component; -1: none. */
     int prescribing_condition(const std::size_t constrained_node,
                               const unsigned int component) const
     {
@@ -118,6 +118,8 @@ namespace tombolo
     {
       dealii::types::global_dof_index global_node;
       std::array<int, n_components> condition; ///< which prescribes the component, or -1
+      /** Whether it does so along a direction that is no axis. */
+      std::array<bool, n_components> is_turned{};
     };
 
     /** Reads them: Condition::read(section, arguments...). Throws InputError. */

@@ -5,12 +5,19 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/boundary/conditions.h>
+#include <tombolo/boundary/local_axes.h>
+#include <tombolo/boundary/prescribed_frame.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/oblique_nodes.h>
 
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -57,29 +64,56 @@ namespace tombolo
     };
     std::optional<Turn> turn;
 
+    LocalAxes<dim> axes; ///< of its components
+
+    /** It acts from the one time to the other [T]. */
+    double start = -std::numeric_limits<double>::infinity();
+    double end = std::numeric_limits<double>::infinity();
+
+    bool acts_at(const double time) const
+    {
+      return start <= time && time < end;
+    }
+
+    /** Whether it does so at some times only. */
+    bool is_timed() const
+    {
+      return std::isfinite(start) || std::isfinite(end);
+    }
+
     /** Declares the section of one condition; the handler is in it. */
     static void declare_parameters(const Entries &e);
 
     /** Throws InputError. */
     static MechanicalCondition read(const Section &section);
 
+    /** Reads `Start` and `End`. Throws InputError. */
+    void read_times(const Section &section);
+
     /** The prescribed displacement from @p initial at @p time, of a displacement: R(angle) (X - c)
-     * - (X - c) where it turns, and the function [L]. Throws RunError where that has no finite
-     * value.
+     * - (X - c) where it turns, and the function [L]; components are along the axes. Throws
+     * RunError where that has no finite value.
      */
     double displacement(const dealii::Point<dim> &initial, unsigned int component,
                         double time) const;
 
     /** The prescribed velocity of the interval from @p time to @p time + @p time_step of a node
-     * that is at @p position [L/T]; that of a displacement reaches the prescribed place at its end.
-     * Throws RunError where the function has no finite value. */
+     * that is at @p position [L/T]; that of a displacement reaches the prescribed place at its end,
+     * and with a `Start` it changes as the displacement does. @p direction is that of the component
+     * where it is not that of the coordinates, else null. Throws RunError where the function has no
+     * finite value. */
     double prescribed_velocity(const dealii::Point<dim> &initial, const double *position,
-                               unsigned int component, double time, double time_step) const;
+                               unsigned int component, double time, double time_step,
+                               const dealii::Tensor<1, dim> *direction = nullptr) const;
 
     /** The prescribed velocity at @p time; that of a displacement is its rate over the short @p
      * interval after it. Throws likewise. */
     double initial_velocity(const dealii::Point<dim> &initial, const double *position,
                             unsigned int component, double time, double interval) const;
+
+    /** The value of a traction or a body force at a place, along the axes of the coordinates.
+     * Throws likewise. */
+    dealii::Tensor<1, dim> load_at(const dealii::Point<dim> &initial, double time) const;
   };
 
   /**
@@ -98,6 +132,26 @@ namespace tombolo
                          const Nodes<dim> &nodes);
 
     bool has_loads() const;
+
+    /** Whether conditions prescribe the motion at some times only. */
+    bool are_timed() const;
+
+    /** Whether others do so at @p time than now; the same on all ranks. */
+    bool will_change(double time) const;
+
+    /** Makes those conditions prescribe the motion that act at @p time, as those at 0 do at first.
+     * Constraints are known again after set_partition(). */
+    void act_at(double time);
+
+    /** Translates node numbers to those of @p partition. */
+    void set_partition(const NodePartition &partition);
+
+    /** Owned nodes of which directions are prescribed that are no axes of the coordinates: a
+     * component of prescribing_condition() is an axis of their frame. */
+    const ObliqueNodes &oblique_nodes() const
+    {
+      return oblique;
+    }
 
     /** Owned nodes at which loads can act. Collective. */
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
@@ -154,11 +208,28 @@ namespace tombolo
     void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
                          const NodalVector &mass, double time, const NodalVector &places,
                          NodalVector &loads, LoadSum &sum, NodalVector *alone) const;
-    /** Sets the prescribed components of a vector: value(condition, node, component). */
+    /** Sets the prescribed components of a vector: value(condition, node, component, direction),
+     * where the last is null for an axis of the coordinates. */
     template <typename Value>
     void prescribe(NodalVector &vector, const Value &value) const;
+    using NodeRows = std::map<dealii::types::global_dof_index, std::vector<PrescribedRow<dim>>>;
+    /** Takes over the rows of nodes with local axes or times. */
+    void set_rows(NodeRows rows);
+    void find_frames();
+
+    /** What prescribes the motion of a node where that is not the same as by its constraint. */
+    struct Combination
+    {
+      std::size_t constraint;
+      PrescribedFrame<dim> frame;
+    };
 
     mutable NodalVector loads_alone; ///< of one condition; only where they are asked for
     std::vector<Overlap> overlapping;
+    std::vector<bool> acting; ///< by condition
+    /** With the places of their constraints, ascending. */
+    std::vector<std::pair<std::size_t, std::vector<PrescribedRow<dim>>>> rows_of_nodes;
+    std::vector<Combination> combinations; ///< ascending
+    ObliqueNodes oblique;
   };
 } // namespace tombolo

@@ -4,6 +4,7 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/oblique_nodes.h>
 
 #include <cstdint>
 #include <vector>
@@ -47,20 +48,22 @@ namespace tombolo
     void set_nodes(const std::vector<unsigned int> &nodes);
 
     /** A of the @p loads at these nodes to @p response; @p constrained has a bit per prescribed
-     * component of each owned node, or is empty. Collective. */
+     * component of each owned node, or is empty, and those of @p oblique nodes do not respond along
+     * prescribed axes of their frames. Collective. */
     void respond(const NodalVector &loads, const std::vector<std::uint8_t> &constrained,
-                 NodalVector &response);
+                 NodalVector &response, const ObliqueNodes &oblique = {});
 
     /** Scalar, or by component: no eigenvalue of A exceeds those of its inverse. */
     const NodalVector &mass() const;
 
   private:
-    void respond_affine(const std::vector<std::uint8_t> &constrained, NodalVector &response);
+    void respond_affine(const std::vector<std::uint8_t> &constrained, const ObliqueNodes &oblique,
+                        NodalVector &response);
     /** Nodes where forces, accelerations and rates can be different from zero, given those that
      * rows of this rank @p reached. Collective. */
     void find_touched_nodes(const std::vector<unsigned int> &reached);
     /** The nodal acceleration by forces in `force`, at owned touched nodes. */
-    void divide_by_mass(const std::vector<std::uint8_t> &constrained);
+    void divide_by_mass(const std::vector<std::uint8_t> &constrained, const ObliqueNodes &oblique);
 
     Bridge &bridge;
     std::vector<unsigned int> nodes_of_forces;

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/state/nodal_source.h>
+#include <tombolo/state/oblique_nodes.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/tensor.h>
@@ -223,7 +224,7 @@ namespace tombolo
     }
 
     /** The same of actions that follow the acceleration, which they change as well, except for the
-     * components that @p constrained has as bits. */
+     * components that @p constrained has as bits, and the axes of frames that are prescribed. */
     void begin_late()
     {
       for (Action &action : all)
@@ -232,7 +233,7 @@ namespace tombolo
     }
 
     void collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
-                      NodalState &state);
+                      const ObliqueNodes &oblique, NodalState &state);
 
     /** Adds the heat that was given, or that of sources that stay on their rank, to @p pending. */
     void collect_heat(NodalVector &pending, bool on_rank_only = false);

@@ -3,6 +3,7 @@
 
 from ..scene import NotUnderstood, number
 from .deck import key
+from .transforms import Transforms
 
 SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCASTRE": (1, 2, 3, 4, 5, 6),
               "PINNED": (1, 2, 3), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5), "ZASYMM": (1, 2, 6)}
@@ -49,6 +50,7 @@ class Conditions:
         for section in converter.deck.named("AMPLITUDE"):
             one = Amplitude(section)
             self.amplitudes[key(one.name)] = one
+        self.transforms = Transforms(converter)
         self.held = {}     # by target: values by degree of freedom, as text, with the kind
         self.loads = {}    # entries of loads by what they act on
         self.begun = set()    # keywords whose OP=NEW a step has seen
@@ -139,28 +141,33 @@ class Conditions:
             if self.converter.links.prescribe(nodes, dict(self.items(values))):
                 continue
             try:
-                where = self.selection(nodes)
+                groups = [(axes, self.selection(members)) for axes, members in self.transforms.groups(nodes)]
             except NotUnderstood as reason:
                 self.report.note(line.place, f"*BOUNDARY of {', '.join(targets)}: {reason}, so that this is left out.")
                 for target in targets:
                     del self.held[target]
                 continue
-            for kind in ("displacement", "velocity"):
-                dofs = {dof: text for dof, (of_kind, text, _) in self.items(values) if of_kind == kind and dof <= 3}
-                if not dofs:
-                    continue
-                texts = [dofs.get(dof, "free") for dof in range(1, self.mesh.dimension + 1)]
-                if set(texts) == {"0"}:
-                    entries = {**where, "Type": "clamp"}
-                else:
-                    entries = {**where, "Type": kind, "Function": "; ".join(texts)}
-                names.append(self.add("support" if set(texts) <= {"0", "free"} else "drive", entries, line.place))
-            if TEMPERATURE in values:
-                names.append(self.add("temperature", {**where, "Type": "temperature",
-                                                      "Function": values[TEMPERATURE][1]}, line.place))
+            for axes, where in groups:
+                names += self.conditions_at(where, axes, values)
         for word, entries, place in self.loads.values():
             names.append(self.add(word, entries, place))
         return names
+
+    def conditions_at(self, where, axes, values):
+        """Of nodes with these axes."""
+        for kind in ("displacement", "velocity"):
+            dofs = {dof: text for dof, (of_kind, text, _) in self.items(values) if of_kind == kind and dof <= 3}
+            if not dofs:
+                continue
+            texts = [dofs.get(dof, "free") for dof in range(1, self.mesh.dimension + 1)]
+            if set(texts) == {"0"}:
+                entries = {**where, "Type": "clamp"}
+            else:
+                entries = {**where, "Type": kind, **axes, "Function": "; ".join(texts)}
+            yield self.add("support" if set(texts) <= {"0", "free"} else "drive", entries, values["line"].place)
+        if TEMPERATURE in values:
+            yield self.add("temperature", {**where, "Type": "temperature", "Function": values[TEMPERATURE][1]},
+                           values["line"].place)
 
     def alike(self):
         """What is held now, but for rigid parts: targets with the values of the first one. Single nodes with equal values
@@ -227,8 +234,9 @@ class Conditions:
                              f"faces, whose area is {area:g}: the sum is the same, its distribution is not.")
             text = self.value(section, target, dof, value * len(nodes) / area)
             texts = [text if d == dof else "0" for d in range(1, self.mesh.dimension + 1)]
-            self.keep(section, target, dof, "load", {**self.selection(nodes), "Type": "traction",
-                                                     "Function": "; ".join(texts)}, row.line.place)
+            self.keep(section, target, dof, "load", {
+                **self.selection(nodes), "Type": "traction", **self.transforms.of_all(nodes),
+                "Function": "; ".join(texts)}, row.line.place)
 
     def distributed(self, section):
         """*DLOAD: P1 to P6 on faces of elements, GRAV, BX, BY, BZ."""

@@ -4,6 +4,7 @@
 from ..scene import NotUnderstood, number
 
 AXES = "xyz"
+NEVER = 1e19
 
 
 def components(converter, axes, text="0", other="free"):
@@ -27,28 +28,55 @@ def held_axes(record):
     return [axis for axis in AXES if record.integer("DOF" + axis.upper()) != 0]
 
 
-def fixed(converter, where, axes):
+def fixed(converter, where, axes, entries):
     if len(axes) == 3:
-        return {**where, "Type": "clamp"}
-    return {**where, "Type": "displacement", "Function": components(converter, axes)}
+        return {**where, "Type": "clamp", **{name: text for name, text in entries.items() if name != "Axes"}}
+    return {**where, "Type": "displacement", **entries, "Function": components(converter, axes)}
 
 
-def in_global_axes(converter, record, axes):
-    """Directions in a local system (CID), which are understood where it holds all, or stands along the axes."""
+def in_axes(converter, record, axes):
+    """Directions in a local system (CID) as axes of the coordinates, or as they are with the entry `Axes`."""
     number_of_system = record.peek("CID")
     if not number_of_system or not axes:
-        return axes
+        return axes, {}
     local = converter.systems.get(record.integer("CID"))
     if len(axes) == 3:
-        return axes
-    result = set()
-    for axis in axes:
-        along = [AXES[d] for d in range(3) if local and abs(local[AXES.index(axis)][d]) > 1 - 1e-9]
-        if not along:
-            record.fields["CID"].is_read = False
-            return axes
-        result.add(along[0])
-    return sorted(result)
+        return axes, {}
+    if local is None:
+        raise NotUnderstood(f"CID = {record.text('CID')} is no *DEFINE_COORDINATE_SYSTEM or _VECTOR of this file")
+    along = [AXES[d] for axis in axes for d in range(3) if abs(local[AXES.index(axis)][d]) > 1 - 1e-9]
+    if len(along) == len(axes):
+        return sorted(set(along)), {}
+    return axes, local_axes(converter, local, f"CID = {record.text('CID')}")
+
+
+def local_axes(converter, directions, what):
+    """The entry of unit vectors."""
+    if converter.mesh.dimension == 3:
+        return {"Axes": "; ".join(", ".join(map(number, direction)) for direction in directions[:2])}
+    if abs(directions[2][2]) < 1 - 1e-9:
+        raise NotUnderstood(f"{what} has no axis along z, about which those of two dimensions turn")
+    if directions[2][2] < 0:
+        raise NotUnderstood(f"{what} has its z axis against that of the coordinates, which two dimensions do not have")
+    return {"Axes": ", ".join(map(number, directions[0][:2]))}
+
+
+def is_at_rest(converter):
+    return any(record.peek("IMFLAG") == 1 for section in converter.deck.named("CONTROL_IMPLICIT_GENERAL")
+               for record in section.records())
+
+
+def times(converter, record):
+    """`Start` and `End` of what has BIRTH and DEATH."""
+    entries, end = {}, converter.scene.end_time
+    birth, death = record.peek("BIRTH"), record.peek("DEATH")
+    if is_at_rest(converter) and (birth > 0 or 0 < death < (end or death + 1)):
+        return {}  # fields that are not read
+    if record.number("BIRTH") > 0:
+        entries["Start"] = number(birth)
+    if record.number("DEATH") > 0 and not (end and death >= end) and death < NEVER:
+        entries["End"] = number(death)
+    return entries
 
 
 def local_systems(deck):
@@ -69,6 +97,23 @@ def local_systems(deck):
     return systems
 
 
+def vectors(deck):
+    """*DEFINE_VECTOR: unit vectors by number."""
+    result = {}
+    for section in deck.named("DEFINE_VECTOR"):
+        section.is_read = True
+        for record in section.records():
+            way = [record.number(axis + "H") - record.number(axis + "T") for axis in "XYZ"]
+            if any(way) and not record.peek("CID"):
+                result[record.integer("VID")] = unit(way)
+    return result
+
+
+def unit(vector):
+    length = sum(c * c for c in vector) ** 0.5
+    return [c / length for c in vector]
+
+
 def cross(a, b):
     return [a[d - 2] * b[d - 1] - a[d - 1] * b[d - 2] for d in range(3)]
 
@@ -80,26 +125,31 @@ def are_ends(converter, record, nodes, texts):
 
 def support(converter, record):
     nodes = converter.nodes_named_by(record)
-    axes = in_global_axes(converter, record, held_axes(record))
-    if are_ends(converter, record, nodes, {AXES.index(axis): "0" for axis in axes}):
+    axes, entries = in_axes(converter, record, held_axes(record))
+    if "BIRTH" in record.fields:
+        entries.update(times(converter, record))
+    if not entries and are_ends(converter, record, nodes, {AXES.index(axis): "0" for axis in axes}):
         return
     where = converter.node_set(record)
-    yield "Conditions", "support", fixed(converter, where, axes) if axes else None
+    yield "Conditions", "support", fixed(converter, where, axes, entries) if axes else None
 
 
 def support_of_nodes(converter, section):
     """*BOUNDARY_SPC_NODE: nodes with equal directions are one support."""
     nodes, first = {}, {}
     for record in section.records():
-        axes = tuple(in_global_axes(converter, record, held_axes(record)))
+        axes, entries = in_axes(converter, record, held_axes(record))
         node = converter.mesh.node(record.integer("NID"), record.line)
+        if "BIRTH" in record.fields:
+            entries.update(times(converter, record))
         converter.refuse_unused(record)
-        if axes and not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes}):
-            nodes.setdefault(axes, []).append(node)
-            first.setdefault(axes, record)
-    for axes, members in nodes.items():
-        converter.scene.add("Conditions", "support", fixed(converter, converter.scene.selection(members), axes),
-                            first[axes].line.place)
+        if axes and (entries or not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes})):
+            alike = (tuple(axes), tuple(entries.items()))
+            nodes.setdefault(alike, []).append(node)
+            first.setdefault(alike, record)
+    for (axes, entries), members in nodes.items():
+        converter.scene.add("Conditions", "support", fixed(
+            converter, converter.scene.selection(members), axes, dict(entries)), first[axes, entries].line.place)
 
 
 def function_of_time(converter, record, factor_field="SF"):
@@ -111,9 +161,10 @@ def function_of_time(converter, record, factor_field="SF"):
     return factor, curve
 
 
-def times_table(converter, factor, curve):
+def times_table(converter, factor, curve, start=""):
+    """The time of the curve begins at the start."""
     converter.curves.along_time(curve)
-    return f"{number(factor)}*table({converter.table(curve)}, t)"
+    return f"{number(factor)}*table({converter.table(curve)}, t{' - ' + start if start else ''})"
 
 
 def motion(converter, record):
@@ -122,24 +173,47 @@ def motion(converter, record):
     if axis in (5, 6, 7):
         raise NotUnderstood(f"DOF = {axis} is a rotation of nodes, and nodes of solids do not turn (9, 10 and 11 turn them "
                             "about an axis)")
-    if axis not in (1, 2, 3, 9, 10, 11):
-        raise NotUnderstood(f"DOF = {axis} is not understood (1, 2, 3 and 9, 10, 11 are)")
+    if axis not in (1, 2, 3, 4, -4, 9, 10, 11):
+        raise NotUnderstood(f"DOF = {axis} is not understood (1, 2, 3, 4, -4 and 9, 10, 11 are)")
     if kind not in (0, 2):
         raise NotUnderstood(f"VAD = {kind} is not understood (0 and 2 are)")
     factor, curve = function_of_time(converter, record)
-    converter.until_the_end(record, "DEATH")
-    if axis > 3:
-        yield "Conditions", "drive", turning(converter, record, AXES[axis - 9], kind, factor, curve)
+    if axis > 4:
+        entries = turning(converter, record, AXES[axis - 9], kind, factor, curve)
+        if not record.peek("BIRTH") > 0:
+            entries.update(times(converter, record))
+        yield "Conditions", "drive", entries
         return
+    entries = times(converter, record)
+    start = entries.get("Start", "")
+    if abs(axis) == 4:
+        entries.update(along_vector(converter, record))
     if record.unused():
         return
-    if any(node in converter.links.links.prescribed for node in nodes):
+    if abs(axis) == 4:
+        yield "Conditions", "drive", {
+            **where_of(converter, record, nodes), "Type": "velocity" if kind == 0 else "displacement", **entries,
+            "Function": components(converter, "x", times_table(converter, factor, curve, start), "free" if axis == 4 else "0")}
+        return
+    if not entries and any(node in converter.links.links.prescribed for node in nodes):
         way = times_table(converter, factor, curve) if kind == 2 else way_of(converter, factor, curve)
         if are_ends(converter, record, nodes, {axis - 1: way}):
             return
     yield "Conditions", "drive", {
-        **where_of(converter, record, nodes), "Type": "velocity" if kind == 0 else "displacement",
-        "Function": components(converter, AXES[axis - 1], times_table(converter, factor, curve))}
+        **where_of(converter, record, nodes), "Type": "velocity" if kind == 0 else "displacement", **entries,
+        "Function": components(converter, AXES[axis - 1], times_table(converter, factor, curve, start))}
+
+
+def along_vector(converter, record):
+    """The entry of axes, of which the first is along *DEFINE_VECTOR."""
+    direction = converter.vectors.get(record.integer("VID"))
+    if direction is None:
+        raise NotUnderstood(f"VID = {record.text('VID')} is no *DEFINE_VECTOR of this file with a length")
+    least = min(range(3), key=lambda d: abs(direction[d]))
+    across = unit(cross(direction, [float(d == least) for d in range(3)]))
+    if converter.mesh.dimension == 2:
+        across = [-direction[1], direction[0], 0.0]
+    return local_axes(converter, (direction, across, cross(direction, across)), f"VID = {record.text('VID')}")
 
 
 def where_of(converter, record, nodes):
@@ -231,6 +305,7 @@ def load_of_nodes(converter, record):
     if axis not in (1, 2, 3):
         raise NotUnderstood(f"DOF = {axis} is not understood (1, 2 and 3 are)")
     factor, curve = function_of_time(converter, record)
+    axes, entries = in_load_axes(converter, record, AXES[axis - 1])
     if record.unused():
         return
     area = converter.mesh.area(converter.mesh.faces_of_nodes(nodes))
@@ -238,8 +313,18 @@ def load_of_nodes(converter, record):
                           f"traction over their faces, whose area is {area:g}: the sum is the same, its distribution "
                           "is not.")
     yield "Conditions", "load", {
-        **where, "Type": "traction", "Function": components(converter, AXES[axis - 1], times_table(
+        **where, "Type": "traction", **entries, "Function": components(converter, axes, times_table(
             converter, factor * len(set(nodes)) / area, curve), "0")}
+
+
+def in_load_axes(converter, record, axis):
+    """A direction in a local system (CID), and the entry of its axes."""
+    if not record.peek("CID"):
+        return axis, {}
+    local = converter.systems.get(record.integer("CID"))
+    if local is None:
+        raise NotUnderstood(f"CID = {record.text('CID')} is no *DEFINE_COORDINATE_SYSTEM or _VECTOR of this file")
+    return axis, local_axes(converter, local, f"CID = {record.text('CID')}")
 
 
 def pressure(converter, record):
@@ -307,9 +392,11 @@ def temperature(converter, record):
         **where, "Type": "temperature", "Function": times_table(converter, factor, curve) if curve else number(factor)}
 
 
-RECORDS = {"BOUNDARY_SPC_SET": support, "BOUNDARY_PRESCRIBED_MOTION_SET": motion,
+RECORDS = {"BOUNDARY_SPC_SET": support, "BOUNDARY_SPC_SET_BIRTH_DEATH": support,
+           "BOUNDARY_PRESCRIBED_MOTION_SET": motion,
            "BOUNDARY_PRESCRIBED_MOTION_NODE": motion, "BOUNDARY_PRESCRIBED_MOTION_RIGID": rigid_motion,
            "LOAD_NODE_SET": load_of_nodes, "LOAD_NODE_POINT": load_of_nodes, "LOAD_NODE": load_of_nodes,
            "LOAD_SEGMENT_SET": pressure, "LOAD_BODY_X": body_load, "LOAD_BODY_Y": body_load, "LOAD_BODY_Z": body_load,
            "BOUNDARY_TEMPERATURE_SET": temperature}
-SECTIONS = {"BOUNDARY_SPC_NODE": support_of_nodes, "LOAD_SEGMENT": pressure_on_segments}
+SECTIONS = {"BOUNDARY_SPC_NODE": support_of_nodes, "BOUNDARY_SPC_NODE_BIRTH_DEATH": support_of_nodes,
+            "LOAD_SEGMENT": pressure_on_segments}

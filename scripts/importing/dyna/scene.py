@@ -35,7 +35,7 @@ class Converter:
             if section.name == "TITLE" and section.lines:
                 self.scene.title = usable(section.lines[0].text) or self.scene.title
         self.curves = Curves(deck, report)
-        self.systems = conditions.local_systems(deck)
+        self.systems, self.vectors = conditions.local_systems(deck), conditions.vectors(deck)
         self.records += [curve.record for curve in self.curves.values()]
         self.read_materials()
         self.forms = Used((record.integer("SECID"), record) for record in self.records_of(

@@ -54,6 +54,8 @@ namespace tombolo
         if (c < 0)
           return false;
         const MechanicalCondition<dim> &condition = conditions.all()[static_cast<std::size_t>(c)];
+        if (condition.axes.are_local() || condition.is_timed())
+          return false;
         if (condition.type == MechanicalConditionType::displacement)
           displacement[d] = condition.displacement(place, d, time);
         else if (condition.type == MechanicalConditionType::clamp)

@@ -447,7 +447,8 @@ namespace tombolo
         store_node(NodeLanes(0.), trial_loads.node(node));
       for (const KinematicContact<dim> *const contact : contacts)
         contact->add_trial_forces(trial_loads);
-      position_response.respond(trial_loads, model.conditions->constrained_components(), response);
+      position_response.respond(trial_loads, model.conditions->constrained_components(), response,
+                                model.conditions->oblique_nodes());
       change = 0;
       // Without momentum the first sweep is exact for nodes that do not move others, and the
       // responses of the second are those of its forces.

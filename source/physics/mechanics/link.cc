@@ -35,6 +35,12 @@ namespace tombolo
    * @endverbatim
    *
    * and the second by -f. The length L without force may change with time, as that of an actuator.
+   * Beyond its stops, a shortest and a longest length l_s and l_l, it has in addition
+   *
+   * @verbatim
+   *   f_s = k_s (l - l_l) n  where l > l_l,   f_s = k_s (l - l_s) n  where l < l_s
+   * @endverbatim
+   *
    * A link costs a sum over ranks in a step for each of its points, another with a dashpot, and
    * nothing else where its points are not.
    */
@@ -62,6 +68,15 @@ namespace tombolo
           "The length without force, a function of t; that of the start if empty. With 0 the link "
           "is a joint, which resists every motion of one end against the other.",
           1);
+      shortest = e.optional_number("Shortest length", positive(), "L",
+                                   "A stop: a link that is shorter is pushed apart by the `Stop "
+                                   "stiffness` as well; empty is none. A joint has no such.");
+      longest = e.optional_number("Longest length", positive(), "L",
+                                  "A stop: a link that is longer is pulled together by the `Stop "
+                                  "stiffness` as well; empty is none. Of a joint it is the play.");
+      stop_stiffness = e.number("Stop stiffness", "0", zero_or_positive(), "M/T^2",
+                                "$k_s$: force per length beyond a stop. The stable step is that "
+                                "with a stop that acts.");
       if (e.declares())
         return;
       entries.emplace(e.section());
@@ -74,10 +89,18 @@ namespace tombolo
       for (const auto *const function : {&end, &free_length})
         e.refuse(function->has_value() && (*function)->depends_on_place(),
                  function == &end ? "End" : "Length", "allowed are functions of t.");
-      e.refuse(!(stiffness > 0. || damping > 0.), "Stiffness",
-               "a link needs a stiffness or a damping larger than zero.");
+      e.refuse(!(stiffness > 0. || damping > 0. || stop_stiffness > 0.), "Stiffness",
+               "a link needs a stiffness or a damping larger than zero, or stops.");
+      e.refuse(
+          (shortest || longest) != (stop_stiffness > 0.), "Stop stiffness",
+          "stops are a \"Shortest length\" or a \"Longest length\", and a stiffness larger than "
+          "zero.");
+      e.refuse(shortest && longest && !(*shortest < *longest), "Longest length",
+               "allowed is one above \"Shortest length\".");
       is_joint = free_length && !free_length->depends_on_time() &&
                  free_length->value(Point<dim>(), 0.) == 0.;
+      e.refuse(is_joint && shortest, "Shortest length",
+               "a joint has no direction in which its ends could be pushed apart.");
     }
 
     void initialize(const Section &section, const Model<dim> &model) override
@@ -136,20 +159,26 @@ namespace tombolo
 
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override
     {
-      if (!(stiffness > 0.))
+      if (!(stiffness > 0. || stop_stiffness > 0.))
         return;
       const Vector r = reach(model, clock.time);
       const double squared = r.norm_square();
-      // What pushes has less stiffness across than none.
-      const double across =
-          is_joint ? stiffness
-                   : stiffness *
-                         std::max(0., 1. - length_without_force(clock.time) / std::sqrt(squared));
       Tensor<2, dim> change;
-      for (unsigned int d = 0; d < dim; ++d)
-        change[d][d] = across;
-      if (!is_joint)
-        change += (stiffness - across) / squared * outer_product(r, r);
+      // What pushes has less stiffness across than none.
+      const auto add = [&](const double along, const double length_of_none)
+      {
+        const double across = along * std::max(0., 1. - length_of_none / std::sqrt(squared));
+        for (unsigned int d = 0; d < dim; ++d)
+          change[d][d] += across;
+        change += (along - across) / squared * outer_product(r, r);
+      };
+      if (is_joint)
+        for (unsigned int d = 0; d < dim; ++d)
+          change[d][d] = stiffness;
+      else
+        add(stiffness, length_without_force(clock.time));
+      if (const double beyond = beyond_stop(std::sqrt(squared)); beyond != 0.)
+        add(stop_stiffness, std::sqrt(squared) - beyond);
       if (second.pull == nullptr)
       {
         if (first.node.is_here())
@@ -197,13 +226,23 @@ namespace tombolo
       return free_length ? free_length->value(Point<dim>(), time) : length_at_start;
     }
 
+    /** By how much a link of a length is longer than its longest, or shorter than its shortest,
+     * which is negative. */
+    double beyond_stop(const double now) const
+    {
+      if (longest && now > *longest)
+        return now - *longest;
+      return shortest && now < *shortest ? now - *shortest : 0.;
+    }
+
     /** The force on the first end, by r and dr/dt. */
     Vector pull(const Vector &r, const Vector &v, const double time) const
     {
-      if (is_joint)
-        return stiffness * r + damping * v;
       const Vector n = length > 0. ? r / length : Vector();
-      return (stiffness * (length - length_without_force(time)) + damping * (n * v)) * n;
+      const Vector of_stop = stop_stiffness * beyond_stop(length) * n;
+      if (is_joint)
+        return stiffness * r + damping * v + of_stop;
+      return of_stop + (stiffness * (length - length_without_force(time)) + damping * (n * v)) * n;
     }
 
     /** Finds the lightest mass that an end may have. Collective. */
@@ -241,7 +280,7 @@ namespace tombolo
       if (first.node.persistent_id() != node &&
           (second.pull == nullptr || second.node.persistent_id() != node))
         return;
-      sum.stiffness += stiffness;
+      sum.stiffness += stiffness + stop_stiffness;
       sum.damping += damping;
     }
 
@@ -271,7 +310,8 @@ namespace tombolo
     Vector point;
     std::optional<Vector> other_point;
     std::optional<Expression<dim>> end, free_length;
-    double stiffness, damping;
+    double stiffness, damping, stop_stiffness;
+    std::optional<double> shortest, longest;
     bool is_joint = false, resists_no_rates = false;
     std::string name;
     PulledPoint first, second;

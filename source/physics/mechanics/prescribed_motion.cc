@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/plain_kind.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -16,10 +23,48 @@ namespace tombolo
 
   namespace
   {
-    /** Calls @p action with the place in the list of constrained nodes, the component, the velocity
-     * at t_{n-1/2} that forces work on, which is prescribed, and what S alone would make of it,
-     * which the inertia works on. Not for nodes without mass, whose nodal_mass() is a divisor only:
-     * hanging ones, and those of cells that were removed. */
+    /** A prescribed component of a constrained node, or an axis of its frame that is none. */
+    struct PrescribedAxis
+    {
+      std::size_t k;             ///< place in the list of constrained nodes
+      unsigned int node;         ///< owned
+      unsigned int d;            ///< the component, or that whose place the axis has
+      const ObliqueNode *turned; ///< null for a component
+
+      double along(const double *const vector) const
+      {
+        if (turned == nullptr)
+          return vector[d];
+        double result = 0;
+        for (unsigned int e = 0; e < 3; ++e)
+          result += turned->axes[d][e] * vector[e];
+        return result;
+      }
+
+      std::array<double, 3> times(const double length) const
+      {
+        std::array<double, 3> result{};
+        for (unsigned int e = 0; e < 3; ++e)
+          result[e] = turned != nullptr ? length * turned->axes[d][e] : e == d ? length : 0.;
+        return result;
+      }
+    };
+
+    /** The inertial force m a of a node. */
+    template <int dim>
+    std::array<double, 3> inertial_force(const Model<dim> &model, const unsigned int node)
+    {
+      std::array<double, 3> result{};
+      for (unsigned int d = 0; d < 3; ++d)
+        result[d] =
+            model.bridge->nodal_mass().node(node)[d] * model.state.acceleration.node(node)[d];
+      return result;
+    }
+
+    /** Calls @p action with each prescribed axis, the velocity along it at t_{n-1/2} that forces
+     * work on, which is prescribed, and what S alone would make of it, which the inertia works on.
+     * Not for nodes without mass, whose nodal_mass() is a divisor only: hanging ones, and those of
+     * cells that were removed. */
     template <int dim, typename Action>
     void for_constrained(const Model<dim> &model, const Action &action)
     {
@@ -40,8 +85,17 @@ namespace tombolo
           if (!((constrained[node] >> d) & 1u))
             continue;
           const double velocity = model.state.velocity.node(node)[d];
-          action(k, d, velocity, is_particle ? smoothed->smoothed_velocity[d] : velocity);
+          action(PrescribedAxis{k, node, d, nullptr}, velocity,
+                 is_particle ? smoothed->smoothed_velocity[d] : velocity);
         }
+        const ObliqueNode *const oblique = model.conditions->oblique_nodes().find(node);
+        for (unsigned int d = 0; oblique != nullptr && d < 3; ++d)
+          if (((oblique->prescribed & ~constrained[node]) >> d) & 1u)
+          {
+            const PrescribedAxis axis{k, node, d, oblique};
+            const double velocity = axis.along(model.state.velocity.node(node));
+            action(axis, velocity, velocity);
+          }
       }
     }
 
@@ -89,6 +143,14 @@ namespace tombolo
         return of_node;
       };
       const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+      this->structure.archived(
+          [this](StateArchive &archive)
+          {
+            if (conditions.are_timed())
+              archive("conditions act since", acting_since);
+            if (conditions.are_timed() && archive.is_reading())
+              this->model.conditions->act_at(acting_since);
+          });
       Records &all = this->records.group("prescribed motion");
       all.sums("work", work);
       all.at_nodes(nodes, previous_inertia).vector("previous inertia", vector);
@@ -102,6 +164,27 @@ namespace tombolo
           { view.reaction = [this](const unsigned int node) { return reaction(node); }; });
       this->observed.history(condition_history, [this](BalanceHistory<dim> &row)
                              { add_condition_columns(supports.balances(), row); });
+    }
+
+    ModelChange change_model(Model<dim> &changed, const Clock &clock) override
+    {
+      ModelChange change;
+      if (!conditions.will_change(clock.time))
+        return change;
+      changed.begin_change();
+      acting_since = clock.time;
+      changed.conditions->act_at(acting_since);
+      changed.conditions->set_partition(*changed.state.partition());
+      changed.renew_inertia();
+      change.masses = true;
+      return change;
+    }
+
+    void add_forces(const Model<dim> &, const Clock &, const NodalVector &) override
+    {
+      if (const Refusal found = refusal(model); !found.reason.empty())
+        this->failure = "condition \"" + conditions.all()[found.condition].name +
+                        "\", entry \"Axes\": " + found.reason;
     }
 
     void constrain_acceleration(const Model<dim> &, const Clock &clock, NodalState &state) override
@@ -123,21 +206,19 @@ namespace tombolo
       }
       for_constrained(
           model,
-          [&](const std::size_t k, const unsigned int d, const double velocity,
-              const double inertial_velocity)
+          [&](const PrescribedAxis &axis, const double velocity, const double inertial_velocity)
           {
-            const unsigned int node = nodes[k];
-            const double inertia = velocity_step * model.bridge->nodal_mass().node(node)[d] *
-                                   state.acceleration.node(node)[d];
-            const double force = velocity_step * state.force.node(node)[d];
-            const unsigned int condition = condition_of(conditions, k, d);
+            const unsigned int node = axis.node;
+            const double inertia = velocity_step * axis.along(inertial_force(model, node).data());
+            const double force = velocity_step * axis.along(state.force.node(node));
+            const unsigned int condition = condition_of(conditions, axis.k, axis.d);
             const double of_step =
-                inertial_velocity * impulse_of_step(inertia, previous_inertia[k][d], is_start) -
-                velocity * impulse_of_step(force, previous_force[k][d], is_start);
+                inertial_velocity *
+                    impulse_of_step(inertia, previous_inertia[axis.k][axis.d], is_start) -
+                velocity * impulse_of_step(force, previous_force[axis.k][axis.d], is_start);
             work += of_step;
             supports[condition].work += of_step;
-            Vector reaction{};
-            reaction[d] = inertia - force;
+            const Vector reaction = axis.times(inertia - force);
             model.impulses.add(state.position.node(node), reaction);
             supports[condition].impulses.add(state.position.node(node), reaction);
           });
@@ -161,29 +242,120 @@ namespace tombolo
     }
 
     /** See PlainKind. */
-    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
     {
       if (!model.has_mechanics || !model.conditions->has_constraints())
         return nullptr;
-      return std::make_unique<PrescribedMotion>(model);
+      auto result = std::make_unique<PrescribedMotion>(model);
+      const Refusal of_rank = first_refusal(model);
+      const unsigned int first = Utilities::MPI::min(of_rank.condition, model.communicator);
+      if (first == numbers::invalid_unsigned_int)
+        return result;
+      const std::string reason = of_rank.condition == first ? of_rank.reason : "";
+      for (const std::string &text : texts_of_ranks(model.communicator, reason))
+        if (!text.empty())
+          parameters.section("Condition: " + model.conditions->all()[first].name)
+              .fail("Axes", text);
+      return result;
     }
 
   private:
     using Vector = std::array<double, 3>;
 
+    /** Why nodes can not be held along directions that are no axes of the coordinates, and by which
+     * condition; empty where they can. */
+    struct Refusal
+    {
+      unsigned int condition = numbers::invalid_unsigned_int;
+      std::string reason;
+    };
+
+    /** The first one at any time of the run, on this rank. Collective. */
+    static Refusal first_refusal(Model<dim> &model)
+    {
+      Refusal result;
+      const auto look_at = [&](const double time)
+      {
+        model.conditions->act_at(time);
+        model.conditions->set_partition(*model.state.partition());
+        for (const Refusal &found : {refusal_by_images(model), refusal(model)})
+          if (result.reason.empty())
+            result = found;
+      };
+      for (const MechanicalCondition<dim> &condition : model.conditions->all())
+        for (const double time : {condition.start, condition.end})
+          if (std::isfinite(time))
+            look_at(time);
+      look_at(0.);
+      return result;
+    }
+
+    static Refusal refused(const Model<dim> &model, const ObliqueNode &at,
+                           const std::string &reason)
+    {
+      const std::vector<unsigned int> &nodes = model.conditions->constrained_nodes();
+      const auto k = static_cast<std::size_t>(
+          std::lower_bound(nodes.begin(), nodes.end(), at.node) - nodes.begin());
+      for (unsigned int d = 0; d < dim; ++d)
+        if (((at.prescribed >> d) & 1u) && at.axes[d][d] != 1.)
+          return {condition_of(*model.conditions, k, d), reason};
+      return {};
+    }
+
+    /** Directions along which images let nodes move in part. Now, on this rank. Collective. */
+    static Refusal refusal_by_images(const Model<dim> &model)
+    {
+      const std::vector<ObliqueNode> &oblique = model.conditions->oblique_nodes().all();
+      Refusal result;
+      NodalVector direction(model.state.partition());
+      for (unsigned int k = 0; k < dim; ++k)
+      {
+        direction.set_zero();
+        for (const ObliqueNode &at : oblique)
+          for (unsigned int d = 0; d < dim && ((at.prescribed >> k) & 1u); ++d)
+            direction.node(at.node)[d] = at.axes[k][d];
+        direction.make_symmetric();
+        for (const ObliqueNode &at : oblique)
+        {
+          const double *const left = direction.node(at.node);
+          const double length = std::hypot(left[0], left[1], left[2]);
+          if (length > 1e-9 && length < 1. - 1e-9 && result.reason.empty())
+            result =
+                refused(model, at,
+                        "it holds a node on a plane, beyond which the body is its own mirror "
+                        "image, along a direction that is neither in the plane nor normal to it. "
+                        "`Where` can leave out the nodes on the plane.");
+        }
+      }
+      return result;
+    }
+
+    /** Now, on this rank. */
+    static Refusal refusal(const Model<dim> &model)
+    {
+      for (const ObliqueNode &at : model.conditions->oblique_nodes().all())
+        if (model.bridge->mass_split().n_particle_parts[at.node] > 0)
+          return refused(model, at,
+                         "it leaves directions of particles free, or to other conditions, and "
+                         "smoothing treats the components of particles by the axes of the "
+                         "coordinates. Allowed are nodes of elements, all components, or axes "
+                         "of the coordinates.");
+      return {};
+    }
+
     /** Books the first half of the step with the nodes and masses of before. */
     void prepare_change()
     {
       if (previous_inertia.size() == conditions.constrained_nodes().size())
-        for_constrained(model,
-                        [&](const std::size_t k, const unsigned int d, const double velocity,
-                            const double inertial_velocity)
-                        {
-                          const double half = 0.5 * (inertial_velocity * previous_inertia[k][d] -
-                                                     velocity * previous_force[k][d]);
-                          work += half;
-                          supports[condition_of(conditions, k, d)].work += half;
-                        });
+        for_constrained(
+            model,
+            [&](const PrescribedAxis &axis, const double velocity, const double inertial_velocity)
+            {
+              const double half = 0.5 * (inertial_velocity * previous_inertia[axis.k][axis.d] -
+                                         velocity * previous_force[axis.k][axis.d]);
+              work += half;
+              supports[condition_of(conditions, axis.k, axis.d)].work += half;
+            });
       previous_inertia.clear();
       previous_force.clear();
     }
@@ -234,11 +406,23 @@ namespace tombolo
           result[d] =
               model.bridge->nodal_mass().node(node)[d] * model.state.acceleration.node(node)[d] -
               model.state.force.node(node)[d];
+      const ObliqueNode *const oblique = conditions.oblique_nodes().find(node);
+      if (oblique == nullptr || !has_mass)
+        return result;
+      // All prescribed axes: what is free along the frame is taken away.
+      result = inertial_force(model, node);
+      for (unsigned int d = 0; d < 3; ++d)
+        result[d] -= model.state.force.node(node)[d];
+      Vector free = result;
+      oblique->remove_prescribed(free.data());
+      for (unsigned int d = 0; d < 3; ++d)
+        result[d] -= free[d];
       return result;
     }
 
     Model<dim> &model;
     const MechanicalConditions<dim> &conditions;
+    double acting_since = 0;              ///< the conditions of which time act [T]
     double work = 0;                      ///< this rank's share [M L^2/T^2]
     ConditionAccounts<dim> supports;      ///< the same by condition, and impulses
     std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes

@@ -108,15 +108,23 @@ namespace tombolo
     void refuse_conditions(const Section &section, const Model<dim> &model,
                            const std::vector<unsigned int> &nodes)
     {
-      const MechanicalConditions<dim> &conditions = *model.conditions;
+      MechanicalConditions<dim> &conditions = *model.conditions;
       const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
       const int none = static_cast<int>(conditions.all().size());
       int first = none;
-      for (std::size_t k = 0; k < constrained.size(); ++k)
-        if (std::binary_search(nodes.begin(), nodes.end(), constrained[k]))
-          for (unsigned int d = 0; d < dim; ++d)
-            if (const int c = conditions.prescribing_condition(k, d); c >= 0)
-              first = std::min(first, c);
+      std::vector<double> times{0.};
+      for (const MechanicalCondition<dim> &condition : conditions.all())
+        if (condition.start > 0.)
+          times.push_back(condition.start);
+      for (auto time = times.rbegin(); time != times.rend(); ++time)
+      {
+        conditions.act_at(*time);
+        for (std::size_t k = 0; k < constrained.size(); ++k)
+          if (std::binary_search(nodes.begin(), nodes.end(), constrained[k]))
+            for (unsigned int d = 0; d < dim; ++d)
+              if (const int c = conditions.prescribing_condition(k, d); c >= 0)
+                first = std::min(first, c);
+      }
       first = Utilities::MPI::min(first, model.communicator);
       if (first == none)
         return;

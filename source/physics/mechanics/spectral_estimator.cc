@@ -56,6 +56,9 @@ namespace tombolo
                   for (unsigned int d = 0; d < 3; ++d)
                     if ((constrained[nodes[k]] >> d) & 1u)
                       value[d] = 0.;
+                  if (const ObliqueNode *const oblique =
+                          model.conditions->oblique_nodes().find(nodes[k]))
+                    oblique->remove_prescribed(value);
                 });
   }
 

@@ -128,15 +128,18 @@ namespace tombolo
       displacement.fill(
           [&](const unsigned int i, double *const of_node)
           {
+            const std::array<double, 3> residual = along_frame(problem, i, problem.residual());
+            problem.frames().turn(velocity.partition()->global_index(i), of_node);
             for (unsigned int d = 0; d < dim; ++d)
             {
-              const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
+              const double mass = mass_along(problem, i, d);
               if (problem.constrained().node(i)[d] > 0. || !(mass > 0.))
                 continue;
               const double now = velocity.node(i)[d];
-              const double before = now - problem.residual().node(i)[d] / mass;
+              const double before = now - residual[d] / mass;
               of_node[d] -= now + 0.5 * before;
             }
+            problem.frames().turn_back(velocity.partition()->global_index(i), of_node);
           });
       velocity.set_zero();
     }
@@ -152,28 +155,54 @@ namespace tombolo
       displacement.fill(
           [&](const unsigned int i, double *const of_node)
           {
+            const std::array<double, 3> residual = along_frame(problem, i, problem.residual()),
+                                        prescribed = along_frame(problem, i, problem.prescribed());
+            problem.frames().turn(velocity.partition()->global_index(i), of_node);
             for (unsigned int d = 0; d < dim; ++d)
             {
               if (problem.constrained().node(i)[d] > 0.)
               {
-                of_node[d] = prescribed_share * problem.prescribed().node(i)[d];
+                of_node[d] = prescribed_share * prescribed[d];
                 continue;
               }
-              const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
+              const double mass = mass_along(problem, i, d);
               if (!(mass > 0.))
                 continue;
               double &speed = velocity.node(i)[d];
-              speed += step * problem.residual().node(i)[d] / mass;
+              speed += step * residual[d] / mass;
               of_node[d] += speed;
               energy += 0.5 * mass * speed * speed;
             }
+            problem.frames().turn_back(velocity.partition()->global_index(i), of_node);
           });
       return ordered_sum(energy, problem.model.communicator);
     }
 
+    /** A vector of an owned node along its frame. */
+    static std::array<double, 3> along_frame(const StaticProblem<dim> &problem,
+                                             const unsigned int node, const NodalVector &vector)
+    {
+      std::array<double, 3> result{};
+      std::copy_n(vector.node(node), dim, result.begin());
+      problem.frames().turn(vector.partition()->global_index(node), result.data());
+      return result;
+    }
+
+    /** Row sums along other axes are at most dim times the largest of those along the coordinates.
+     */
+    double mass_along(const StaticProblem<dim> &problem, const unsigned int node,
+                      const unsigned int d) const
+    {
+      const double *const sums = matrix->row_sums().node(node);
+      const bool is_turned =
+          problem.frames().find(velocity.partition()->global_index(node)) != nullptr;
+      return relaxation_mass(is_turned ? dim * *std::max_element(sums, sums + dim) : sums[d]);
+    }
+
     unsigned int max_iterations;
     std::unique_ptr<TangentMatrix<dim>> matrix; ///< for the masses
-    NodalVector displacement, velocity;
+    NodalVector displacement;
+    NodalVector velocity; ///< along the frames of nodes
     unsigned long iterations = 0, n_restarts = 0;
   };
 

@@ -89,7 +89,32 @@ namespace tombolo
           parameters.attempt([&] { refuse_acceleration<dim>(section); });
       }
     };
+
+    /** No process of its own: refuses supports and drives that end or begin in the run. */
+    template <int dim>
+    class TimesAtRest : public ProcessKind<dim>
+    {
+    public:
+      void validate(const Parameters &parameters, const std::vector<Part<dim>> &) const override
+      {
+        if (!has_bodies_at_rest<dim>(parameters))
+          return;
+        for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
+          parameters.attempt(
+              [&]
+              {
+                const std::string type = section.get("Type");
+                for (const char *const entry : {"Start", "End"})
+                  if (section.is_set(entry) && !section.get(entry).empty() &&
+                      (type == "velocity" || type == "displacement" || type == "clamp"))
+                    refuse_at_rest<dim>(section, entry,
+                                        "nodes are set free or held while the body moves",
+                                        "a stage of its own (`Stages`) with other conditions");
+              });
+      }
+    };
   } // namespace
 
+  TOMBOLO_REGISTER_PROCESS_KIND(TimesAtRest, process_order::prescribed_motion)
   TOMBOLO_REGISTER_PROCESS_KIND(ContactsAtRest, process_order::contact)
 } // namespace tombolo

@@ -76,6 +76,18 @@ namespace tombolo
       Tensor<1, dim> direction;
     };
 
+    /** An axis of the frame of an owned node. */
+    template <int dim>
+    Tensor<1, dim> axis_at(const Model<dim> &model, const unsigned int node, const unsigned int d)
+    {
+      Tensor<1, dim> result;
+      result[d] = 1.;
+      if (const ObliqueNode *const oblique = model.conditions->oblique_nodes().find(node))
+        for (unsigned int e = 0; e < dim; ++e)
+          result[e] = oblique->axes[d][e];
+      return result;
+    }
+
     using BodyOfNode = std::function<types::global_dof_index(types::global_dof_index)>;
 
     /** The rigid motions of bodies that none of these holds prevents, in words. Collective. */
@@ -219,7 +231,7 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         if (constrained.node(i)[d] > 0.)
           by_conditions.push_back(
-              {bodies.body_of(partition.global_index(i)), place_of(i), along(d)});
+              {bodies.body_of(partition.global_index(i)), place_of(i), axis_at(model, i, d)});
 
     const NodalVector body_of_node = bodies_of_nodes(bodies, model.state.partition());
     const auto body_at = [&](const unsigned int i)

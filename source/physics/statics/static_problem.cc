@@ -8,6 +8,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <tuple>
@@ -46,6 +48,9 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         if (on_plane.reflection.sign[d] < 0.)
           constrained[on_plane.source] |= static_cast<std::uint8_t>(1u << d);
+    for (const ObliqueNode &oblique : model.conditions->oblique_nodes().all())
+      constrained[oblique.node] |= oblique.prescribed;
+    nodal_frames = NodalFrames<dim>(model);
     mask = nodal_field(model.state.partition(), Quantity::scalars,
                        [&](const unsigned int i, double *const of_node)
                        {
@@ -73,6 +78,10 @@ namespace tombolo
         nodes,
         [&](const std::size_t k, double *const displacement)
         {
+          const types::global_dof_index node = state.partition()->global_index(nodes[k]);
+          std::array<double, dim> rate;
+          std::copy_n(state.acceleration.node(nodes[k]), dim, rate.begin());
+          nodal_frames.turn(node, rate.data());
           for (unsigned int d = 0; d < dim; ++d)
           {
             const int condition = model.conditions->prescribing_condition(k, d);
@@ -81,9 +90,10 @@ namespace tombolo
                  model.conditions->all()[static_cast<unsigned int>(condition)].type !=
                      MechanicalConditionType::displacement))
               continue;
-            displacement[d] = state.acceleration.node(nodes[k])[d] * step * step;
+            displacement[d] = rate[d] * step * step;
             largest = std::max(largest, std::abs(displacement[d]));
           }
+          nodal_frames.turn_back(node, displacement);
         });
     has_driven_nodes = Utilities::MPI::max(largest, model.communicator) > 0.;
     state.acceleration.set_zero();
@@ -210,12 +220,15 @@ namespace tombolo
     std::string failure = evaluate_parts();
     double sum = 0;
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    {
       for (unsigned int d = 0; d < dim; ++d)
       {
         const double force = state.force.node(i)[d];
         sum += force * 0.;
-        free_force.node(i)[d] = mask.node(i)[d] > 0. ? 0. : force;
+        free_force.node(i)[d] = force;
       }
+      remove_constrained(i, free_force.node(i));
+    }
     if (failure.empty() && !std::isfinite(sum))
       failure = "a force is not finite.";
     failure_text.clear();
@@ -292,12 +305,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticProblem<dim>::remove_constrained(NodalVector &vector) const
+  void StaticProblem<dim>::remove_constrained(const unsigned int node, double *const vector) const
   {
-    for (unsigned int i = 0; i < mask.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        if (mask.node(i)[d] > 0.)
-          vector.node(i)[d] = 0.;
+    const types::global_dof_index global_node = mask.partition()->global_index(node);
+    nodal_frames.turn(global_node, vector);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (mask.node(node)[d] > 0.)
+        vector[d] = 0.;
+    nodal_frames.turn_back(global_node, vector);
   }
 
   template class StaticProblem<2>;

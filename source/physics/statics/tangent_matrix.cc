@@ -255,10 +255,16 @@ namespace tombolo
     for (const unsigned int node : local_nodes)
       nodes.push_back(problem.model.state.partition()->global_index(node));
     const DependentRows::Nodes independent_nodes = dependent.independent(nodes);
-    if (independent_nodes == nodes)
+    if (problem.frames().is_empty() && independent_nodes == nodes)
+    {
       add_equations(nodes, entries);
-    else
-      add_equations(independent_nodes, dependent.condensed(nodes, independent_nodes, entries, dim));
+      return;
+    }
+    std::vector<double> turned = independent_nodes == nodes
+                                     ? entries
+                                     : dependent.condensed(nodes, independent_nodes, entries, dim);
+    problem.frames().turn(independent_nodes, turned);
+    add_equations(independent_nodes, turned);
   }
 
   template <int dim>
@@ -303,21 +309,21 @@ namespace tombolo
       for (const auto &[node, weight] : dependent.weights(entry.node))
         entries.push_back({node, weight * entry.normal, weight * entry.weight, weight * entry.shift,
                            stiffness.along * (weight * entry.shares)});
+    std::vector<Tensor<2, dim>> blocks(entries.size());
     for (const auto &at_row : entries)
+    {
+      for (std::size_t k = 0; k < entries.size(); ++k)
+        blocks[k] = problem.frames().block(stiffness, at_row, entries[k]);
       for (unsigned int a = 0; a < dim; ++a)
       {
         if (is_constrained(at_row.node, a))
           continue;
-        for (const auto &at_column : entries)
+        for (std::size_t k = 0; k < entries.size(); ++k)
           for (unsigned int b = 0; b < dim; ++b)
-            row.add(at_column.node * dim + b,
-                    (stiffness.normal * at_row.normal[a] + at_row.weight * stiffness.slip[a]) *
-                            (at_column.normal[b] + at_column.shift[b]) +
-                        at_row.weight *
-                            (at_column.weight * stiffness.along[a][b] + at_column.shares[a][b]),
-                    is_constrained(at_column.node, b));
+            row.add(entries[k].node * dim + b, blocks[k][a][b], is_constrained(entries[k].node, b));
         row.move_to(at_row.node * dim + a, {{&matrix, &coupling}});
       }
+    }
   }
 
   template <int dim>
@@ -412,6 +418,9 @@ namespace tombolo
         for (unsigned int mode = 0; mode < n_rigid_modes<dim>; ++mode)
           rigid_modes[mode * n_rows + std::size_t(i) * dim + d] = along[mode];
       }
+      for (unsigned int mode = 0; mode < n_rigid_modes<dim>; ++mode)
+        problem.frames().turn(state.partition()->global_index(i),
+                              &rigid_modes[mode * n_rows + std::size_t(i) * dim]);
     }
   }
 
@@ -448,16 +457,13 @@ namespace tombolo
     const NodePartition &partition = *problem.model.state.partition();
     const NodalVector &constrained = problem.constrained();
     Vector right_hand_side(owned_rows, partition.communicator()), solution(right_hand_side);
-    for (unsigned int i = 0; i < partition.n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        right_hand_side.local_element(i * dim + d) = residual.node(i)[d];
+    problem.frames().turn(residual, right_hand_side);
+    Vector moved(right_hand_side);
+    moved = 0.;
     if (prescribed != nullptr)
     {
-      Vector moved(right_hand_side), effect(right_hand_side);
-      moved = 0.;
-      for (unsigned int i = 0; i < partition.n_owned(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          moved.local_element(i * dim + d) = prescribed->node(i)[d];
+      Vector effect(right_hand_side);
+      problem.frames().turn(*prescribed, moved);
       coupling.vmult(effect, moved);
       right_hand_side.add(-1., effect);
     }
@@ -501,10 +507,12 @@ namespace tombolo
       n_iterations = -1;
     }
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
+    {
       for (unsigned int d = 0; d < dim; ++d)
-        change.node(i)[d] = constrained.node(i)[d] > 0.
-                                ? (prescribed != nullptr ? prescribed->node(i)[d] : 0.)
-                                : solution.local_element(i * dim + d);
+        change.node(i)[d] = constrained.node(i)[d] > 0. ? moved.local_element(i * dim + d)
+                                                        : solution.local_element(i * dim + d);
+      problem.frames().turn_back(partition.global_index(i), change.node(i));
+    }
     change.distribute();
     return n_iterations;
   }

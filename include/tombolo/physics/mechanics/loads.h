@@ -67,6 +67,8 @@ namespace tombolo
             if (load.condition == condition)
               take_forces(alone, loaded_nodes, load.at_positions);
         };
+      for (SingleLoad &load : single)
+        load.at_positions.clear();
       loads.touched_nodes() = loaded_nodes;
       conditions.compute_loads(model.state, clock.time,
                                has_particles ? places : model.state.position,

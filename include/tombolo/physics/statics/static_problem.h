@@ -5,6 +5,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/model/trial.h>
+#include <tombolo/physics/statics/nodal_frames.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -96,14 +97,18 @@ namespace tombolo
       return has_driven_nodes;
     }
 
-    /** One at prescribed components of nodes, zero at the others; ghosts current. */
+    /** The frames of nodes of which directions are prescribed that are no axes. */
+    const NodalFrames<dim> &frames() const
+    {
+      return nodal_frames;
+    }
+
+    /** One at prescribed components of nodes, along their frames, zero at the others; ghosts
+     * current. */
     const NodalVector &constrained() const
     {
       return mask;
     }
-
-    /** Sets the prescribed components of owned nodes to zero. */
-    void remove_constrained(NodalVector &vector) const;
 
     /** The largest sum of forces of cells at the nodes so far (its norm): what residuals are
      * compared with [M L/T^2]. */
@@ -167,6 +172,8 @@ namespace tombolo
 
   private:
     void set_constrained();
+    /** Sets the prescribed components of an owned node to zero. */
+    void remove_constrained(unsigned int node, double *vector) const;
     std::string evaluate_parts();
     /** What processes see of the step. */
     Clock process_clock() const;
@@ -187,6 +194,7 @@ namespace tombolo
     std::unique_ptr<Trial<dim>> trial;
     StaticInterval present;
     NodalVector start_position;
+    NodalFrames<dim> nodal_frames;
     NodalVector mask, prescribed_displacement, free_force;
     Records of_nodes;      ///< what processes give to nodes
     double spring_time;    ///< of which springs of contacts are made [T]
