@@ -1,6 +1,15 @@
 add_test(NAME pages_have_links_that_lead_somewhere_and_short_sentences
   COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/tests/pages/pages_test.py)
 list(APPEND quick_tests pages_have_links_that_lead_somewhere_and_short_sentences)
+execute_process(COMMAND ${TOMBOLO_PYTHON} -c "import matplotlib, numpy, scipy, vtk"
+  RESULT_VARIABLE python_packages_result OUTPUT_QUIET ERROR_QUIET)
+if(python_packages_result EQUAL 0)
+  add_test(NAME pages_quote_what_their_commands_print
+    COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/tests/pages/quotes_test.py
+      $<TARGET_FILE:tombolo_program> $<TARGET_FILE:strip_operators_program>)
+else()
+  message(STATUS "numpy, scipy, matplotlib or vtk for Python is missing: the commands of pages are not run.")
+endif()
 # Without python3-markdown, which `scripts/site` installs, a Chromium or Node.js, which `scripts/setup chromium`
 # and `scripts/setup nodejs` install, these end with 77.
 add_test(NAME site_is_made_of_the_pages
