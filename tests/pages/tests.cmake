@@ -10,7 +10,7 @@ if(python_packages_result EQUAL 0)
 else()
   message(STATUS "numpy, scipy, matplotlib or vtk for Python is missing: the commands of pages are not run.")
 endif()
-# Without python3-markdown, which `scripts/site` installs, a Chromium or Node.js, which `scripts/setup chromium`
+# Without blahtexml and python3-markdown, which `scripts/site` installs, a Chromium or Node.js, which `scripts/setup chromium`
 # and `scripts/setup nodejs` install, these end with 77.
 add_test(NAME site_is_made_of_the_pages
   COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/tests/pages/site_test.py)
@@ -18,5 +18,7 @@ add_test(NAME site_search_finds_words_of_the_trade
   COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/tests/pages/search_test.py)
 add_test(NAME site_opens_in_a_browser
   COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/tests/pages/browser_test.py)
-set_tests_properties(site_is_made_of_the_pages site_search_finds_words_of_the_trade site_opens_in_a_browser
+add_test(NAME formulas_of_pages_become_mathml
+  COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/tests/pages/formulas_test.py)
+set_tests_properties(formulas_of_pages_become_mathml site_is_made_of_the_pages site_search_finds_words_of_the_trade site_opens_in_a_browser
   PROPERTIES SKIP_RETURN_CODE 77)
