@@ -5,6 +5,9 @@ from ..scene import at_one_temperature, interpolated, linear_hardening, number, 
 from .deck import key
 from .hardening import KinematicHardening
 
+# Of the flow stress of Johnson and Cook: no temperature is above the reference.
+WITHOUT_SOFTENING = {"Thermal exponent": "1", "Melting temperature": "2e+09", "Reference temperature": "1e+09"}
+
 
 def at_temperatures(pairs):
     """One number, or pairs of temperature and value; each is a value and a temperature."""
@@ -68,6 +71,10 @@ class Material:
             names = ("Yield stress", "Hardening coefficient", "Hardening exponent", "Thermal exponent",
                      "Melting temperature", "Reference temperature")
             cook = {name: number(rows[0].number(k)) for k, name in enumerate(names)} if rows else {}
+            if rows and not rows[0].number(4) > rows[0].number(5):
+                self.remarks.append(f"*PLASTIC ({section.line.place}): without a melting temperature there is no thermal "
+                                    "softening.")
+                cook.update(WITHOUT_SOFTENING)
             self.flow = {"Flow stress": "johnson cook", "johnson cook": cook}
             self.temperature_dependent = True
             return
