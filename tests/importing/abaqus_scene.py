@@ -90,6 +90,13 @@ class AbaqusScene(DeckTest):
         self.check(loaded("9, 3, 1.", "10, 3, 1."), 'the nodes of "9", "10" make no face of the boundary')
         self.check(loaded("9, 3, 1.", "10, 3, 1.", "11, 3, 1.", "12, 3, 1.", "5, 3, 1."), "is on no face of the boundary that")
 
+    def test_steady_heat_needs_no_capacity(self):
+        text = IMPACT[:IMPACT.index("*MATERIAL")] + (
+            "*MATERIAL, NAME=COPPER\n*CONDUCTIVITY\n 50.,\n*STEP\n*HEAT TRANSFER, STEADY STATE\n 1., 1.\n*BOUNDARY\n FOOT, 11, 11, 0.\n"
+            "*FILM\n 2, F2, -12., 10.\n*END STEP\n")
+        self.check(text, "set Model = heat conductor", "set Specific heat capacity = 0.00125", "set Conductivity = 50",
+                   "Steps of heat are steady", runs=True)
+
     def test_johnson_cook_without_temperatures_does_not_soften(self):
         self.check(replaced(IMPACT, (" 90., 292., 0.31, 1.09, 1356., 298.", " 90., 292., 0.31, 0.77")),
                    "set Thermal exponent = 1", "set Melting temperature = 2e+09", "without a melting temperature", runs=True)
