@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Formulas of pages as MathML, which browsers show without a script: $`...`$ in a line and blocks of code of the language
-math, both of which the forge shows as well. What converts TeX is the program blahtexml."""
+"""Formulas of pages as MathML, which browsers show without a script: $`...`$ or $...$ in a line and blocks of code of the
+language math, all of which the forge shows as well. What converts TeX is the program blahtexml."""
 
 import functools
 import html
@@ -12,6 +12,7 @@ from pages import text
 
 PROGRAM = "blahtexml"
 INLINE = re.compile(r"\$`([^`]+)`\$")
+WITHOUT_TICKS = re.compile(r"(?<![\w$`])\$(?=[^\s$`\d])([^$`\n]*[^\s$`])\$(?![\w$`])")
 # The number of an equation, which the page shows beside it.
 TAG = re.compile(r"\s*\\tag\{([^{}]+)\}\s*")
 OPTIONS = ("--mathml", "--spacing", "moderate", "--mathml-nsprefix-none", "--other-encoding", "raw", "--mathml-encoding", "raw")
@@ -33,9 +34,21 @@ def can_be_converted():
     return shutil.which(PROGRAM) is not None
 
 
+def with_ticks(page):
+    """The text of a page with $...$ of its lines as $`...`$."""
+    lines = page.split("\n")
+    for block in text.blocks_of(page):
+        if block.kind in ("text", "table"):
+            for k in range(block.line - 1, block.line + block.text.count("\n")):
+                plain = text.without_code(lines[k])
+                for found in reversed(list(WITHOUT_TICKS.finditer(plain))):
+                    lines[k] = lines[k][:found.start()] + f"$`{found[1]}`$" + lines[k][found.end():]
+    return "\n".join(lines)
+
+
 def formulas_of(page):
     """(line, TeX, whether it is a block) of each formula of the text of a page."""
-    found = []
+    page, found = with_ticks(page), []
     for block in text.blocks_of(page):
         if block.kind == "code":
             lines = block.text.rstrip("\n").split("\n")

@@ -90,7 +90,7 @@ def body_of(page):
     """The HTML of a page, its headings with their anchors."""
     converter = markdown.Markdown(extensions=["tables", "fenced_code", "sane_lists"])
     converter.ESCAPED_CHARS.append("<")
-    body = converter.convert(for_python_markdown(page))
+    body = converter.convert(for_python_markdown(formulas.with_ticks(page)))
     headings = text.headings_of(page)
     found = re.findall(r"<h([1-6])>", body)
     if [int(level) for level in found] != [level for level, _, _ in headings]:

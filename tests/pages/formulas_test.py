@@ -19,7 +19,7 @@ SKIPPED = 77
 PAGE = """# A page
 
 Of $`x_I`$ and `code`, and over
-lines $`\\hat v < 1`$; $5 is none.
+lines $`\\hat v < 1`$; $c_1$ is one, `$c$`, $5 and 6$ are none.
 
 ```math
 x = \\frac12 \\tag{M1}
@@ -36,7 +36,7 @@ $`no formula`$
 
 class FormulasTest(unittest.TestCase):
     def test_formulas_are_found_with_their_lines(self):
-        self.assertEqual(formulas.formulas_of(PAGE), [(3, "x_I", False), (4, "\\hat v < 1", False),
+        self.assertEqual(formulas.formulas_of(PAGE), [(3, "x_I", False), (4, "\\hat v < 1", False), (4, "c_1", False),
                                                       (6, "x = \\frac12 \\tag{M1}", True), (14, "b", False)])
 
     def test_every_formula_of_the_pages_is_converted(self):
