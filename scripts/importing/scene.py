@@ -65,6 +65,7 @@ class Scene:
         self.title = usable(self.source.stem)
         self.end_time = None
         self.has_degree_2 = False
+        self.without_density = set()  # materials of which the deck says none
         self.head = {}        # further entries outside of all sections
         self.parts = []
         self.materials = {}   # entries by name, with comments
@@ -216,8 +217,11 @@ class Scene:
     def lines(self):
         yield f"# Written by scripts/import from {self.source.name}. Read it before it is run."
         units = unit_labels(self.densities())
-        yield f"# The densities are those of metals in {units}." if units else \
-            "# The densities do not tell the units; those of the file must be consistent."
+        if units:
+            yield "# The densities are those of metals in these units. Without the first sign tables and reports have them:"
+            yield f"# set Unit labels = {units}"
+        else:
+            yield "# The densities do not tell the units; those of the file must be consistent."
         entries = {"Title": self.title, "Dimension": self.mesh.dimension}
         if self.end_time:
             entries["End time"] = number(self.end_time)
@@ -259,8 +263,8 @@ class Scene:
         yield from self.report.comments()
 
     def densities(self):
-        for _, entries in self.materials.values():
-            for section in entries.values():
+        for name, (_, entries) in self.materials.items():
+            for section in () if name in self.without_density else entries.values():
                 if isinstance(section, dict) and "Density" in section:
                     yield float(section["Density"])
 

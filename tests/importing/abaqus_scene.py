@@ -25,7 +25,7 @@ class AbaqusScene(DeckTest):
                    "set Specific heat capacity = 383000000", "set Initial temperature = 298",
                    "set Boundary = FOOT set Type = displacement set Function = free; free; 0", "set Function = 0; free; free",
                    "set Function = 10*table(deck_amplitude_RAMP.csv, t)", "set Velocity = 0; 0; -190000",
-                   "set Number = 20", "*NODE OUTPUT (1 time, line 54)",
+                   "set Number = 20", "# set Unit labels = mass: t, length: mm, time: s", "*NODE OUTPUT (1 time, line 54)",
                    "Degrees of freedom 4 to 6 are not used", runs=True)
 
     def test_stages_with_heat_and_a_tie(self):
@@ -95,7 +95,7 @@ class AbaqusScene(DeckTest):
             "*MATERIAL, NAME=COPPER\n*CONDUCTIVITY\n 50.,\n*STEP\n*HEAT TRANSFER, STEADY STATE\n 1., 1.\n*BOUNDARY\n FOOT, 11, 11, 0.\n"
             "*FILM\n 2, F2, -12., 10.\n*END STEP\n")
         self.check(text, "set Model = heat conductor", "set Specific heat capacity = 0.00125", "set Conductivity = 50",
-                   "Steps of heat are steady", runs=True)
+                   "Steps of heat are steady", "The densities do not tell the units", runs=True)
 
     def test_johnson_cook_without_temperatures_does_not_soften(self):
         self.check(replaced(IMPACT, (" 90., 292., 0.31, 1.09, 1356., 298.", " 90., 292., 0.31, 0.77")),

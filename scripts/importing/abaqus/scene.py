@@ -54,6 +54,8 @@ class Converter:
         steady_time = min((step.time for step in self.steps), default=0.0) if all(
             step.is_steady_heat for step in self.steps) else 0.0
         for k, material in self.parts.used_materials.items():
+            if material.density is None:
+                self.scene.without_density.add(usable(material.name, ",/=#\\\""))
             if steady_time > 0:
                 material.take_steady_heat(steady_time, self.mesh.largest_extent())
             self.scene.materials[usable(material.name, ",/=#\\\"")] = material.complete(
