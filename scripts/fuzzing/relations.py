@@ -51,11 +51,10 @@ def relation_of(scene, kind, seed):
 
     def of_frame(text, **changes):
         return Relation(kind, text, view._replace(frame=frame._replace(**changes)), 1, False)
-    if kind in ("numbering", "source", "whole") and depends_on_corners(scene):
+    if kind == "whole" and depends_on_directions(scene):
         return None
     if kind == "axes":
-        ways = [axes for axes in frames.all_axes(dim)[1:] if not depends_on_corners(scene)
-                or frames.determinant(frame._replace(order=axes[0], signs=axes[1])) > 0]
+        ways = [axes for axes in frames.all_axes(dim)[1:] if not depends_on_directions(scene) or math.prod(axes[1]) > 0]
         order, signs = generator.choice(ways)
         text = ", ".join(("-" if sign < 0 else "") + "xyz"[axis] for axis, sign in zip(order, signs))
         return of_frame("axes %s" % text, order=order, signs=signs)
@@ -93,8 +92,9 @@ def relation_of(scene, kind, seed):
     return Relation(kind, "resumed", view, 1, True)
 
 
-def depends_on_corners(scene):
-    """Whether results depend on the order of a cell's nodes: sub-cells of smoothed hexahedra stand at every other corner."""
+def depends_on_directions(scene):
+    """Whether results depend on which axes are turned round: sub-cells of smoothed hexahedra stand at every other corner, counted
+    along axes that follow from places, not from the order of a cell's nodes."""
     return scene["dimension"] == 3 and has_smoothed_cells(scene)
 
 

@@ -64,6 +64,8 @@ class Scene:
         self.source, self.target, self.report, self.mesh = Path(source), Path(target), report, mesh
         self.title = usable(self.source.stem)
         self.end_time = None
+        self.has_degree_2 = False
+        self.without_density = set()  # materials of which the deck says none
         self.head = {}        # further entries outside of all sections
         self.parts = []
         self.materials = {}   # entries by name, with comments
@@ -100,12 +102,13 @@ class Scene:
         """Entries that select nodes: a boundary whose faces have them, or a predicate. name is that of their set in the
         mesh, if there is one."""
         mesh = self.mesh
-        nodes = {node for node in nodes if node in self.nodes_of_cells()}
+        nodes = {node for node in nodes if node in self.nodes_of_elements()}
         if not nodes:
             raise NotUnderstood("none of its nodes is one of a cell")
         on_faces = {node for face in mesh.faces_of_nodes(nodes) for node in face}
-        if on_faces == nodes:
-            return {"Boundary": name or self.new_set(nodes)}
+        corners = nodes & self.nodes_of_cells()
+        if on_faces and on_faces == corners:
+            return {"Boundary": name or self.new_set(corners)}
         predicate = self.box_of(nodes)
         if predicate is None and len(nodes) <= MOST_NODES_OF_A_PREDICATE:
             predicate = " || ".join("(" + self.near(range(mesh.dimension), mesh.points[node], mesh.points[node]) + ")"
@@ -114,18 +117,22 @@ class Scene:
             return {"Where": predicate}
         if not on_faces:
             raise NotUnderstood(f"its {len(nodes)} nodes make no face of the boundary")
-        self.report.remark(f'{len(nodes) - len(on_faces)} of {len(nodes)} nodes of "{name}" are on none of its faces: '
+        self.report.remark(f'{len(corners) - len(on_faces)} of {len(corners)} nodes of "{name}" are on none of its faces: '
                            "conditions leave them out.")
-        return {"Boundary": name or self.new_set(nodes)}
+        return {"Boundary": name or self.new_set(corners)}
 
     def nodes_of_cells(self):
         if not hasattr(self, "in_cells"):
             self.in_cells = {node for cell in self.mesh.cells for node in cell.nodes}
         return self.in_cells
 
-    def places_of_cells(self):
+    def nodes_of_elements(self):
+        """With those between the corners where elements have degree 2."""
+        return self.nodes_of_cells() | self.mesh.midsides if self.has_degree_2 else self.nodes_of_cells()
+
+    def places_of_elements(self):
         if not hasattr(self, "places"):
-            self.places = [self.mesh.points[node] for node in self.nodes_of_cells()]
+            self.places = [self.mesh.points[node] for node in self.nodes_of_elements()]
         return self.places
 
     def new_set(self, nodes):
@@ -150,7 +157,7 @@ class Scene:
         points = [mesh.points[node] for node in nodes]
         low, high = ([end(point[d] for point in points) for d in range(dimension)] for end in (min, max))
         eps = self.tolerance()
-        everything = self.places_of_cells()
+        everything = self.places_of_elements()
         inside = sum(all(a - eps <= x <= b + eps for x, a, b in zip(point, low, high)) for point in everything)
         if inside != len(nodes):
             return None
@@ -210,8 +217,11 @@ class Scene:
     def lines(self):
         yield f"# Written by scripts/import from {self.source.name}. Read it before it is run."
         units = unit_labels(self.densities())
-        yield f"# The densities are those of metals in {units}." if units else \
-            "# The densities do not tell the units; those of the file must be consistent."
+        if units:
+            yield "# The densities are those of metals in these units. Without the first sign tables and reports have them:"
+            yield f"# set Unit labels = {units}"
+        else:
+            yield "# The densities do not tell the units; those of the file must be consistent."
         entries = {"Title": self.title, "Dimension": self.mesh.dimension}
         if self.end_time:
             entries["End time"] = number(self.end_time)
@@ -253,8 +263,8 @@ class Scene:
         yield from self.report.comments()
 
     def densities(self):
-        for _, entries in self.materials.values():
-            for section in entries.values():
+        for name, (_, entries) in self.materials.items():
+            for section in () if name in self.without_density else entries.values():
                 if isinstance(section, dict) and "Density" in section:
                     yield float(section["Density"])
 

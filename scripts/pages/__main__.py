@@ -29,10 +29,12 @@ def main(arguments=None):
         print("\n".join(found) if found else "All links lead somewhere, no sentence is too long.")
         sys.exit(1 if found else 0)
 
-    from pages import site
+    from pages import formulas, site
+    if not formulas.can_be_converted():
+        print(f"site: there is no {formulas.PROGRAM} (scripts/setup {formulas.PROGRAM}), so formulas are shown as TeX", file=sys.stderr)
     try:
         n_pages, n_classes = site.make(PROJECT, asked.directory, has_classes=not asked.no_classes)
-    except site.SiteError as error:
+    except (site.SiteError, formulas.FormulaError) as error:
         sys.exit(f"site: {error}")
     print(f"{asked.directory / 'index.html'}: {n_pages} pages, {n_classes} classes")
 

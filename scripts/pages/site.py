@@ -10,7 +10,7 @@ from pathlib import Path
 
 import markdown
 
-from pages import classes, synonyms, text
+from pages import classes, formulas, synonyms, text
 
 WEB = Path(__file__).parent / "web"
 # Only a directory with this file is replaced.
@@ -90,7 +90,7 @@ def body_of(page):
     """The HTML of a page, its headings with their anchors."""
     converter = markdown.Markdown(extensions=["tables", "fenced_code", "sane_lists"])
     converter.ESCAPED_CHARS.append("<")
-    body = converter.convert(for_python_markdown(page))
+    body = converter.convert(for_python_markdown(formulas.with_ticks(page)))
     headings = text.headings_of(page)
     found = re.findall(r"<h([1-6])>", body)
     if [int(level) for level in found] != [level for level, _, _ in headings]:
@@ -103,6 +103,7 @@ def body_of(page):
         return f'<h{match[1]} id="{anchor}">{match[2]}{link}</h{match[1]}>'
 
     body = re.sub(r"<h([1-6])>(.*?)</h\1>", heading, body, flags=re.DOTALL)
+    body = formulas.in_page(body)
     # An escaped bar within code of a table.
     body = re.sub(r"<code>[^<]*</code>", lambda match: match[0].replace("\\|", "|"), body)
     return re.sub(r"<table>.*?</table>", lambda match: f'<div class="table">{match[0]}</div>', body, flags=re.DOTALL)

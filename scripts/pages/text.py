@@ -11,6 +11,8 @@ ABBREVIATIONS = ("Sec.", "Secs.", "Fig.", "Figs.", "Eq.", "Eqs.", "eq.", "eqs.",
 FENCE = re.compile(r"^\s*(```|~~~)")
 HEADING = re.compile(r"^(#{1,6})\s+(.*?)\s*#*$")
 ITEM = re.compile(r"^(\s*)([-*+]|\d+[.)])\s+")
+# On lines of its own, which a reader does not see.
+COMMENT = re.compile(r"^<!--.*?-->[ \t]*$", re.DOTALL | re.MULTILINE)
 CODE = re.compile(r"(`+)(.+?)\1", re.DOTALL)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 
@@ -36,7 +38,8 @@ class Block:
 
 
 def blocks_of(text):
-    """The blocks of a page in their order."""
+    """The blocks of a page in their order, without its comments."""
+    text = COMMENT.sub(lambda found: "\n" * found.group().count("\n"), text)
     blocks, lines, start = [], [], 0
     fence, in_list = None, False
 

@@ -25,7 +25,7 @@ class AbaqusScene(DeckTest):
                    "set Specific heat capacity = 383000000", "set Initial temperature = 298",
                    "set Boundary = FOOT set Type = displacement set Function = free; free; 0", "set Function = 0; free; free",
                    "set Function = 10*table(deck_amplitude_RAMP.csv, t)", "set Velocity = 0; 0; -190000",
-                   "set Number = 20", "*NODE OUTPUT (1 time, line 54)",
+                   "set Number = 20", "# set Unit labels = mass: t, length: mm, time: s", "*NODE OUTPUT (1 time, line 54)",
                    "Degrees of freedom 4 to 6 are not used", runs=True)
 
     def test_stages_with_heat_and_a_tie(self):
@@ -89,6 +89,54 @@ class AbaqusScene(DeckTest):
         self.check(text, "set Boundary = FOOT set Type = displacement set Function = free; free; 0",
                    "set Where = abs(x - 0) < 2e-06 && abs(y - 0) < 2e-06 && abs(z - 1) < 2e-06 set Type = displacement",
                    "set Conditions = support 1, support 2, support 3, load 4")
+
+    def test_forces_at_single_nodes_are_a_traction_together(self):
+        def loaded(*rows):
+            return IMPACT[:IMPACT.index("*DSLOAD")] + "*CLOAD\n" + "".join(f" {row}\n" for row in rows) + "*END STEP\n"
+
+        self.check(loaded("9, 3, 0.5", "10, 3, 0.5", "11, 3, 1.", "12, 3, 1.", "FOOT, 1, 2."),
+                   "set Function = 8; 0; 0", "!set Function = 0; 0; 3", "the forces on \"9\", \"10\", \"11\", \"12\" turn the body")
+        self.check(loaded("9, 3, 0.5", "10, 3, 0.5", "11, 3, 0.5", "12, 3, 0.5"), "set Function = 0; 0; 2",
+                   "the force at each of 4 nodes is a traction over their faces, whose area is 1", runs=True)
+        self.check(loaded("9, 3, 1.", "10, 3, 1."), 'the nodes of "9", "10" make no face of the boundary')
+        self.check(loaded("9, 3, 1.", "10, 3, 1.", "11, 3, 1.", "12, 3, 1.", "5, 3, 1."), "is on no face of the boundary that")
+
+    def test_steady_heat_needs_no_capacity(self):
+        text = IMPACT[:IMPACT.index("*MATERIAL")] + (
+            "*MATERIAL, NAME=COPPER\n*CONDUCTIVITY\n 50.,\n*STEP\n*HEAT TRANSFER, STEADY STATE\n 1., 1.\n*BOUNDARY\n FOOT, 11, 11, 0.\n"
+            "*FILM\n 2, F2, -12., 10.\n*END STEP\n")
+        self.check(text, "set Model = heat conductor", "set Specific heat capacity = 0.00125", "set Conductivity = 50",
+                   "Steps of heat are steady", "The densities do not tell the units", runs=True)
+
+    def test_johnson_cook_without_temperatures_does_not_soften(self):
+        self.check(replaced(IMPACT, (" 90., 292., 0.31, 1.09, 1356., 298.", " 90., 292., 0.31, 0.77")),
+                   "set Thermal exponent = 1", "set Melting temperature = 2e+09", "without a melting temperature", runs=True)
+
+    def test_cells_of_second_order_are_elements_of_degree_2(self):
+        corners = [(x, y, z) for z in (0, 2) for x, y in ((0, 0), (2, 0), (2, 2), (0, 2))]
+        edges = [(1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2), (0, 0, 1), (2, 0, 1),
+                 (2, 2, 1), (0, 2, 1)]
+        text = "*NODE\n" + "".join(f" {k}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(corners + edges, 1)) + (
+            "*ELEMENT, TYPE=C3D20R, ELSET=ALL\n 1, " + ",".join(map(str, range(1, 16))) + ",\n 16,17,18,19,20\n"
+            "*MATERIAL, NAME=M\n*ELASTIC\n 100., 0.3\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
+            "*NSET, NSET=FOOT\n 1,2,3,4\n*BOUNDARY\n FOOT, 1, 3\n*STEP\n*STATIC\n*CLOAD\n")
+        # The forces of an even traction of 1 on such a face.
+        rows = "".join(f" {node}, 3, {-1 / 3:.9g}\n" for node in range(5, 9)) + "".join(
+            f" {node}, 3, {4 / 3:.9g}\n" for node in range(13, 17))
+        self.check(text + rows + "*END STEP\n", "set Formulation = lagrange hexahedron", "set Degree = 2",
+                   "set Function = 0; 0; 0.999999997*t", "elements of degree 2 here", runs=True)
+        # An edge with its middle.
+        self.check(text.replace("FOOT, 1, 3", "FOOT, 1, 2\n 1, 3, 3\n 2, 3, 3\n 9, 3, 3") + rows + "*END STEP\n",
+                   "set Where = abs(y - 0) < 2e-06 && abs(z - 0) < 2e-06 set Type = displacement set Function = free; free; 0")
+        self.check(text.replace("*STEP\n", "*SURFACE INTERACTION, NAME=I\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+                                "*CONTACT PROPERTY ASSIGNMENT\n , , I\n*STEP\n") + rows + "*END STEP\n",
+                   "set Formulation = hexahedron", "*CONTACT needs it")
+
+    def test_forces_in_the_plane_are_of_the_thickness(self):
+        self.check("*NODE\n 1, 0., 0.\n 2, 2., 0.\n 3, 2., 1.\n 4, 0., 1.\n*ELEMENT, TYPE=CPE4, ELSET=ALL\n 1, 1,2,3,4\n"
+                   "*MATERIAL, NAME=M\n*ELASTIC\n 100., 0.3\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n 0.5\n"
+                   "*BOUNDARY\n 1, 1, 2\n 4, 1\n*STEP\n*STATIC\n*CLOAD\n 2, 1, 3.\n 3, 1, 3.\n*END STEP\n",
+                   "set Function = 12*t; 0", runs=True)
 
     def test_initial_conditions_are_those_of_the_first_stage(self):
         step = IMPACT[IMPACT.index("*STEP"):].rstrip("\n").replace("*STEP", "*STEP, NAME=Fly")

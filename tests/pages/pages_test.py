@@ -74,6 +74,11 @@ class CheckTest(unittest.TestCase):
     def test_code_has_no_links(self):
         self.assertEqual(self.wrong(one="`[a](none.md)`\n\n    [a](none.md)\n\n```\n[a](none.md)\n```\n"), [])
 
+    def test_comments_are_no_text(self):
+        page = "# One\n\n<!-- numbers of:\n[a](none.md)\n\n-->\n\n[a](none.md) and two.\n"
+        self.assertEqual(self.wrong(one=page), ["one.md:8: there is no none.md"])
+        self.assertEqual(text.sentences_of(page), [(8, "a and two.")])
+
     def test_a_link_does_not_leave_the_project(self):
         self.assertEqual(len(self.wrong(one="[a](../../../../../../../../etc)\n")), 1)
 

@@ -3,6 +3,7 @@
 
 from ..scene import NotUnderstood, number
 from .deck import key
+from .node_forces import NodeForces
 from .transforms import Transforms
 
 SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCASTRE": (1, 2, 3, 4, 5, 6),
@@ -180,7 +181,7 @@ class Conditions:
             key_of_target = target
             if target.isdigit():
                 node = self.converter.all_nodes_of(values["line"], target)[0]
-                key_of_target = (node in self.scene.nodes_of_cells(),
+                key_of_target = (node in self.scene.nodes_of_elements(),
                                  tuple((dof, *value[:2]) for dof, value in sorted(self.items(values))))
             result.setdefault(key_of_target, ([], values))[0].append(target)
         return list(result.values())
@@ -197,7 +198,7 @@ class Conditions:
         return self.scene.add("Conditions", word, entries, comment)
 
     def selection(self, nodes):
-        nodes = [node for node in nodes if node in self.scene.nodes_of_cells()]
+        nodes = [node for node in nodes if node in self.scene.nodes_of_elements()]
         name = next((name for name, members in self.mesh.node_sets.items() if set(members) == set(nodes)), "")
         return self.scene.selection(nodes, name)
 
@@ -216,6 +217,7 @@ class Conditions:
         return text
 
     def concentrated(self, section):
+        together = {}  # by degree of freedom
         for row in section.rows():
             target, dof, value = row.text(0), row.line.integer(row.text(1), "a degree of freedom"), row.number(2)
             if not 1 <= dof <= self.mesh.dimension:
@@ -224,19 +226,34 @@ class Conditions:
             if rigid is not None:
                 self.converter.parts.push(rigid, dof, self.value(section, target, dof, value))
                 continue
-            nodes = self.converter.nodes_of(row.line, target)
-            faces = self.mesh.faces_of_nodes(nodes)
-            if not faces:
-                raise NotUnderstood(f'the nodes of "{target}" make no face of the boundary: forces on single nodes are not '
-                                    "possible here")
-            area = self.mesh.area(faces)
-            self.report.note(row.line.place, f"*CLOAD: the force at each of {len(nodes)} nodes is a traction over their "
-                             f"faces, whose area is {area:g}: the sum is the same, its distribution is not.")
-            text = self.value(section, target, dof, value * len(nodes) / area)
-            texts = [text if d == dof else "0" for d in range(1, self.mesh.dimension + 1)]
-            self.keep(section, target, dof, "load", {
-                **self.selection(nodes), "Type": "traction", **self.transforms.of_all(nodes),
-                "Function": "; ".join(texts)}, row.line.place)
+            forces = NodeForces(self.mesh, self.scene.nodes_of_cells())
+            # Those at the middle of edges carry as well.
+            forces.add(row, target, self.converter.all_nodes_of(row.line, target), value)
+            if self.mesh.faces_of_nodes(forces.forces):
+                self.spread(section, dof, forces)
+            else:
+                others = together.setdefault(dof, NodeForces(self.mesh, self.scene.nodes_of_cells()))
+                others.add(row, target, forces.forces, value)
+        for dof, forces in together.items():
+            self.spread(section, dof, forces)
+
+    def spread(self, section, dof, forces):
+        faces = forces.faces()
+        area = self.mesh.area(faces)
+        if self.mesh.dimension == 2:
+            thicknesses = {self.converter.parts.thickness.get(self.mesh.boundary_faces[face], 1.0) for face in faces}
+            if len(thicknesses) > 1:
+                raise NotUnderstood("its nodes are on cells of several thicknesses")
+            area *= thicknesses.pop()
+        n = len(forces.forces)
+        self.report.note(forces.place, f"*CLOAD: the force at each of {n} nodes is a traction over their faces, whose area is "
+                         f"{area:g}: the sum is the same while they keep it, its distribution is not.")
+        text = self.value(section, forces.name, dof, forces.total() / area)
+        texts = [text if d == dof else "0" for d in range(1, self.mesh.dimension + 1)]
+        nodes = list(forces.forces)
+        self.keep(section, forces.name, dof, "load", {
+            **self.selection(nodes), "Type": "traction", **self.transforms.of_all(nodes),
+            "Function": "; ".join(texts)}, forces.place)
 
     def distributed(self, section):
         """*DLOAD: P1 to P6 on faces of elements, GRAV, BX, BY, BZ."""

@@ -5,6 +5,12 @@ from ..scene import at_one_temperature, interpolated, linear_hardening, number, 
 from .deck import key
 from .hardening import KinematicHardening
 
+# Of the flow stress of Johnson and Cook: no temperature is above the reference.
+WITHOUT_SOFTENING = {"Thermal exponent": "1", "Melting temperature": "2e+09", "Reference temperature": "1e+09"}
+
+# Of the time of a step in which heat crosses a body, where steps are steady.
+STEADY_SHARE = 1e-4
+
 
 def at_temperatures(pairs):
     """One number, or pairs of temperature and value; each is a value and a temperature."""
@@ -68,6 +74,10 @@ class Material:
             names = ("Yield stress", "Hardening coefficient", "Hardening exponent", "Thermal exponent",
                      "Melting temperature", "Reference temperature")
             cook = {name: number(rows[0].number(k)) for k, name in enumerate(names)} if rows else {}
+            if rows and not rows[0].number(4) > rows[0].number(5):
+                self.remarks.append(f"*PLASTIC ({section.line.place}): without a melting temperature there is no thermal "
+                                    "softening.")
+                cook.update(WITHOUT_SOFTENING)
             self.flow = {"Flow stress": "johnson cook", "johnson cook": cook}
             self.temperature_dependent = True
             return
@@ -161,6 +171,13 @@ class Material:
         self.equation = {"Equation of state": "mie gruneisen", "mie gruneisen": {
             "Sound speed": number(row.number(0)), "Hugoniot slope": number(row.number(1)),
             "Gruneisen coefficient": number(row.number(2))}}
+
+    def take_steady_heat(self, time, extent):
+        """A capacity for which a body of this extent comes to rest within each step of heat."""
+        conductivity = float(self.heat.get("Conductivity", "1").split(",")[0].split(":")[-1])
+        self.density = 1.0
+        self.heat["Specific heat capacity"] = number(float(f"{STEADY_SHARE * conductivity * time / extent**2:.3g}"))
+        self.remarks.append("Steps of heat are steady: a small heat capacity lets each of them end at rest.")
 
     def complete(self, has_heat, is_adiabatic, initial_temperature, is_at_rest):
         """Comments, and the entries of the section."""

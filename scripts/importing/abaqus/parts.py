@@ -5,6 +5,8 @@ from ..mesh import usable
 from ..scene import Part, number
 from .deck import key
 
+NEED_DEGREE_1 = ("CONTACT PAIR", "CONTACT", "TIE", "RIGID BODY")
+
 
 class Parts:
     """Makes the parts of a scene. rigid has the names of rigid parts by the indices of their reference nodes."""
@@ -12,7 +14,7 @@ class Parts:
     def __init__(self, converter):
         self.converter, self.scene, self.mesh = converter, converter.scene, converter.mesh
         self.rigid, self.used_materials = {}, {}
-        self.type_of_cell = {}
+        self.type_of_cell, self.thickness = {}, {}
         for body in self.mesh.bodies:
             for block in body.content.blocks:
                 for element, _, _ in block.elements:
@@ -24,18 +26,38 @@ class Parts:
                 self.read_section(section)
         for section in converter.deck.named("RIGID BODY"):
             self.read_rigid(section)
+        self.take_second_order()
+
+    def take_second_order(self):
+        """Cells of second order are elements of degree 2 where all of them are, and nothing needs degree 1."""
+        if not self.mesh.n_second_order:
+            return
+        needs_one = [name for name in NEED_DEGREE_1 if self.converter.deck.has(name)]
+        if needs_one or self.mesh.n_second_order < len(self.mesh.cells):
+            reason = f"*{needs_one[0]} needs it" if needs_one else "other cells have it"
+            self.converter.report.remark(f"Cells of second order are elements of degree 1 here, since {reason}: they are stiffer "
+                                         "in bending.")
+            return
+        self.scene.has_degree_2 = True
+        for part in self.scene.parts:
+            part.formulation = "lagrange hexahedron"
+            part.entries = {"Degree": "2", **part.entries}
+        self.converter.report.remark("Cells of second order are elements of degree 2 here, whose nodes between the corners lie on "
+                                     "straight edges.")
 
     def read_section(self, section):
         section.is_read = True
         name, material = section.name_in("ELSET"), section.name_in("MATERIAL")
+        thickness = 0.0  # of solids there is none
         for row in section.rows():
-            row.number(0)  # a thickness of solids is none
+            thickness = row.number(0)
         if key(material) not in self.converter.materials:
             section.line.fail(f'There is no *MATERIAL "{material}".')
         of_instances = self.converter.cells_of_instances(section.scope, section.line, name)
         if not of_instances:
             self.converter.report.note(section.line.place, f'*{section.name}: the set "{name}" has no cells.')
         for body, cells in of_instances:
+            self.thickness.update(dict.fromkeys(cells, thickness or 1.0))
             self.add_part(section, f"{body.name}.{name}" if len(of_instances) > 1 else name, material, cells)
 
     def add_part(self, section, name, material, cells):

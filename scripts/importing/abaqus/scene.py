@@ -51,7 +51,13 @@ class Converter:
         has_heat = any(step.has_heat for step in self.steps)
         is_adiabatic = any(step.is_adiabatic for step in self.steps)
         is_at_rest = all(step.is_static for step in self.steps) and not has_heat
+        steady_time = min((step.time for step in self.steps), default=0.0) if all(
+            step.is_steady_heat for step in self.steps) else 0.0
         for k, material in self.parts.used_materials.items():
+            if material.density is None:
+                self.scene.without_density.add(usable(material.name, ",/=#\\\""))
+            if steady_time > 0:
+                material.take_steady_heat(steady_time, self.mesh.largest_extent())
             self.scene.materials[usable(material.name, ",/=#\\\"")] = material.complete(
                 has_heat, is_adiabatic, self.initial_temperature, is_at_rest)
             for remark in material.remarks:

@@ -18,7 +18,7 @@ class Step:
         self.name = self.name.strip() or f"step {number_of_step}"
         self.sections, self.procedure = [], None
         self.time, self.increment = 0.0, 0.0
-        self.is_explicit = self.has_heat = self.is_static = self.is_adiabatic = False
+        self.is_explicit = self.has_heat = self.is_static = self.is_adiabatic = self.is_steady_heat = False
         self.ramps = False
         self.entries = {}
 
@@ -33,6 +33,7 @@ class Step:
         self.is_static = section.name in ("STATIC", "VISCO", "COUPLED TEMPERATURE-DISPLACEMENT",
                                           "UNCOUPLED TEMPERATURE-DISPLACEMENT")
         self.has_heat = "TEMPERATURE" in section.name or section.name == "HEAT TRANSFER"
+        self.is_steady_heat = section.name == "HEAT TRANSFER" and section.has("STEADY STATE")
         if self.is_static and key(self.section.get("NLGEOM", "NO" if not self.section.has("NLGEOM") else "YES")) == "NO":
             report.note(self.section.line.place, "*STEP without NLGEOM: displacements can be large here.")
         if section.name == "DYNAMIC" and not self.is_explicit:
