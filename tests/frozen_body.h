@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
@@ -165,6 +166,48 @@ namespace tombolo
               break;
           }
         return limit;
+      }
+
+      /** The eigenvalues of the elastic stiffness of the parts with nodal masses, ascending, over
+       * the largest. On one rank, without constraints. */
+      std::vector<double> eigenvalues_of_stiffness()
+      {
+        const auto &partition = model->state.partition();
+        const auto n = static_cast<unsigned int>(partition->n_global());
+        NodalVector motion(partition, Quantity::vector), force(partition, Quantity::vector);
+        dealii::LAPACKFullMatrix<double> matrix(n * dim, n * dim);
+        Matrix columns(n * dim, n * dim);
+        const auto root = [&](const unsigned int node)
+        { return std::sqrt(*model->bridge->nodal_mass().node(partition->local_index(node))); };
+        for (unsigned int node = 0; node < n; ++node)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            motion.set_zero();
+            force.set_zero();
+            motion.node(partition->local_index(node))[d] = 1. / root(node);
+            motion.update_ghosts();
+            apply_elastic_stiffness(*model, motion, 1e300, force);
+            for (unsigned int other = 0; other < n; ++other)
+              for (unsigned int c = 0; c < dim; ++c)
+                columns(other * dim + c, node * dim + d) =
+                    force.node(partition->local_index(other))[c] / root(other);
+          }
+        Matrix asymmetry(columns);
+        asymmetry.Tadd(-1., columns);
+        AssertThrow(asymmetry.frobenius_norm() < 1e-10 * columns.frobenius_norm(),
+                    dealii::ExcMessage("The stiffness is not symmetric."));
+        for (unsigned int i = 0; i < n * dim; ++i)
+          for (unsigned int j = 0; j < n * dim; ++j)
+            matrix(i, j) = 0.5 * (columns(i, j) + columns(j, i));
+        dealii::Vector<double> values;
+        Matrix vectors;
+        const double bound = 2. * columns.linfty_norm();
+        matrix.compute_eigenvalues_symmetric(-bound, bound, 0., values, vectors);
+        std::vector<double> result(values.begin(), values.end());
+        std::sort(result.begin(), result.end());
+        for (double &value : result)
+          value /= values.linfty_norm();
+        return result;
       }
 
       /** The eigenvalues of the elastic part of the update matrix of v̂, ascending, over the

@@ -320,6 +320,8 @@ class Writer:
         if scene["configuration"] == "updated Lagrangian":
             self.set(*scene["rebuild"])
         self.set("Shape functions", scene["shape functions"])
+        if scene["dilatation of cells"] and scenes.can_share_dilatation(scene):
+            self.set("Dilatation", "of cells")
         self.bonds(material)
 
     def smoothed_particles(self, material):

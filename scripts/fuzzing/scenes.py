@@ -89,7 +89,7 @@ def drawn_smoothed(generator):
             "pair terms": [name for name in PAIR_TERMS if maybe(generator, 0.3)]}
     unused(generator, 3)
     smoothed["convex dilation"] = choice([1.1, 1.1, 1.5])
-    unused(generator, 4)
+    smoothed["dilatation of cells"] = choice([False, True, False, True])
     return smoothed
 
 
@@ -205,6 +205,13 @@ def drawn_condition(generator):
             "axis": generator.randrange(3), "end": choice(["min", "max"]), "size": power(generator, -5, -2),
             "in time": choice(["1", "t", "sin"]), "free": maybe(generator, 0.4),
             "direction": generator.randrange(3)}
+
+
+def can_share_dilatation(scene):
+    """Whether the particles of the scene have cell averages."""
+    return (scene["shape functions"] == "automatic" and scene["smoothing"] in ("affine", "none")
+            and scene["configuration"] == "total Lagrangian" and scene["bridge"] == "paper" and scene["bonds"] is None
+            and scene["conversion"] is None and scene["erosion"] is None)
 
 
 def uses_particles(scene):
@@ -328,7 +335,7 @@ SIMPLER = {
     "spacing": [[1., 1., 1.]], "dimension": [2], "layout": ["one", "halves"], "second material": [None, [1., 1.]],
     "model": ["elastic"], "flow stress": ["linear hardening"], "poisson": [0., 0.3], "hardening": [0.],
     "taylor quinney": [0.], "expansion": [0.], "softening modulus": [False], "kernel": ["cubic spline"],
-    "dilation": [1.8], "smoothing": ["affine", "paper"], "configuration": ["total Lagrangian", "updated Lagrangian"],
+    "dilation": [1.8], "dilatation of cells": [False], "smoothing": ["affine", "paper"], "configuration": ["total Lagrangian", "updated Lagrangian"],
     "shape functions": ["automatic"], "bulk viscosity": [None],
     "degree": [1], "bridge": ["paper"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],

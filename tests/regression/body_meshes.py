@@ -412,6 +412,19 @@ def tube_sector():
     return mesh
 
 
+def tube(n=8):
+    """The quarter of a thick-walled tube of the radii 1 and 2."""
+    mesh = Mesh(2)
+
+    def place(r, angle):
+        x, y = r * math.cos(angle), r * math.sin(angle)
+        return (0. if angle == math.pi / 2 else x), y
+
+    mesh.add_block("tube", [even(1., 2., n), even(0., math.pi / 2, 2 * n)], place,
+                   {(0, 0): "bore", (0, 1): "outside", (1, 0): "plane y", (1, 1): "plane x"})
+    return mesh
+
+
 def two_blocks(dim):
     """Blocks in cells of a third that fly at each other, the right one a little higher."""
     mesh = Mesh(dim, 17 if dim == 2 else 12)
@@ -497,6 +510,7 @@ OF_TESTS = {
     "mirrored_half.msh": lambda: mirrored(False),
     "mirrored_whole.msh": lambda: mirrored(True),
     "small_rings.msh": lambda: rings(15., 20.),
+    "tube.msh": tube,
     "two_blocks.msh": lambda: two_blocks(2),
     "two_blocks_3d.msh": lambda: two_blocks(3),
     "sphere.obj": sphere,

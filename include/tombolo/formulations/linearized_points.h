@@ -54,6 +54,12 @@ namespace tombolo
       return part.is_logarithmic();
     }
 
+    /** The volume ratio of n_lanes points @p q at the start of the step. */
+    const Lanes &old_ratio_of(const unsigned int q) const
+    {
+      return old_ratio[q];
+    }
+
     /** Takes the state of the points from @p first_point on, at the start of the step. */
     void begin(const std::size_t first_point)
     {

@@ -10,6 +10,24 @@
 
 namespace tombolo
 {
+  /** The energy W = κ w + w², w = ½ (d + 1/d) - 1, of a dilatation d beside the one that counts,
+   * and its derivatives with ln d. */
+  struct OwnDilatation
+  {
+    static constexpr double stiffness_at_one = 0.01; ///< κ
+
+    explicit OwnDilatation(const Lanes &d)
+    {
+      const Lanes half_sum = 0.5 * (d + 1. / d), half_difference = 0.5 * (d - 1. / d);
+      const Lanes w = half_sum - 1., rise = stiffness_at_one + 2. * w;
+      energy = w * (stiffness_at_one + w);
+      slope = rise * half_difference;
+      stiffness = rise * half_sum + 2. * half_difference * half_difference;
+    }
+
+    Lanes energy, slope, stiffness;
+  };
+
   /**
    * The mean of the dilatation over the points of a cell (B-bar, Hughes, Int. J. Numer. Meth. Engng
    * 15, 1413-1418, 1980), for n_lanes cells with the present volumes V_q of their points: L̄_q = L_q
@@ -112,6 +130,20 @@ namespace tombolo
         share_logarithmic<dim>(volume, motion);
       else
         share_strain<dim>(volume, motion);
+    }
+
+    /** Gives points a motion by which their volumes grow by @p factor. */
+    template <int dim>
+    void set_ratio(const bool is_logarithmic, const Lanes &factor, MotionIncrement<Lanes> &motion)
+    {
+      const Lanes growth = factor - 1.;
+      // The rate form has the strain of the middle of the step.
+      const Lanes dilatation =
+          is_logarithmic ? logarithm_of_one_and(growth) : growth / (1. + 0.5 * growth);
+      const Lanes difference = (1. / dim) * (dilatation - trace_in_plane<dim>(motion.strain));
+      for (unsigned int d = 0; d < dim; ++d)
+        motion.strain[d] += difference;
+      motion.volume_factor = factor;
     }
 
     /** p̄ of stresses that come multiplied by the volumes. */

@@ -169,5 +169,29 @@ namespace tombolo
                    at);
       }
     }
+
+    /** The same, and φ times @p vector at the neighbours, whose opposite node @p own gets. */
+    TOMBOLO_ALWAYS_INLINE void subtract_row(const Stencils::Row &row, const double *columns,
+                                            const double *vector, const unsigned int own,
+                                            double *target)
+    {
+      NodeLanes column[3];
+      for (unsigned int j = 0; j < 3; ++j)
+        column[j] = load_node(columns + j * node_stride);
+      const NodeLanes of_value = load_node(vector);
+      NodeLanes all = 0.;
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        const double *const gradient = row.gradient + k * Stencils::n_gradient;
+        double *const at = node(target, row.neighbour[k]);
+        const NodeLanes share = row.value[k] * of_value;
+        store_node(load_node(at) - (column[0] * gradient[0] + column[1] * gradient[1] +
+                                    column[2] * gradient[2] + share),
+                   at);
+        all += share;
+      }
+      double *const at = node(target, own);
+      store_node(load_node(at) + all, at);
+    }
   } // namespace RowBlock
 } // namespace tombolo

@@ -36,13 +36,27 @@ namespace tombolo
       Lanes volume[n_points];                ///< in the reference of the rows
       /** One where F changes with the positions, zero where it counts as the identity. */
       Lanes is_deformed = 1.;
+      /** J of a point where it is a variable of its own, beside F; null: it follows from F. */
+      const Lanes *volume_ratio = nullptr;
+      /** With J: the modulus G of the energy V G W of OwnDilatation of det F / J. */
+      double own_modulus = 0;
+    };
+
+    /** The tangent of a point whose J is a variable of its own, with the mean stress σ in the place
+     * of its deviator: V is that of the reference. */
+    struct RatioTerms
+    {
+      double force = 0;                  ///< V σ
+      double derivative = 0;             ///< of it with J
+      std::vector<double> with_position; ///< of it, by node and component
+      std::vector<double> of_force;      ///< of f with J, by node and component
     };
 
     /** @p shares_volume: points of a cell share their dilatation and volumes follow from their
      * places; else the volume of a point is that of the reference times its volume ratio. */
     RowStiffness(PartPoints &part, const bool shares_volume, const double time_increment)
         : shares_volume(shares_volume), linearized(part, time_increment),
-          derivative(n_entries * n_entries)
+          derivative(n_variables * n_variables)
     {}
 
     /** Finds the tangent of the points from @p first_point on. Advances their temperature, from @p
@@ -58,7 +72,7 @@ namespace tombolo
 
     /** The equations of the cell in a lane, with the row of each of its points. */
     void hand_over(const unsigned int lane, const std::array<Stencils::Row, n_points> &rows,
-                   const std::function<void(const CellEquations &)> &take)
+                   const std::function<void(CellEquations &)> &take)
     {
       CellEquations equations;
       for (const Stencils::Row &row : rows)
@@ -87,7 +101,8 @@ namespace tombolo
           for (unsigned int k = 0; k < dim; ++k)
             for (unsigned int l = 0; l < dim; ++l)
             {
-              const double value = derivative[row * n_entries + q * n_of_point + k * dim + l][lane];
+              const double value =
+                  derivative[row * n_variables + q * n_of_point + k * dim + l][lane];
               double *const target = products.data() + std::size_t(row) * n_rows + k * n_nodes;
               for (unsigned int node = 0; node < n_nodes; ++node)
                 target[node] += value * gradients_of_nodes[node * width + q * dim + l];
@@ -111,16 +126,45 @@ namespace tombolo
                   entries[dim * other + k] += gradient * product[k * n_nodes + other];
             }
         }
+      if (has_ratio)
+        find_ratio_terms(lane, n_nodes);
       take(equations);
+    }
+
+    /** Of the point of the last hand_over(), within it. */
+    const RatioTerms &ratio_terms() const
+    {
+      return of_ratio;
     }
 
   private:
     static constexpr unsigned int n_of_point = dim * dim;
     static constexpr unsigned int n_entries = n_points * n_of_point;
+    static constexpr unsigned int n_variables = n_entries + 1; ///< the last is J
+
+    void find_ratio_terms(const unsigned int lane, const unsigned int n_nodes)
+    {
+      of_ratio.force = base_force[n_entries][lane];
+      of_ratio.derivative = derivative[n_entries * n_variables + n_entries][lane];
+      of_ratio.with_position.assign(std::size_t(n_nodes) * dim, 0.);
+      of_ratio.of_force.assign(std::size_t(n_nodes) * dim, 0.);
+      for (unsigned int node = 0; node < n_nodes; ++node)
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+          {
+            const double gradient = gradients_of_nodes[node * n_points * dim + j];
+            const unsigned int entry = i * dim + j;
+            of_ratio.with_position[dim * node + i] +=
+                gradient * derivative[n_entries * n_variables + entry][lane];
+            of_ratio.of_force[dim * node + i] +=
+                gradient * derivative[entry * n_variables + n_entries][lane];
+          }
+    }
 
     struct Motion : LinearizedPoints<n_points>::Motion
     {
       Matrix3<Lanes> inverse_transpose[n_points];
+      Lanes of_own[n_points] = {}; ///< the derivative of the energy of d with ln d
     };
 
     void find_motion(const Gradients &gradients, Motion &result) const
@@ -133,6 +177,11 @@ namespace tombolo
         result.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
         result.volume[q] = det * gradients.volume[q];
         h[q] = multiply(gradients.displacement[q], inverse_deformation);
+        if (gradients.volume_ratio != nullptr)
+        {
+          result.of_own[q] = gradients.own_modulus * gradients.volume[q] *
+                             OwnDilatation(det / *gradients.volume_ratio).slope;
+        }
       }
       linearized.move(
           h, shares_volume,
@@ -140,13 +189,17 @@ namespace tombolo
           {
             if (shares_volume)
               MeanDilatation::share<dim>(linearized.is_logarithmic(), result.volume, increments);
+            if (gradients.volume_ratio != nullptr)
+              MeanDilatation::set_ratio<dim>(linearized.is_logarithmic(),
+                                             *gradients.volume_ratio / linearized.old_ratio_of(0),
+                                             increments[0]);
           },
           result);
       for (unsigned int q = 0; q < n_points && !shares_volume; ++q)
         result.volume[q] = gradients.volume[q] * result.volume_ratio[q];
     }
     /** P of @p changed, whose stress follows by the tangent, by point and entry. */
-    void find_force(const Motion &changed, Lanes (&force)[n_entries]) const
+    void find_force(const Motion &changed, Lanes (&force)[n_variables]) const
     {
       constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
       Lanes integrated[n_points][6];
@@ -156,6 +209,13 @@ namespace tombolo
                              : Lanes(0.);
       for (unsigned int q = 0; q < n_points; ++q)
       {
+        if (has_ratio)
+        {
+          const Lanes of_point = (1. / dim) * MeanDilatation::trace_in_plane<dim>(integrated[q]);
+          for (unsigned int i = 0; i < dim; ++i)
+            integrated[q][i] += changed.of_own[q] - of_point;
+          force[n_entries] = (of_point - changed.of_own[q]) / changed.volume_ratio[q];
+        }
         if (shares_volume)
         {
           const Lanes difference = changed.volume[q] * mean -
@@ -176,10 +236,18 @@ namespace tombolo
     void find_derivative(const Gradients &gradients)
     {
       constexpr double change = 1e-7; // F is about one
+      has_ratio = gradients.volume_ratio != nullptr;
       find_force(motion, base_force);
       Gradients changed_gradients = gradients;
       Motion changed;
-      Lanes force[n_entries];
+      Lanes force[n_variables];
+      const auto differentiate = [&](const unsigned int column, const Lanes &moved)
+      {
+        find_motion(changed_gradients, changed);
+        find_force(changed, force);
+        for (unsigned int row = 0; row < (has_ratio ? n_variables : n_entries); ++row)
+          derivative[row * n_variables + column] = (force[row] - base_force[row]) / moved;
+      };
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int l = 0; l < dim; ++l)
@@ -190,14 +258,15 @@ namespace tombolo
             u = old_u + change;
             const Lanes moved = u - old_u; // what is left of it after round-off
             f = old_f + gradients.is_deformed * moved;
-            find_motion(changed_gradients, changed);
-            find_force(changed, force);
+            differentiate(q * n_of_point + k * dim + l, moved);
             f = old_f;
             u = old_u;
-            const unsigned int column = q * n_of_point + k * dim + l;
-            for (unsigned int row = 0; row < n_entries; ++row)
-              derivative[row * n_entries + column] = (force[row] - base_force[row]) / moved;
           }
+      if (!has_ratio)
+        return;
+      const Lanes changed_ratio = *gradients.volume_ratio + change;
+      changed_gradients.volume_ratio = &changed_ratio;
+      differentiate(n_entries, changed_ratio - *gradients.volume_ratio);
     }
 
     const bool shares_volume;
@@ -205,7 +274,9 @@ namespace tombolo
     // Of the points at hand.
     LinearizedPoints<n_points> linearized;
     Motion motion;
-    Lanes base_force[n_entries];
+    Lanes base_force[n_variables];
+    bool has_ratio = false;
+    RatioTerms of_ratio;
     dealii::AlignedVector<Lanes> derivative; ///< of P with respect to F, row by row
 
     // Of the cell at hand.

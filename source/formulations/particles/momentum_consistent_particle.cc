@@ -92,6 +92,14 @@ namespace tombolo
         averages.establish(particles);
       return averages.is_on();
     }
+    CellDilatation<dim> *dilatation_of_cells() override
+    {
+      return averages.dilatation_of_cells();
+    }
+    ZeroEnergyControl *zero_energy_control() override
+    {
+      return averages.zero_energy_control();
+    }
     std::string functions() const override
     {
       return averages.description();
@@ -121,6 +129,12 @@ namespace tombolo
     using ParticleRows<dim>::shape;
     using ParticleRows<dim>::neighbours;
 
+    void renumber(const NodePartition &partition) override
+    {
+      ParticleRows<dim>::renumber(partition);
+      if (CellDilatation<dim> *const of_cells = averages.dilatation_of_cells())
+        of_cells->set_partition(partition);
+    }
     void restrict_neighbours() override
     {
       if (averages.is_on())

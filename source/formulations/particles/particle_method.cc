@@ -2,6 +2,8 @@
 #include <tombolo/formulations/particles/particle_method.h>
 
 #include <tombolo/approximation/row_deformation.h>
+#include <tombolo/formulations/particles/cell_dilatation.h>
+#include <tombolo/formulations/particles/zero_energy_control.h>
 #include <tombolo/formulations/step_cost.h>
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/state/records.h>
@@ -87,7 +89,12 @@ namespace tombolo
     if (self_contact)
       for (const FieldDescription &field : self_contact->variables())
         further.push_back(field);
+    if (this->control != nullptr)
+      for (const FieldDescription &field : this->control->variables())
+        further.push_back(field);
     NodalParticles<dim>::create_points(further);
+    if (this->control != nullptr)
+      this->control->initialize(this->points());
   }
 
   template <int dim>
@@ -120,6 +127,14 @@ namespace tombolo
     }
     check_setup();
     part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
+    this->dilatation = rows->dilatation_of_cells();
+    if (this->dilatation != nullptr)
+      this->dilatation->set_material(*setup.material);
+    this->control = rows->zero_energy_control();
+    if (this->control != nullptr)
+      this->control->set_material(*setup.material);
+    if (this->control != nullptr && !this->control->is_on())
+      this->control = nullptr;
     rows->set_images(setup.nodes->images());
     if (self_contact)
       self_contact->set_images(setup.nodes->images());
@@ -368,6 +383,10 @@ namespace tombolo
   EnergyAccounts ParticleMethod<dim>::energies() const
   {
     EnergyAccounts result = part_points.energies();
+    if (this->dilatation != nullptr)
+      result.add("elastic energy", EnergyKind::stored, this->dilatation->energy());
+    if (this->control != nullptr)
+      this->control->account(this->points(), result);
     if (bonds.is_on())
       result.add("failure dissipation", EnergyKind::dissipated, bonds.dissipated_energy());
     if (self_contact)

@@ -95,6 +95,31 @@ TEST(ZeroEnergyModes, cell_averages_have_the_six_rigid_motions)
                 6u);
 }
 
+TEST(ZeroEnergyModes, the_stiffness_of_dilatation_of_cells_has_no_soft_mode)
+{
+  for (const std::string mesh_options : {"", "set Disorder = 0.2\nset Surface nodes = slide"})
+    for (const double poisson : {0.3, 0.499})
+    {
+      std::vector<double> next;
+      for (const std::string options : {"", "\nset Zero-energy stiffness = 0"})
+      {
+        Block block;
+        block.options = "set Dilatation = of cells" + options;
+        block.mesh_options = mesh_options;
+        block.poisson = poisson;
+        block.cells = {3, 3, 3};
+        FrozenBody<3> body(block);
+        const std::vector<double> values = body.eigenvalues_of_stiffness();
+        EXPECT_LT(std::abs(values[5]), 1e-10);
+        next.push_back(values[6]);
+      }
+      std::cout << "softest mode: " << next[0] << ", without control " << next[1] << std::endl;
+      EXPECT_GT(next[0], poisson < 0.4 ? 0.02 : 0.0001);
+      EXPECT_GT(next[0], next[1]);
+      EXPECT_GT(next[1], 1e-6);
+    }
+}
+
 TEST(ZeroEnergyModes, a_free_coupled_block_has_its_six_rigid_motions)
 {
   for (const char *smoothing : {"paper", "affine"})

@@ -6,7 +6,10 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/on_ranks.h>
+#include <tombolo/formulations/particles/cell_dilatation.h>
+#include <tombolo/formulations/particles/cell_integrals.h>
 #include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/formulations/particles/zero_energy_control.h>
 #include <tombolo/mesh/nodes.h>
 
 #include <deal.II/base/mpi.h>
@@ -25,20 +28,6 @@ namespace tombolo
 {
   namespace internal
   {
-    /** Π_k (1 ± s ξ_k) / 2 of the corner @p corner at @p point of the unit cell. */
-    template <int dim>
-    double weight_of_corner(const double sharpness, const unsigned int corner,
-                            const dealii::Point<dim> &point)
-    {
-      double result = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double side = ((corner >> d) & 1u) != 0 ? 1. : -1.;
-        result *= 0.5 * (1. + side * sharpness * (2. * point[d] - 1.));
-      }
-      return result;
-    }
-
     /** Whether nodes on which nodes of the part depend do so themselves. Collective. */
     template <int dim>
     bool has_cells_of_three_sizes(const PartSetup<dim> &setup)
@@ -60,99 +49,6 @@ namespace tombolo
       return dealii::Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
     }
   } // namespace internal
-
-  /** What a cell gives to the averages around its nodes I, with the functions N_J of its nodes J
-   * (see CellAverages). */
-  template <int dim>
-  struct CellIntegrals
-  {
-    using Node = dealii::types::global_dof_index;
-
-    static constexpr double gradient_sharpness = 2.; ///< s of χ = Π_k (1 ± s ξ_k) / 2
-    static constexpr double value_sharpness = 1.5;   ///< of ψ
-
-    /** All zero. */
-    CellIntegrals(const std::vector<Node> &nodes, const std::vector<dealii::Point<dim>> &points)
-        : nodes(nodes), points(points), volume(nodes.size()), weight(nodes.size()),
-          moment(nodes.size()), value(nodes.size() * nodes.size()),
-          gradient(nodes.size() * nodes.size())
-    {}
-
-    /** Integrates over a cell whose corners are the nodes; @p hierarchic are their numbers in
-     * @p fe_values. */
-    void add(const dealii::FEValues<dim> &fe_values, const std::vector<unsigned int> &hierarchic)
-    {
-      constexpr unsigned int n = dealii::GeometryInfo<dim>::vertices_per_cell;
-      for (const unsigned int q : fe_values.quadrature_point_indices())
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          const dealii::Point<dim> &place = fe_values.get_quadrature().point(q);
-          const double of_gradient =
-              internal::weight_of_corner<dim>(gradient_sharpness, i, place) * fe_values.JxW(q);
-          const double of_value =
-              internal::weight_of_corner<dim>(value_sharpness, i, place) * fe_values.JxW(q);
-          volume[i] += of_gradient;
-          weight[i] += of_value;
-          moment[i] += of_value * (fe_values.quadrature_point(q) - points[i]);
-          for (unsigned int j = 0; j < n; ++j)
-          {
-            value[i * n + j] += of_value * fe_values.shape_value(hierarchic[j], q);
-            gradient[i * n + j] += of_gradient * fe_values.shape_grad(hierarchic[j], q);
-          }
-        }
-    }
-
-    /** The same of the corners, or in the place of those that depend on others, of the others.
-     * @p places are those of Nodes::points_depended_on(). */
-    CellIntegrals of_nodes_that_move(const Nodes<dim> &of_mesh,
-                                     const std::map<Node, dealii::Point<dim>> &places) const
-    {
-      const std::size_t n_corners = nodes.size();
-      std::vector<Node> others;
-      std::vector<dealii::Point<dim>> points_of_others;
-      std::vector<std::vector<std::pair<std::size_t, double>>> shares(n_corners);
-      const auto share = [&](const std::size_t corner, const Node node,
-                             const dealii::Point<dim> &point, const double share_of_node)
-      {
-        const auto found = std::find(others.begin(), others.end(), node);
-        shares[corner].emplace_back(found - others.begin(), share_of_node);
-        if (found != others.end())
-          return;
-        others.push_back(node);
-        points_of_others.push_back(point);
-      };
-      for (std::size_t i = 0; i < n_corners; ++i)
-        if (const DependentNode *const row = of_mesh.dependent_node(nodes[i]))
-          for (const auto &[node, share_of_node] : row->weights)
-            share(i, node, places.at(node), share_of_node);
-        else
-          share(i, nodes[i], points[i], 1.);
-      CellIntegrals result(others, points_of_others);
-      const std::size_t n = others.size();
-      for (std::size_t i = 0; i < n_corners; ++i)
-        for (const auto &[a, of_a] : shares[i])
-        {
-          result.volume[a] += of_a * volume[i];
-          result.weight[a] += of_a * weight[i];
-          result.moment[a] += of_a * (moment[i] + weight[i] * (points[i] - points_of_others[a]));
-          for (std::size_t j = 0; j < n_corners; ++j)
-            for (const auto &[b, of_b] : shares[j])
-            {
-              result.value[a * n + b] += of_a * of_b * value[i * n_corners + j];
-              result.gradient[a * n + b] += of_a * of_b * gradient[i * n_corners + j];
-            }
-        }
-      return result;
-    }
-
-    std::vector<Node> nodes;
-    std::vector<dealii::Point<dim>> points;
-    std::vector<double> volume;                   ///< ∫ χ_I
-    std::vector<double> weight;                   ///< ∫ ψ_I
-    std::vector<dealii::Tensor<1, dim>> moment;   ///< ∫ ψ_I (x - x_I)
-    std::vector<double> value;                    ///< ∫ ψ_I N_J, J fastest
-    std::vector<dealii::Tensor<1, dim>> gradient; ///< ∫ χ_I ∇N_J
-  };
 
   /**
    * φ and ∇φ of particles as averages over the cells around them, without a kernel and without a
@@ -192,6 +88,14 @@ namespace tombolo
           "body does. They are there for the smoothings affine and none, a total Lagrangian "
           "configuration without bonds that fail, the bridge of the paper and cells that stay "
           "what they are. `automatic` chooses them where they are there and something moves.");
+      shares_dilatation =
+          e.choice("Dilatation", "of particles", "of cells|of particles",
+                   "With cell averages: whether the volume of a particle changes as its own "
+                   "gradient says, or `of cells`: as those of the cells around it, and each cell "
+                   "resists a change of its volume by the bulk modulus. Then nearly incompressible "
+                   "bodies neither lock nor have pressures that alternate, and surfaces that flow "
+                   "do not zigzag.") == "of cells";
+      control = ZeroEnergyControl(e);
     }
 
     /** Decides whether the particles of this part have these functions. Throws the InputError of
@@ -205,6 +109,13 @@ namespace tombolo
       // Heated faces of a lattice are a third of a percent nearer with moving least squares.
       is_chosen = reason.empty() &&
                   (wanted == "cell averages" || (wanted == "automatic" && setup.has_mechanics));
+      if (shares_dilatation && !is_chosen)
+        section.fail("Dilatation",
+                     "`of cells` needs cell averages as `Shape functions`" +
+                         (reason.empty() ? std::string() : ", which are not there with " + reason));
+      for (const char *const entry : {"Zero-energy stiffness", "Zero-energy limit"})
+        if (!shares_dilatation && section.is_set(entry))
+          section.fail(entry, "it is for `Dilatation = of cells`.");
       nodes = setup.nodes;
       part_cells = setup.part_cells;
       part = setup.index;
@@ -268,6 +179,7 @@ namespace tombolo
       // it.
       const std::map<Node, dealii::Point<dim>> places = nodes->points_depended_on();
       std::map<Node, Sums> of_rank;
+      std::vector<NodeOfCell> of_cells, of_following_cells;
       std::vector<Node> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
       std::vector<dealii::Point<dim>> points;
       std::vector<unsigned int> hierarchic;
@@ -289,34 +201,49 @@ namespace tombolo
               std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
         fe_values.reinit(cell);
         CellIntegrals<dim> integrals(cell_nodes, points);
-        integrals.add(fe_values, hierarchic);
+        integrals.add(fe_values, hierarchic, value_sharpness());
+        for (unsigned int line = 0; line < cell->n_lines(); ++line)
+          integrals.squared_edge +=
+              cell->line(line)->vertex(0).distance_square(cell->line(line)->vertex(1)) /
+              cell->n_lines();
         if (follows)
-          add_cell(integrals.of_nodes_that_move(*nodes, places),
-                   [&](const Node node) { return &of_rank[node]; });
+        {
+          const CellIntegrals<dim> of_others = integrals.of_nodes_that_move(*nodes, places);
+          add_cell(of_others, [&](const Node node) { return &of_rank[node]; });
+          list_nodes(of_others, of_following_cells);
+        }
         else
+        {
           add_cell(integrals, sums_of);
+          list_nodes(integrals, of_cells);
+        }
       }
       if (nodes->has_dependent_nodes())
-        add_from_ranks(of_rank, sums_of);
-
-      std::vector<double> volumes;
-      rows.clear();
-      for (Sums &sum : sums)
       {
-        volumes.push_back(sum.volume);
-        for (Entry &entry : sum.entries)
-        {
-          entry.value /= sum.weight;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            entry.gradient[d] /= sum.image_volume;
-            entry.value -= sum.moment[d] / sum.weight * entry.gradient[d];
-          }
-        }
-        rows.push_back(std::move(sum.entries));
+        add_from_ranks(of_rank, sums_of);
+        for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
+          of_cells.push_back(node);
       }
+      if (shares_dilatation)
+        dilatation.reset(cells_around(of_cells, particles), particles.size());
+
+      std::vector<double> volumes, squared_edges;
+      make_rows(sums, volumes, squared_edges);
       particles.set_initial_volumes(volumes);
+      control.reset(volumes, squared_edges);
       widen_supports(particles);
+    }
+
+    /** The dilatation of the cells around the particles; null: particles have their own. */
+    CellDilatation<dim> *dilatation_of_cells()
+    {
+      return is_chosen && shares_dilatation ? &dilatation : nullptr;
+    }
+
+    /** Null: none is wanted. */
+    ZeroEnergyControl *zero_energy_control()
+    {
+      return is_chosen && shares_dilatation && control.is_wanted() ? &control : nullptr;
     }
 
     /** Leaves in the rows of @p found those that have functions. */
@@ -364,6 +291,13 @@ namespace tombolo
     }
 
   private:
+    /** s of ψ: on long waves S and the stiffness of cells together have the phase speed of linear
+     * elements, or S alone has. */
+    double value_sharpness() const
+    {
+      return shares_dilatation ? 2. : 1.5;
+    }
+
     struct Entry
     {
       ImageNode node;
@@ -373,7 +307,7 @@ namespace tombolo
     /** What the cells around a particle have summed up; all but volume with images of cells. */
     struct Totals
     {
-      double volume = 0, image_volume = 0, weight = 0;
+      double volume = 0, image_volume = 0, weight = 0, squared_edge = 0;
       double moment[dim] = {};
     };
     struct Sums : Totals
@@ -393,13 +327,82 @@ namespace tombolo
       std::vector<Entry> entries; // by node
     };
     using Node = dealii::types::global_dof_index;
+    /** A node of a cell of @p n_nodes nodes, which are listed after each other. */
+    struct NodeOfCell
+    {
+      unsigned int n_nodes;
+      Node node;
+      double volume;      // V_cI
+      double gradient[3]; // of the mean over the cell
+    };
+    static void list_nodes(const CellIntegrals<dim> &cell, std::vector<NodeOfCell> &list)
+    {
+      const std::size_t n = cell.nodes.size();
+      double volume = 0;
+      for (const double of_node : cell.volume)
+        volume += of_node;
+      for (std::size_t j = 0; j < n; ++j)
+      {
+        NodeOfCell node{static_cast<unsigned int>(n), cell.nodes[j], cell.volume[j], {}};
+        for (std::size_t i = 0; i < n; ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+            node.gradient[d] += cell.gradient[i * n + j][d] / volume;
+        list.push_back(node);
+      }
+    }
+    /** Those of the listed cells that have some of @p particles. */
+    static std::vector<typename CellDilatation<dim>::Cell>
+    cells_around(const std::vector<NodeOfCell> &list, const ParticleSet<dim> &particles)
+    {
+      std::vector<typename CellDilatation<dim>::Cell> result;
+      const std::vector<Node> &numbers = particles.nodes();
+      for (std::size_t begin = 0; begin < list.size(); begin += list[begin].n_nodes)
+      {
+        typename CellDilatation<dim>::Cell cell;
+        for (std::size_t i = begin; i < begin + list[begin].n_nodes; ++i)
+        {
+          cell.nodes.push_back(list[i].node);
+          cell.gradient.emplace_back();
+          for (unsigned int d = 0; d < dim; ++d)
+            cell.gradient.back()[d] = list[i].gradient[d];
+          const auto particle = std::lower_bound(numbers.begin(), numbers.end(), list[i].node);
+          if (particle != numbers.end() && *particle == list[i].node)
+            cell.shares.emplace_back(static_cast<unsigned int>(particle - numbers.begin()),
+                                     list[i].volume);
+        }
+        if (!cell.shares.empty())
+          result.push_back(std::move(cell));
+      }
+      return result;
+    }
+    /** Turns sums into rows. */
+    void make_rows(std::vector<Sums> &sums, std::vector<double> &volumes,
+                   std::vector<double> &squared_edges)
+    {
+      rows.clear();
+      for (Sums &sum : sums)
+      {
+        volumes.push_back(sum.volume);
+        squared_edges.push_back(sum.squared_edge / sum.volume);
+        for (Entry &entry : sum.entries)
+        {
+          entry.value /= sum.weight;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            entry.gradient[d] /= sum.image_volume;
+            entry.value -= sum.moment[d] / sum.weight * entry.gradient[d];
+          }
+        }
+        rows.push_back(std::move(sum.entries));
+      }
+    }
     /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
     std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const
     {
       // S_A is 1 + κ h² ∂² on long waves, with κ the value of φ at the next node of a lattice. The
       // energy of v̂ is that of v but for its gradient in the bulk and, where this ends within the
       // body, v ∂v there: a layer of mass κ h in the wrong place.
-      constexpr double kappa = 0.25 - CellIntegrals<dim>::value_sharpness / 12.;
+      const double kappa = 0.25 - value_sharpness() / 12.;
       NodalVector shift(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
       const NodePartition &partition = *shift.partition();
       std::vector<dealii::types::global_dof_index> cell_nodes;
@@ -441,6 +444,7 @@ namespace tombolo
         if (sum == nullptr)
           continue;
         sum->volume += integrals.volume[i];
+        sum->squared_edge += integrals.volume[i] * integrals.squared_edge;
         // With the images of the cell in all combinations of the mirrors of the particle.
         for (unsigned int through = 0; through <= mirrors[i]; ++through)
         {
@@ -487,6 +491,7 @@ namespace tombolo
         if (Sums *const sum = sums_of(node))
         {
           sum->volume += totals.volume;
+          sum->squared_edge += totals.squared_edge;
           sum->image_volume += totals.image_volume;
           sum->weight += totals.weight;
           for (unsigned int d = 0; d < dim; ++d)
@@ -550,7 +555,9 @@ namespace tombolo
 
     Section section;
     std::string wanted, reason;
-    bool is_chosen = false;
+    bool is_chosen = false, shares_dilatation = false;
+    CellDilatation<dim> dilatation;
+    ZeroEnergyControl control;
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     unsigned int part = 0;

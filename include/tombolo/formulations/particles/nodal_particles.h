@@ -11,6 +11,10 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class CellDilatation;
+  class ZeroEnergyControl;
+
   /**
    * Particles of one part that are integrated at their nodes, whatever their φ and ∇φ are: a
    * particle method that derives from this class fills its stencils, names the nodes that they need
@@ -66,5 +70,7 @@ namespace tombolo
     using Formulation<dim>::part_points;
     ParticleSet<dim> set;
     KernelConfiguration<dim> kernel;
+    CellDilatation<dim> *dilatation = nullptr; ///< null: particles have their own
+    ZeroEnergyControl *control = nullptr;      ///< of modes that gradients hardly see; or null
   };
 } // namespace tombolo

@@ -18,6 +18,9 @@ namespace tombolo
 {
   class Records;
   class StateArchive;
+  class ZeroEnergyControl;
+  template <int dim>
+  class CellDilatation;
 
   /**
    * The stencils of the particles of one part, in the reference of their kernels: the search of
@@ -69,6 +72,16 @@ namespace tombolo
     bool sees_other_bodies() const
     {
       return crosses_gaps;
+    }
+    /** The dilatation that particles have from cells around them; null: they have their own. */
+    virtual CellDilatation<dim> *dilatation_of_cells()
+    {
+      return nullptr;
+    }
+    /** What holds modes that the gradients of the particles hardly see; null: nothing. */
+    virtual ZeroEnergyControl *zero_energy_control()
+    {
+      return nullptr;
     }
     /** What the functions are, for the audit. */
     virtual std::string functions() const

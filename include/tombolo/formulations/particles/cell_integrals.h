@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/mesh/nodes.h>
+
+#include <deal.II/base/geometry_info.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  namespace internal
+  {
+    /** Π_k (1 ± s ξ_k) / 2 of the corner @p corner at @p point of the unit cell. */
+    template <int dim>
+    double weight_of_corner(const double sharpness, const unsigned int corner,
+                            const dealii::Point<dim> &point)
+    {
+      double result = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double side = ((corner >> d) & 1u) != 0 ? 1. : -1.;
+        result *= 0.5 * (1. + side * sharpness * (2. * point[d] - 1.));
+      }
+      return result;
+    }
+  } // namespace internal
+
+  /** What a cell gives to the averages around its nodes I, with the functions N_J of its nodes J
+   * (see CellAverages). */
+  template <int dim>
+  struct CellIntegrals
+  {
+    using Node = dealii::types::global_dof_index;
+
+    static constexpr double gradient_sharpness = 2.; ///< s of χ = Π_k (1 ± s ξ_k) / 2
+
+    /** All zero. */
+    CellIntegrals(const std::vector<Node> &nodes, const std::vector<dealii::Point<dim>> &points)
+        : nodes(nodes), points(points), volume(nodes.size()), weight(nodes.size()),
+          moment(nodes.size()), value(nodes.size() * nodes.size()),
+          gradient(nodes.size() * nodes.size())
+    {}
+
+    /** Integrates over a cell whose corners are the nodes; @p hierarchic are their numbers in
+     * @p fe_values, and @p value_sharpness is s of ψ. */
+    void add(const dealii::FEValues<dim> &fe_values, const std::vector<unsigned int> &hierarchic,
+             const double value_sharpness)
+    {
+      constexpr unsigned int n = dealii::GeometryInfo<dim>::vertices_per_cell;
+      for (const unsigned int q : fe_values.quadrature_point_indices())
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          const dealii::Point<dim> &place = fe_values.get_quadrature().point(q);
+          const double of_gradient =
+              internal::weight_of_corner<dim>(gradient_sharpness, i, place) * fe_values.JxW(q);
+          const double of_value =
+              internal::weight_of_corner<dim>(value_sharpness, i, place) * fe_values.JxW(q);
+          volume[i] += of_gradient;
+          weight[i] += of_value;
+          moment[i] += of_value * (fe_values.quadrature_point(q) - points[i]);
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            value[i * n + j] += of_value * fe_values.shape_value(hierarchic[j], q);
+            gradient[i * n + j] += of_gradient * fe_values.shape_grad(hierarchic[j], q);
+          }
+        }
+    }
+
+    /** The same of the corners, or in the place of those that depend on others, of the others.
+     * @p places are those of Nodes::points_depended_on(). */
+    CellIntegrals of_nodes_that_move(const Nodes<dim> &of_mesh,
+                                     const std::map<Node, dealii::Point<dim>> &places) const
+    {
+      const std::size_t n_corners = nodes.size();
+      std::vector<Node> others;
+      std::vector<dealii::Point<dim>> points_of_others;
+      std::vector<std::vector<std::pair<std::size_t, double>>> shares(n_corners);
+      const auto share = [&](const std::size_t corner, const Node node,
+                             const dealii::Point<dim> &point, const double share_of_node)
+      {
+        const auto found = std::find(others.begin(), others.end(), node);
+        shares[corner].emplace_back(found - others.begin(), share_of_node);
+        if (found != others.end())
+          return;
+        others.push_back(node);
+        points_of_others.push_back(point);
+      };
+      for (std::size_t i = 0; i < n_corners; ++i)
+        if (const DependentNode *const row = of_mesh.dependent_node(nodes[i]))
+          for (const auto &[node, share_of_node] : row->weights)
+            share(i, node, places.at(node), share_of_node);
+        else
+          share(i, nodes[i], points[i], 1.);
+      CellIntegrals result(others, points_of_others);
+      result.squared_edge = squared_edge;
+      const std::size_t n = others.size();
+      for (std::size_t i = 0; i < n_corners; ++i)
+        for (const auto &[a, of_a] : shares[i])
+        {
+          result.volume[a] += of_a * volume[i];
+          result.weight[a] += of_a * weight[i];
+          result.moment[a] += of_a * (moment[i] + weight[i] * (points[i] - points_of_others[a]));
+          for (std::size_t j = 0; j < n_corners; ++j)
+            for (const auto &[b, of_b] : shares[j])
+            {
+              result.value[a * n + b] += of_a * of_b * value[i * n_corners + j];
+              result.gradient[a * n + b] += of_a * of_b * gradient[i * n_corners + j];
+            }
+        }
+      return result;
+    }
+
+    std::vector<Node> nodes;
+    std::vector<dealii::Point<dim>> points;
+    double squared_edge = 0;                      ///< of its edges, in the mean [L^2]
+    std::vector<double> volume;                   ///< ∫ χ_I
+    std::vector<double> weight;                   ///< ∫ ψ_I
+    std::vector<dealii::Tensor<1, dim>> moment;   ///< ∫ ψ_I (x - x_I)
+    std::vector<double> value;                    ///< ∫ ψ_I N_J, J fastest
+    std::vector<dealii::Tensor<1, dim>> gradient; ///< ∫ χ_I ∇N_J
+  };
+} // namespace tombolo
