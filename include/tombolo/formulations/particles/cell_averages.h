@@ -113,8 +113,8 @@ namespace tombolo
         section.fail("Dilatation",
                      "`of cells` needs cell averages as `Shape functions`" +
                          (reason.empty() ? std::string() : ", which are not there with " + reason));
-      for (const char *const entry : {"Zero-energy stiffness", "Zero-energy limit"})
-        if (!shares_dilatation && section.is_set(entry))
+      if (!shares_dilatation)
+        if (const std::string entry = control.changed_entry(); !entry.empty())
           section.fail(entry, "it is for `Dilatation = of cells`.");
       nodes = setup.nodes;
       part_cells = setup.part_cells;

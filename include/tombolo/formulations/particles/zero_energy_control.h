@@ -35,6 +35,14 @@ namespace tombolo
     /** `Zero-energy stiffness` and `Zero-energy limit`. */
     explicit ZeroEnergyControl(const Entries &e);
 
+    /** The first entry that has not its default; empty: all have. */
+    std::string changed_entry() const
+    {
+      return coefficient != default_coefficient ? "Zero-energy stiffness"
+             : limit != default_limit           ? "Zero-energy limit"
+                                                : "";
+    }
+
     bool is_wanted() const
     {
       return coefficient > 0.;
@@ -87,6 +95,8 @@ namespace tombolo
     };
     /** Of particle @p i in the block from @p first on, after its stress is known. */
     Range elastic_range(const MaterialPoints &points, unsigned int first, unsigned int i) const;
+
+    static constexpr double default_coefficient = 0.9, default_limit = 0.001;
 
     double coefficient = 0., limit = 0.;
     double shear_modulus = 0., factor = 0.;
