@@ -71,7 +71,8 @@ namespace tombolo
    * Corners of cells that depend on others are no particles: with N = Σ C N of the others, χ and ψ
    * of these have their shares C of those of such a corner, and all of the above stays.
    *
-   * The functions are those of the initial configuration. doc/method.md, section 2.
+   * The functions are those of the initial configuration. With CellDilatation the 3/2 of ψ is 2.
+   * doc/method.md, section 2.
    */
   template <int dim>
   class CellAverages
