@@ -144,11 +144,9 @@ namespace tombolo
 
   template <int dim>
   void CellDilatation<dim>::add_pressures(const AlignedVector<double> &of_cell,
-                                          const unsigned int first, const Lanes &stress,
-                                          const double modulus)
+                                          const Lanes &mean_of_cells, const unsigned int first,
+                                          const Lanes &stress, const double modulus)
   {
-    const Lanes mean_of_cells =
-        &of_cell == &jacobian ? load_lanes(&ratio_of_particle[first]) : mean(of_cell, first);
     for (unsigned int lane = 0; lane < n_lanes; ++lane)
       for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
         pressure[share_cell[s]] +=
@@ -166,7 +164,7 @@ namespace tombolo
     const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
     for (unsigned int i = 0; i < dim; ++i)
       stress[i] += of_own - mean_stress;
-    add_pressures(jacobian, first, (mean_stress - of_own) / (shared * initial_volume),
+    add_pressures(jacobian, shared, first, (mean_stress - of_own) / (shared * initial_volume),
                   bulk_modulus);
   }
 
@@ -239,8 +237,8 @@ namespace tombolo
     const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
     for (unsigned int i = 0; i < dim; ++i)
       stress[i] -= of_own + mean_stress;
-    add_pressures(rate, first, (mean_stress + of_own) / (ratio(first) * initial_volume),
-                  -bulk_modulus);
+    add_pressures(rate, mean(rate, first), first,
+                  (mean_stress + of_own) / (ratio(first) * initial_volume), -bulk_modulus);
   }
 
   template <int dim>

@@ -211,20 +211,21 @@ namespace tombolo
         {
           const CellIntegrals<dim> of_others = integrals.of_nodes_that_move(*nodes, places);
           add_cell(of_others, [&](const Node node) { return &of_rank[node]; });
-          list_nodes(of_others, of_following_cells);
+          if (shares_dilatation)
+            list_nodes(of_others, of_following_cells);
         }
         else
         {
           add_cell(integrals, sums_of);
-          list_nodes(integrals, of_cells);
+          if (shares_dilatation)
+            list_nodes(integrals, of_cells);
         }
       }
       if (nodes->has_dependent_nodes())
-      {
         add_from_ranks(of_rank, sums_of);
+      if (shares_dilatation && nodes->has_dependent_nodes())
         for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
           of_cells.push_back(node);
-      }
       if (shares_dilatation)
         dilatation.reset(cells_around(of_cells, particles), particles.size());
 

@@ -128,8 +128,9 @@ namespace tombolo
   private:
     /** Σ V_cI y_c / V_I. */
     Lanes mean(const dealii::AlignedVector<double> &of_cell, unsigned int first) const;
-    void add_pressures(const dealii::AlignedVector<double> &of_cell, unsigned int first,
-                       const Lanes &stress, double modulus);
+    /** Adds V_cI (σ_I + K (y_c - y_I)) to P_c, with the mean y_I of particles. */
+    void add_pressures(const dealii::AlignedVector<double> &of_cell, const Lanes &mean_of_cells,
+                       unsigned int first, const Lanes &stress, double modulus);
 
     Stencils cells;               ///< rows of g_cJ; its particles are the first nodes of cells
     std::vector<Node> cell_nodes; ///< by entry of a row
