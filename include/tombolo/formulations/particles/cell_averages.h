@@ -89,13 +89,13 @@ namespace tombolo
           "body does. They are there for the smoothings affine and none, a total Lagrangian "
           "configuration without bonds that fail, the bridge of the paper and cells that stay "
           "what they are. `automatic` chooses them where they are there and something moves.");
-      shares_dilatation =
-          e.choice("Dilatation", "of particles", "of cells|of particles",
-                   "With cell averages: whether the volume of a particle changes as its own "
-                   "gradient says, or `of cells`: as those of the cells around it, and each cell "
-                   "resists a change of its volume by the bulk modulus. Then nearly incompressible "
-                   "bodies neither lock nor have pressures that alternate, and surfaces that flow "
-                   "do not zigzag.") == "of cells";
+      wanted_dilatation = e.choice(
+          "Dilatation", "automatic", "automatic|of cells|of particles",
+          "With cell averages: whether the volume of a particle changes as its own gradient says "
+          "(`of particles`), or as those of the cells around it, each of which resists a change of "
+          "its volume by the bulk modulus (`of cells`). Then nearly incompressible bodies neither "
+          "lock nor have pressures that alternate, and surfaces that flow do not zigzag. "
+          "`automatic`: `of cells` with cell averages.");
       control = ZeroEnergyControl(e);
     }
 
@@ -110,7 +110,8 @@ namespace tombolo
       // Heated faces of a lattice are a third of a percent nearer with moving least squares.
       is_chosen = reason.empty() &&
                   (wanted == "cell averages" || (wanted == "automatic" && setup.has_mechanics));
-      if (shares_dilatation && !is_chosen)
+      shares_dilatation = is_chosen && wanted_dilatation != "of particles" && setup.has_mechanics;
+      if (wanted_dilatation == "of cells" && !is_chosen)
         section.fail("Dilatation",
                      "`of cells` needs cell averages as `Shape functions`" +
                          (reason.empty() ? std::string() : ", which are not there with " + reason));
@@ -336,6 +337,7 @@ namespace tombolo
       Node node;
       double volume;      // V_cI
       double gradient[3]; // of the mean over the cell
+      double centre[3];   // of the cell
     };
     static void list_nodes(const CellIntegrals<dim> &cell, std::vector<NodeOfCell> &list)
     {
@@ -343,9 +345,14 @@ namespace tombolo
       double volume = 0;
       for (const double of_node : cell.volume)
         volume += of_node;
+      dealii::Point<dim> centre;
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j)
+          centre += cell.value[i * n + j] / volume * cell.points[j];
       for (std::size_t j = 0; j < n; ++j)
       {
-        NodeOfCell node{static_cast<unsigned int>(n), cell.nodes[j], cell.volume[j], {}};
+        NodeOfCell node{static_cast<unsigned int>(n), cell.nodes[j], cell.volume[j], {}, {}};
+        std::copy_n(centre.begin_raw(), dim, node.centre);
         for (std::size_t i = 0; i < n; ++i)
           for (unsigned int d = 0; d < dim; ++d)
             node.gradient[d] += cell.gradient[i * n + j][d] / volume;
@@ -361,6 +368,7 @@ namespace tombolo
       for (std::size_t begin = 0; begin < list.size(); begin += list[begin].n_nodes)
       {
         typename CellDilatation<dim>::Cell cell;
+        std::copy_n(list[begin].centre, dim, cell.centre.begin_raw());
         for (std::size_t i = begin; i < begin + list[begin].n_nodes; ++i)
         {
           cell.nodes.push_back(list[i].node);
@@ -382,8 +390,11 @@ namespace tombolo
                    std::vector<double> &squared_edges)
     {
       rows.clear();
+      std::vector<dealii::Tensor<1, dim>> centres(sums.size());
       for (Sums &sum : sums)
       {
+        for (unsigned int d = 0; d < dim; ++d)
+          centres[rows.size()][d] = sum.moment[d] / sum.weight;
         volumes.push_back(sum.volume);
         squared_edges.push_back(sum.squared_edge / sum.volume);
         for (Entry &entry : sum.entries)
@@ -397,6 +408,8 @@ namespace tombolo
         }
         rows.push_back(std::move(sum.entries));
       }
+      // ψ is χ with the dilatation of cells.
+      dilatation.set_centres_of_gradients(centres);
     }
     /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
     std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const
@@ -556,7 +569,7 @@ namespace tombolo
     }
 
     Section section;
-    std::string wanted, reason;
+    std::string wanted, wanted_dilatation, reason;
     bool is_chosen = false, shares_dilatation = false;
     CellDilatation<dim> dilatation;
     ZeroEnergyControl control;
