@@ -28,6 +28,17 @@ namespace tombolo
       return sum;
     }
 
+    /** Von Mises'. */
+    double equivalent_stress(const MaterialPoints &points, const unsigned int i)
+    {
+      double s[6];
+      for (unsigned int c = 0; c < 6; ++c)
+        s[c] = points.component(MaterialPoints::stress, c)[i];
+      return std::sqrt(0.5 * ((s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) +
+                              (s[2] - s[0]) * (s[2] - s[0])) +
+                       3. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+    }
+
     void scatter(const Stencils::Row &row, const unsigned int own, const NodeLanes &of_residual,
                  NodalVector &force)
     {
@@ -99,6 +110,9 @@ namespace tombolo
       return;
     const double *const strain = points.component(strain_field, 0);
     strain_before.assign(strain + first, strain + last);
+    stress_before.resize(last - first);
+    for (unsigned int i = first; i < last; ++i)
+      stress_before[i - first] = equivalent_stress(points, i);
   }
 
   ZeroEnergyControl::Range ZeroEnergyControl::elastic_range(const MaterialPoints &points,
@@ -111,13 +125,8 @@ namespace tombolo
     const double flow = points.component(strain_field, 0)[i] - strain_before[i - first];
     if (!(flow > 0.))
       return result;
-    double s[6];
-    for (unsigned int c = 0; c < 6; ++c)
-      s[c] = points.component(MaterialPoints::stress, c)[i];
-    const double stress =
-        std::sqrt(0.5 * ((s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) +
-                         (s[2] - s[0]) * (s[2] - s[0])) +
-                  3. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+    // A yield surface that moves lets a particle flow while its stress passes zero.
+    const double stress = std::max(equivalent_stress(points, i), stress_before[i - first]);
     result.length = stress * std::sqrt(limit * squared_length[i] / (3. * shear_modulus * factor));
     result.beyond = stress / (stress + 30. * shear_modulus * flow);
     return result;

@@ -170,9 +170,9 @@ namespace tombolo
 
     std::vector<unsigned int> share_begin; ///< by particle, of what follows
     std::vector<unsigned int> share_cell;
-    std::vector<double> share_volume;       ///< V_cI
-    std::vector<double> volume;             ///< V_I
-    std::vector<dealii::Point<dim>> centre; ///< C_I
+    std::vector<double> share_volume;                       ///< V_cI
+    std::vector<double> volume;                             ///< V_I
+    std::vector<dealii::Point<dim>> centre;                 ///< C_I
     std::vector<dealii::Tensor<1, dim>> centre_of_gradient; ///< D_I - X_I
     std::shared_ptr<const NodePartition> partition;
     dealii::AlignedVector<double> own_energy; ///< of each particle, at the last collect()

@@ -25,8 +25,9 @@ namespace tombolo
    *
    * with the shear modulus G and the square h² of the length of the edges of cells around the
    * particle, in the mean. Where the particle flows, what is above the energy l V σ²/(6 G), with
-   * the equivalent stress σ, decays with the plastic strain of the step over σ/(3 G): the slip s_I,
-   * which turns with the particle, takes it, and what is lost is artificial.
+   * the equivalent stress σ, the larger of those at the ends of the step, decays with the plastic
+   * strain of the step over σ/(3 G): the slip s_I, which turns with the particle, takes it, and
+   * what is lost is artificial.
    */
   class ZeroEnergyControl
   {
@@ -62,7 +63,8 @@ namespace tombolo
     /** Finds the fields in @p points. */
     void initialize(const MaterialPoints &points);
 
-    /** Remembers how far the particles @p first to @p last - 1 have flowed before the step. */
+    /** Remembers the plastic strains and stresses of the particles @p first to @p last - 1 before
+     * the step. */
     void begin(const MaterialPoints &points, unsigned int first, unsigned int last);
     /** Advances their slip, with the spins of the step by component and particle, and turns their
      * r_I, node_stride doubles each, into k_I (r_I - s_I). */
@@ -103,6 +105,6 @@ namespace tombolo
     std::vector<double> volume, squared_length;
     unsigned int slip_field = 0, energy_field = 0, loss_field = 0, strain_field = 0;
     bool can_flow = false;
-    std::vector<double> strain_before; ///< of the block at hand
+    std::vector<double> strain_before, stress_before; ///< of the block at hand
   };
 } // namespace tombolo
