@@ -310,10 +310,10 @@ def load_of_nodes(converter, record):
         return
     area = converter.mesh.area(converter.mesh.faces_of_nodes(nodes))
     converter.report.note(record.line.place, f"*{record.section.keyword}: the force at each of {len(set(nodes))} nodes is a "
-                          f"traction over their faces, whose area is {area:g}: the sum is the same, its distribution "
-                          "is not.")
+                          f"traction over their faces, whose area is {area:g} at the start: the sum is the same, its "
+                          "distribution is not.")
     yield "Conditions", "load", {
-        **where, "Type": "traction", **entries, "Function": components(converter, axes, times_table(
+        **where, "Type": "traction", "Area": "initial", **entries, "Function": components(converter, axes, times_table(
             converter, factor * len(set(nodes)) / area, curve), "0")}
 
 
