@@ -537,6 +537,8 @@ class Writer:
         rest = "free" if condition["free"] else "0"
         if kind == "traction":
             self.set("Function", vector(self.pressure(size)))
+            if condition["free"]:
+                self.set("Area", "initial")
         elif kind == "body force":
             self.set("Function", vector(self.number(size, 1, 0, -2)))
         elif kind == "velocity":

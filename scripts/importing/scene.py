@@ -64,7 +64,8 @@ class Scene:
         self.source, self.target, self.report, self.mesh = Path(source), Path(target), report, mesh
         self.title = usable(self.source.stem)
         self.end_time = None
-        self.has_degree_2 = False
+        self.has_midsides = False  # whether there are nodes in the middle of edges
+        self.mesh_entries = {}
         self.without_density = set()  # materials of which the deck says none
         self.head = {}        # further entries outside of all sections
         self.parts = []
@@ -127,8 +128,8 @@ class Scene:
         return self.in_cells
 
     def nodes_of_elements(self):
-        """With those between the corners where elements have degree 2."""
-        return self.nodes_of_cells() | self.mesh.midsides if self.has_degree_2 else self.nodes_of_cells()
+        """With those between the corners where elements have them."""
+        return self.nodes_of_cells() | self.mesh.midsides if self.has_midsides else self.nodes_of_cells()
 
     def places_of_elements(self):
         if not hasattr(self, "places"):
@@ -240,7 +241,7 @@ class Scene:
                 (next(iter(self.stages.values())) if of_first else entries)[kind] = ", ".join(self.named[kind])
         yield from lines_of_entries(entries)
         yield ""
-        yield from lines_of_section("Mesh", {"Type": "file", "file": {"File": self.mesh_file().name}})
+        yield from lines_of_section("Mesh", {"Type": "file", **self.mesh_entries, "file": {"File": self.mesh_file().name}})
         for name, stage in self.stages.items():
             yield ""
             yield from lines_of_section(f"Stage: {name}", stage)

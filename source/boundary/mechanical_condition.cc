@@ -61,7 +61,7 @@ namespace tombolo
              "traction|pressure|body "
              "force|gravity|velocity|displacement|clamp|symmetry|temperature|heat "
              "flux|convection|radiation|adiabatic|heat source",
-             "What is prescribed. Of the motion: `traction` (force per current area, on faces of "
+             "What is prescribed. Of the motion: `traction` (force per area, on faces of "
              "the boundary, in a given direction), `pressure` (force per current area against the "
              "outward normal of the face as it is now), `body force` (force per mass), `gravity` "
              "(the same, of everything unless `Where` is given), `velocity`, `displacement`, "
@@ -91,6 +91,10 @@ namespace tombolo
         "z.");
     e.text("Centre", dim == 2 ? "0, 0" : "0, 0, 0", "L", "A point of this axis.");
     LocalAxes<dim>::declare_parameters(e);
+    e.choice(
+        "Area", "current", "current|initial",
+        "Of a traction: it is the force per area of the faces as they are now, or as they were "
+        "at the start. With `initial` forces stay what they are while faces stretch.");
     e.optional_number(
         "Start", zero_or_positive(), "T",
         "Of a condition of the motion or a load: it acts from this time on; empty is "
@@ -112,6 +116,9 @@ namespace tombolo
       section.fail("Boundary",
                    "a " + section.get("Type") + " acts on the volume; use `Where`, or neither.");
     condition.read_times(section);
+    condition.has_initial_areas = section.get("Area") == "initial";
+    if (condition.has_initial_areas && type != Type::traction)
+      section.fail("Area", "it is for a traction.");
     const bool has_axes = section.is_set("Axes");
     if (has_axes && (type == Type::clamp || type == Type::pressure))
       section.fail("Axes",

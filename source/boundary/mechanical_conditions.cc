@@ -55,9 +55,11 @@ namespace tombolo
     std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
              Point<dim>>
         shared;
-    acting.assign(conditions.size(), true);
     for (unsigned int c = 0; c < conditions.size(); ++c)
-      acting[c] = conditions[c].acts_at(0.);
+    {
+      acting.push_back(conditions[c].acts_at(0.));
+      areas.keep_initial(c, conditions[c].has_initial_areas);
+    }
     NodeRows rows;
     const bool has_rows = std::any_of(conditions.begin(), conditions.end(),
                                       [](const MechanicalCondition<dim> &condition) {
@@ -248,7 +250,7 @@ namespace tombolo
   {
     loads.set_zero();
     sums.assign(conditions.size(), {});
-    areas.update(state.position);
+    areas.update(state.position, state.initial_position);
     NodalVector *const alone = take_alone ? &loads_alone : nullptr;
     if (alone != nullptr && alone->partition() != loads.partition())
       alone->reinit(loads.partition());

@@ -56,7 +56,7 @@ class AbaqusScene(DeckTest):
         self.check(text, "set Formulation = rigid", "set Origin = 0.5, 0.5, 2",
                    "set Displacement = 0; 0; -0.01*table(deck_amplitude_A.csv, t)", "!set Rotation",
                    "set Slave boundary = B1.UPPER set Master boundary = B2.LOWER set Friction = 0.3",
-                   "set Type = traction set Function = 8; 0; 0", "a traction over their faces, whose area is 1",
+                   "set Type = traction set Area = initial set Function = 8; 0; 0", "a traction over their faces, whose area is 1",
                    "set Type = gravity", "set Function = 0; 0; (9810)*-1", "set Type = pressure",
                    "set Function = 0; (3)*1; 0", "set Mass factor = 4", "set Linear bulk viscosity = 0.05")
 
@@ -67,11 +67,16 @@ class AbaqusScene(DeckTest):
                          "*SOLID SECTION, ELSET=B2.ALL, MATERIAL=STEEL\n*END ASSEMBLY\n"
                          "*SURFACE INTERACTION, NAME=I\n*FRICTION\n 0.2,\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
                          "*CONTACT PROPERTY ASSIGNMENT\n , , I\n"))
-        self.check(text, "set Slave parts = B1.ALL set Master parts = B2.ALL set Friction = 0.2")
+        self.check(text, "set Slave parts = B1.ALL set Master parts = B2.ALL set Friction = 0.2", "!set Stiffness")
         text = text[:text.index("*STEP")] + ("*STEP\n*DYNAMIC TEMPERATURE-DISPLACEMENT, EXPLICIT\n , 1E-5\n"
                                              "*SFILM\n B2.UPPER, F, 20., 5.\n*DSFLUX\n B2.UPPER, S, 7.\n*END STEP\n")
         self.check(text, "set Type = convection", "set Ambient temperature = 20", "set Film coefficient = 5",
                    "set Type = heat flux", "!backward Euler")
+        behaviour = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={}\n"
+        self.check(text.replace("*CONTACT\n", behaviour.format("HARD") + "*CONTACT\n"), "!*SURFACE BEHAVIOR",
+                   "set Friction = 0.2 set Stiffness = 10")
+        self.check(text.replace("*CONTACT\n", behaviour.format("LINEAR") + " 1E7,\n*CONTACT\n"), "*SURFACE BEHAVIOR",
+                   "!set Stiffness")
 
     def test_axes_of_nodes(self):
         def of(transform):
@@ -130,7 +135,8 @@ class AbaqusScene(DeckTest):
                    "set Where = abs(y - 0) < 2e-06 && abs(z - 0) < 2e-06 set Type = displacement set Function = free; free; 0")
         self.check(text.replace("*STEP\n", "*SURFACE INTERACTION, NAME=I\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
                                 "*CONTACT PROPERTY ASSIGNMENT\n , , I\n*STEP\n") + rows + "*END STEP\n",
-                   "set Formulation = hexahedron", "*CONTACT needs it")
+                   "set Formulation = hexahedron", "set Refine where = abs(x) >= 0 set Refinement levels = 1",
+                   "Each cell of second order is 8 elements of degree 1 here, since *CONTACT needs these", runs=True)
 
     def test_forces_in_the_plane_are_of_the_thickness(self):
         self.check("*NODE\n 1, 0., 0.\n 2, 2., 0.\n 3, 2., 1.\n 4, 0., 1.\n*ELEMENT, TYPE=CPE4, ELSET=ALL\n 1, 1,2,3,4\n"

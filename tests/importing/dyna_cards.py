@@ -68,7 +68,7 @@ class DynaCards(DeckTest):
     def test_loads_at_nodes_and_on_segments(self):
         curve = "*DEFINE_CURVE\n" + card(7) + "\n" + card(0, 0, width=20) + "\n" + card(1, 1, width=20) + "\n"
         load = "*LOAD_NODE_SET\n" + card(2, 1, 7, 10.0) + "\n"
-        self.check(replaced(BAR, (END, curve + load + END)), "set Type = traction",
+        self.check(replaced(BAR, (END, curve + load + END)), "set Type = traction set Area = initial",
                    "set Function = 40*table(deck_curve_7.csv, t); 0; 0", "the force at each of 4 nodes is a traction")
         for late, pressure in (("4.0E-7", "if(t < 4e-07, 0, 2*table(deck_curve_7.csv, t - 4e-07))"),
                                ("0", "2*table(deck_curve_7.csv, t)")):

@@ -145,7 +145,11 @@ CASES = {
         "nodes of solids do not turn", "set Type     = clamp"]),
     "constraints on nodes": ([
         (NODES.split("\n")[n], NODES.split("\n")[n] + card(7, 0, width=8)) for n in (1, 2, 3, 4)], 0, [
-            "set Boundary = held along x", "set Function = free; free; 0"]),
+            "set Boundary = held along x", "set Type     = clamp"]),
+    "constraints of two directions": ([
+        (NODES.split("\n")[n], NODES.split("\n")[n] + card(4 if n < 5 else 3, 0, width=8)) for n in range(1, 9)], 0, [
+            "set Boundary = held along x", "set Function = 0; 0; free", "!set Boundary = held along z",
+            "set Where    = abs(x - 1) < 4e-06", "set Function = free; free; 0"]),
     "a hardening curve": ([(MATERIAL, PLASTIC + card(1.0) + "\n" + card(0, 0, 5) + "\n" + CURVE)], 0, [
         "set Plastic strains = 0, 1e-05, 0.1", "set Flow stresses   = 300, 300, 400", "begins at the strain 1e-05",
         "SIGY = 1.0 is not used"]),

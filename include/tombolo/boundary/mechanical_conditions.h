@@ -24,7 +24,7 @@ namespace tombolo
 {
   enum class MechanicalConditionType
   {
-    traction,   ///< force per current area, in a given direction
+    traction,   ///< force per area, in a given direction
     pressure,   ///< force per current area against the outward normal of the current face
     body_force, ///< force per mass
     gravity,    ///< the same, of everything unless a region is given
@@ -65,6 +65,8 @@ namespace tombolo
     std::optional<Turn> turn;
 
     LocalAxes<dim> axes; ///< of its components
+
+    bool has_initial_areas = false; ///< a traction per initial area, whose forces stay
 
     /** It acts from the one time to the other [T]. */
     double start = -std::numeric_limits<double>::infinity();
@@ -157,11 +159,11 @@ namespace tombolo
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
 
     /** Loads at positions (force per node) at @p time: ∫ t over the tributary part of the faces in
-     * their current positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure likewise, m b
-     * for body forces, where m is @p body_mass (scalar). Owned values are complete. @p loads is
-     * zeroed; @p sums are this rank's shares of each condition, by number, with the moments of
-     * forces at @p places (current ghosts). Where @p take_alone is given it is called with the
-     * number of each load and its own loads, whose owned values are complete. Collective.
+     * their current or initial positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure
+     * likewise, m b for body forces, where m is @p body_mass (scalar). Owned values are complete.
+     * @p loads is zeroed; @p sums are this rank's shares of each condition, by number, with the
+     * moments of forces at @p places (current ghosts). Where @p take_alone is given it is called
+     * with the number of each load and its own loads, whose owned values are complete. Collective.
      */
     void compute_loads(const NodalState &state, double time, const NodalVector &places,
                        NodalVector &loads, std::vector<LoadSum> &sums, const NodalVector &body_mass,

@@ -29,6 +29,13 @@ namespace tombolo
           shapes(nodes.degree(), nodes.degree() + 1)
     {}
 
+    /** Whether areas of this group are those of the initial positions. */
+    void keep_initial(const unsigned int group, const bool is_kept)
+    {
+      AssertIndexRange(group, groups.size());
+      groups[group].is_initial = is_kept;
+    }
+
     /** Adds a face with its nodes in the order of Nodes::face_places(). Each face is given by one
      * rank. @p orientation is 1 or -1 where the group has outward areas, see orientation(). */
     void add_face(unsigned int group, const std::vector<dealii::types::global_dof_index> &nodes,
@@ -121,6 +128,12 @@ namespace tombolo
     /** Finds the areas in these positions (ghosts current). */
     void update(const NodalVector &position)
     {
+      update(position, position);
+    }
+
+    /** The same, but in the initial positions where a group keeps these. */
+    void update(const NodalVector &position, const NodalVector &initial_position)
+    {
       for (Group &group : groups)
       {
         std::fill(group.areas.begin(), group.areas.end(), 0.);
@@ -128,12 +141,13 @@ namespace tombolo
       }
       for (const Face &face : faces)
       {
+        const NodalVector &places = groups[face.group].is_initial ? initial_position : position;
         std::vector<double> &areas = groups[face.group].areas;
         std::vector<dealii::Tensor<1, dim>> &outward_areas = groups[face.group].outward_areas;
         for (unsigned int q = 0; q < shapes.weights.size(); ++q)
         {
           const dealii::Tensor<1, dim> normal =
-              shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });
+              shapes.normal(q, [&](const unsigned int k) { return places.node(face.nodes[k]); });
           const double area = shapes.weights[q] * normal.norm();
           for (unsigned int k = 0; k < shapes.n_nodes; ++k)
           {
@@ -190,6 +204,7 @@ namespace tombolo
       std::vector<unsigned int> nodes;
       std::vector<double> areas;
       std::vector<dealii::Tensor<1, dim>> outward_areas;
+      bool is_initial = false; ///< areas are those of the initial positions
     };
 
     std::vector<Face> faces;

@@ -247,12 +247,12 @@ class Conditions:
             area *= thicknesses.pop()
         n = len(forces.forces)
         self.report.note(forces.place, f"*CLOAD: the force at each of {n} nodes is a traction over their faces, whose area is "
-                         f"{area:g}: the sum is the same while they keep it, its distribution is not.")
+                         f"{area:g} at the start: the sum is the same, its distribution is not.")
         text = self.value(section, forces.name, dof, forces.total() / area)
         texts = [text if d == dof else "0" for d in range(1, self.mesh.dimension + 1)]
         nodes = list(forces.forces)
         self.keep(section, forces.name, dof, "load", {
-            **self.selection(nodes), "Type": "traction", **self.transforms.of_all(nodes),
+            **self.selection(nodes), "Type": "traction", "Area": "initial", **self.transforms.of_all(nodes),
             "Function": "; ".join(texts)}, forces.place)
 
     def distributed(self, section):

@@ -7,11 +7,13 @@ from ..scene import NotUnderstood, number
 from .deck import key
 
 MOST_PAIRS = 45
+# Of springs of contacts in motion that are called hard: a fifth of a cell on each side gives way as they do.
+HARD = 10
 
 
-def frictions(deck):
-    """Coefficients of *SURFACE INTERACTION by name."""
-    result, current = {}, None
+def interactions(deck):
+    """Coefficients of friction of *SURFACE INTERACTION by name, and the names of those that are said to be hard."""
+    result, hard, current = {}, set(), None
     for section in deck.sections:
         if section.name == "SURFACE INTERACTION":
             section.is_read = True
@@ -20,33 +22,42 @@ def frictions(deck):
         elif section.name == "FRICTION" and current is not None:
             rows = section.rows()
             result[current] = rows[0].number(0) if rows else 0.0
+        elif section.name == "SURFACE BEHAVIOR" and current is not None and \
+                key(section.get("PRESSURE-OVERCLOSURE")) == "HARD":
+            section.rows()
+            hard.add(current)
         elif section.name in ("STEP", "CONTACT PAIR", "TIE", "MATERIAL"):
             current = None
-    return result
+    return result, hard
 
 
 class Contacts:
     def __init__(self, converter):
         self.converter, self.scene = converter, converter.scene
-        self.friction = frictions(converter.deck)
+        self.friction, self.hard = interactions(converter.deck)
 
-    def friction_of(self, section, option="INTERACTION"):
+    def behaviour_of(self, section, option="INTERACTION"):
         name = section.get(option)
         if not name:
             return {}
         if key(name) not in self.friction:
             section.line.fail(f'There is no *SURFACE INTERACTION "{name}".')
         value = self.friction[key(name)]
-        return {"Friction": number(value)} if value else {}
+        return {**({"Friction": number(value)} if value else {}), **self.stiffness_of(name)}
+
+    def stiffness_of(self, name):
+        """At rest springs are stiff already."""
+        is_at_rest = any(step.is_static for step in self.converter.steps)
+        return {"Stiffness": number(HARD)} if key(name) in self.hard and not is_at_rest else {}
 
     def pair(self, section):
-        friction = self.friction_of(section)
+        behaviour = self.behaviour_of(section)
         for option in ("TYPE", "SMALL SLIDING", "MECHANICAL CONSTRAINT", "CPSET", "ADJUST"):
             if option in ("SMALL SLIDING", "ADJUST") and option in section.options:
                 continue
             section.get(option)
         for row in section.rows():
-            self.add(row, friction)
+            self.add(row, behaviour)
 
     def tie(self, section):
         section.get("NAME")
@@ -77,6 +88,7 @@ class Contacts:
                     name = key(row.text(2))
                     if self.friction.get(name):
                         extra = {"Friction": number(self.friction[name])}
+                    extra.update(self.stiffness_of(name))
             elif not one.name.startswith("CONTACT "):
                 break
         section.rows()

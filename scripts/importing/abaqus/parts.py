@@ -29,16 +29,21 @@ class Parts:
         self.take_second_order()
 
     def take_second_order(self):
-        """Cells of second order are elements of degree 2 where all of them are, and nothing needs degree 1."""
+        """Cells of second order are elements of degree 2 where all of them are and nothing needs degree 1; where something
+        does, each is divided into eight (four) of degree 1."""
         if not self.mesh.n_second_order:
             return
-        needs_one = [name for name in NEED_DEGREE_1 if self.converter.deck.has(name)]
-        if needs_one or self.mesh.n_second_order < len(self.mesh.cells):
-            reason = f"*{needs_one[0]} needs it" if needs_one else "other cells have it"
-            self.converter.report.remark(f"Cells of second order are elements of degree 1 here, since {reason}: they are stiffer "
-                                         "in bending.")
+        if self.mesh.n_second_order < len(self.mesh.cells):
+            self.converter.report.remark("Cells of second order are elements of degree 1 here, since other cells have it: they "
+                                         "are stiffer in bending.")
             return
-        self.scene.has_degree_2 = True
+        self.scene.has_midsides = True
+        needs_one = [name for name in NEED_DEGREE_1 if self.converter.deck.has(name)]
+        if needs_one:
+            self.scene.mesh_entries = {"Refine where": "abs(x) >= 0", "Refinement levels": "1"}
+            self.converter.report.remark(f"Each cell of second order is {2 ** self.mesh.dimension} elements of degree 1 here, "
+                                         f"since *{needs_one[0]} needs these.")
+            return
         for part in self.scene.parts:
             part.formulation = "lagrange hexahedron"
             part.entries = {"Degree": "2", **part.entries}

@@ -12,13 +12,20 @@ def components(converter, axes, text="0", other="free"):
 
 
 def hold_nodes(converter):
-    """TC of *NODE."""
-    for axis in AXES:
+    """TC of *NODE: a support for each set of nodes."""
+    supports = {}  # a boundary and axes by nodes
+    for axis, nodes in converter.mesh.held.items():
         name = converter.mesh.names.get(("held", axis))
-        converter.links.links.prescribe(converter.mesh.held.get(axis, ()), {AXES.index(axis): "0"})
+        converter.links.links.prescribe(nodes, {AXES.index(axis): "0"})
         if name:
-            converter.scene.add("Conditions", "support", {
-                "Boundary": name, "Type": "displacement", "Function": components(converter, axis)}, "TC of *NODE")
+            supports.setdefault(frozenset(nodes), (name, []))[1].append(axis)
+    for nodes, (name, axes) in supports.items():
+        try:
+            where = converter.scene.selection(nodes, name)
+        except NotUnderstood as reason:
+            converter.report.note(converter.mesh.first_held, f"TC of *NODE: {reason}, so that this is left out.")
+            continue
+        converter.scene.add("Conditions", "support", fixed(converter, where, axes, {}), "TC of *NODE")
 
 
 def held_axes(record):
@@ -310,10 +317,10 @@ def load_of_nodes(converter, record):
         return
     area = converter.mesh.area(converter.mesh.faces_of_nodes(nodes))
     converter.report.note(record.line.place, f"*{record.section.keyword}: the force at each of {len(set(nodes))} nodes is a "
-                          f"traction over their faces, whose area is {area:g}: the sum is the same, its distribution "
-                          "is not.")
+                          f"traction over their faces, whose area is {area:g} at the start: the sum is the same, its "
+                          "distribution is not.")
     yield "Conditions", "load", {
-        **where, "Type": "traction", **entries, "Function": components(converter, axes, times_table(
+        **where, "Type": "traction", "Area": "initial", **entries, "Function": components(converter, axes, times_table(
             converter, factor * len(set(nodes)) / area, curve), "0")}
 
 
