@@ -110,10 +110,12 @@ class PatchTest(command_line.Case):
         self.assertGreater(defect, 0.01)
         self.assertNotIn("Advice: `Shape", printed)
 
-    def test_paper_smoothing_of_elastic_particles_is_advised_against(self):
-        for smoothing, count in (("paper", 1), ("affine", 0), ("fe matched", 0)):
+    def test_other_smoothings_of_elastic_particles_than_affine_are_advised_against(self):
+        for smoothing, piece in (("paper", "`paper` damps waves"), ("fe matched", "a surface that a load leaves rings on"),
+                                 ("phase", "rings on"), ("affine", ""), ("none", "")):
             _, printed = self.defect(PARTICLES + "Smoothing = " + smoothing)
-            self.assertEqual(printed.count("Advice: `Smoothing = affine`"), count)
+            self.assertEqual(printed.count("Advice: `Smoothing = affine` in the section of part \"block\": "), 1 if piece else 0)
+            self.assertIn(piece, printed)
 
 
 class Warnings(command_line.Case):
@@ -210,6 +212,30 @@ class Warnings(command_line.Case):
                                            "--set", "Unit labels = length: m, time: s")
                 self.assertNotIn("Warning", printed)
                 self.assertNotIn("Advice", printed)
+
+    def test_smoothings_that_strain_what_turns_in_a_body_that_spins(self):
+        moves = ["subsection Output", "subsection Initial condition: motion\n  set %s\nend\nsubsection Output"]
+        piece = "the body spins, its rim with 0.0879 of the speed of P waves"
+
+        def printed(motion, smoothing, ranks=1):
+            return self.dry_run(["set Conditions       = pulse", "set Initial conditions = motion"], self.NO_PULSE,
+                                [moves[0], moves[1] % motion], ["Smoothing = affine", "Smoothing = " + smoothing], ranks=ranks)
+
+        spin = "Spin = 0.1\n  set Centre of spin = %s, 0.2"
+        for smoothing, centre, ranks, count in (("fe matched", "1", 1, 1), ("paper", "1", 2, 1), ("affine", "1", 1, 0),
+                                                ("fe matched", "20", 1, 1), ("none", "1", 1, 0)):
+            text = printed(spin % centre, smoothing, ranks)
+            self.assertEqual(text.count(piece), count, text)
+            self.assertEqual(text.count("Advice: `Smoothing"), count)
+        self.assertNotIn("spins", printed("Velocity = 0; sin(2*pi*x)", "paper"))
+
+    def test_the_smoothing_of_the_paper_in_fine_cuts(self):
+        cut = os.path.join(command_line.SOURCE, "parameter_files", "machining", "cut_particles.prm")
+        for smoothing, speed, count in (("paper", "10", 1), ("affine", "10", 0), ("paper", "0", 0)):
+            printed = self.run_program("--dry-run", cut, "--set", "Part: work/momentum consistent particle/Smoothing = " + smoothing,
+                                       "--set", "Contact: tool/Cutting speed = " + speed)
+            self.assertEqual(printed.count("`paper` creates energy in fine cuts"), count, printed)
+            self.assertEqual(printed.count("Here they are up to 0.000105 wide."), count)
 
     def test_a_slow_process_is_advised_to_be_scaled(self):
         for end, count in (("1e4", 1), ("10", 0)):

@@ -511,6 +511,7 @@ OF_TESTS = {
     "mirrored_whole.msh": lambda: mirrored(True),
     "small_rings.msh": lambda: rings(15., 20.),
     "tube.msh": tube,
+    "tube_16.msh": lambda: tube(16),
     "two_blocks.msh": lambda: two_blocks(2),
     "two_blocks_3d.msh": lambda: two_blocks(3),
     "sphere.obj": sphere,

@@ -10,7 +10,7 @@ namespace tombolo
 {
   /**
    * Before the first step of a scene with mechanics: warns of what will hardly be meant, and
-   * advises settings from which this scene would profit, each with the number of doc/choosing.md
+   * advises settings from which this scene would profit, each with the number of a page of doc
    * that decides it.
    *
    * Warnings: a given step above the limit, conditions that prescribe different motions of one
