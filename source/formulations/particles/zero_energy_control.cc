@@ -128,7 +128,7 @@ namespace tombolo
     // A yield surface that moves lets a particle flow while its stress passes zero.
     const double stress = std::max(equivalent_stress(points, i), stress_before[i - first]);
     result.length = stress * std::sqrt(limit * squared_length[i] / (3. * shear_modulus * factor));
-    result.beyond = stress / (stress + 30. * shear_modulus * flow);
+    result.beyond = stress / (stress + 10. * shear_modulus * flow);
     return result;
   }
 
