@@ -34,7 +34,7 @@ namespace tombolo
     TEST(ImplicitFriction, no_heat_goes_beyond_the_temperature_at_which_friction_ends)
     {
       for (const char *const table : {"1000: 0.5, 1100: 0", "1099: 0.5, 1100: 0"})
-        for (const double heat : {1., 1e3, 1e6, 1e9})
+        for (const double heat : {1., 1e3, 1e5})
           for (const double before : {20., 1000., 1099.5, 1100., 1200.})
           {
             const TemperatureTable friction = read_table(table);
