@@ -104,27 +104,36 @@ namespace tombolo
   }
 
   template <int dim>
-  void ContactHeat<dim>::add_friction(const std::size_t candidate, const double heat,
-                                      const NodalHeat &nodal_heat)
+  double ContactHeat<dim>::share_of_body(const std::size_t candidate,
+                                         const NodalHeat &nodal_heat) const
+  {
+    if (!settings.splits_by_effusivity)
+      return settings.heat_fraction;
+    const double of_node = nodal_heat.temperature_of(candidates[candidate]);
+    const double of_body = nodal_heat.enthalpy->effusivity(candidates[candidate], of_node);
+    const double of_other = surface != nullptr
+                                ? at_place(candidate, effusivities)
+                                : settings.tool_effusivity.value(
+                                      partner.has_temperature() ? tool_temperature : of_node);
+    return of_body / (of_body + of_other);
+  }
+
+  template <int dim>
+  double ContactHeat<dim>::add_friction(const std::size_t candidate, const double heat,
+                                        const NodalHeat &nodal_heat)
   {
     if (heat == 0.)
-      return;
-    double fraction = settings.heat_fraction;
+      return 0.;
+    const double fraction = share_of_body(candidate, nodal_heat);
     if (settings.splits_by_effusivity)
     {
-      const double of_node = nodal_heat.temperature_of(candidates[candidate]);
-      const double of_body = nodal_heat.enthalpy->effusivity(candidates[candidate], of_node);
-      const double of_other = surface != nullptr
-                                  ? at_place(candidate, effusivities)
-                                  : settings.tool_effusivity.value(
-                                        partner.has_temperature() ? tool_temperature : of_node);
-      fraction = of_body / (of_body + of_other);
       friction_of_bodies += fraction * heat;
       friction_of_tool += (1. - fraction) * heat;
     }
     nodal_heat.friction->add(candidates[candidate], fraction * heat);
     if (surface != nullptr)
       add_to_part(candidate, (1. - fraction) * heat);
+    return fraction * heat;
   }
 
   template <int dim>

@@ -42,9 +42,16 @@ namespace tombolo
     const double area = this->area(candidate, press.normal);
     if (this->settings.friction.largest() > 0.)
     {
-      const double limit =
-          this->tangential_limit(candidate, spring.normal_force(), area, nodal_heat);
-      spring.limit_follows_pressure = limit < this->shear_limit(candidate, area);
+      const double shear_limit = this->shear_limit(candidate, area);
+      const auto limit_of = [&](const double coefficient)
+      { return std::min(coefficient * spring.normal_force(), shear_limit); };
+      const auto heat_of = [&](const double coefficient)
+      {
+        ContactSpring<dim> trial = spring;
+        return ContactLaw::slide(press.motion, press.normal, limit_of(coefficient), trial);
+      };
+      const double limit = limit_of(this->implicit_friction(candidate, nodal_heat, heat_of));
+      spring.limit_follows_pressure = limit < shear_limit;
       this->add_friction_heat(
           candidate, ContactLaw::slide(press.motion, press.normal, limit, spring), nodal_heat);
     }

@@ -3,6 +3,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
+#include <tombolo/materials/melting.h>
 
 #include <array>
 #include <memory>
@@ -101,7 +102,7 @@ namespace tombolo
    * follows from |A| - Δp (3G + Σ w_k C_k) = σ_y. What the α_k store, Σ 3/(4 C_k) α_k : α_k, is
    * "pressure work" of the point; the rest of the plastic work is lost, and heats.
    */
-  class Chaboche : public LinearElastic
+  class Chaboche : public LinearElastic, public Melting
   {
   public:
     explicit Chaboche(const Entries &e) : LinearElastic(e)
@@ -175,6 +176,11 @@ namespace tombolo
       store_lanes(Lanes(plastic_strain), of_one.strain);
       evaluate_flow(of_one, Lanes(0.), temperature, 0.);
       return of_one.flow[0];
+    }
+
+    double melts_at() const override
+    {
+      return melting_temperature_of(*flow_stress);
     }
 
     double cost_per_point() const override

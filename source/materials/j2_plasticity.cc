@@ -5,6 +5,7 @@
 #include <tombolo/materials/ductile_damage.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
+#include <tombolo/materials/melting.h>
 #include <tombolo/materials/radial_return_tangent.h>
 
 #include <deal.II/base/aligned_vector.h>
@@ -191,7 +192,7 @@ namespace tombolo
    * and logarithms are taken where the material flows. Where the section asks for it, the pressure
    * is that of an equation of state, and points have a damage.
    */
-  class J2Plasticity : public LinearElastic
+  class J2Plasticity : public LinearElastic, public Melting
   {
   public:
     explicit J2Plasticity(const Entries &e) : LinearElastic(e)
@@ -271,6 +272,10 @@ namespace tombolo
       store_lanes(Lanes(temperature), at[1]);
       evaluate_yield_stress(n_lanes, at[0], sees_temperature ? at[1] : nullptr, yield, slope);
       return yield[0];
+    }
+    double melts_at() const override
+    {
+      return melting_temperature_of(*flow_stress);
     }
     double cost_per_point() const override
     {

@@ -3,6 +3,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/materials/flow_stress.h>
+#include <tombolo/materials/melting.h>
 
 #include <cmath>
 
@@ -23,7 +24,7 @@ namespace tombolo
    * 1983). The factor of the rate is 1 below ε̇₀, and T* stays in [0, 1]: a molten point carries no
    * deviatoric stress.
    */
-  class JohnsonCook : public FlowStress
+  class JohnsonCook : public FlowStress, public Melting
   {
   public:
     explicit JohnsonCook(const Entries &e) : section(e.section())
@@ -53,6 +54,11 @@ namespace tombolo
     bool depends_on_temperature() const override
     {
       return true;
+    }
+
+    double melts_at() const override
+    {
+      return melting_temperature;
     }
 
     void check_initial_temperature(const double temperature) const override

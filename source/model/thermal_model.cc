@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/thermal_model.h>
 
+#include <tombolo/model/heat_transfer.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/state/dependent_nodes.h>
 
@@ -82,7 +83,6 @@ namespace tombolo
     load_heat.reinit(partition, Quantity::scalars);
     if (conditions.has_surface_heat())
       surface_nodes = with_nodes_depended_on(partition, conditions.surface_nodes(partition));
-    kept.resize(conditions.constrained_nodes().size());
   }
 
   template <int dim>
@@ -98,12 +98,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::find_field(NodalVector &unsmoothed, NodalVector &field)
   {
-    unsmoothed.distribute();
-    bridge.apply_smoothing(unsmoothed, smoothed_temperature);
-    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
-    if (conditions.has_constraints())
-      smoothed_temperature.fill(constrained, [&](const std::size_t k, double *const value)
-                                { *value = *unsmoothed.node(constrained[k]); });
+    smooth_scalars(bridge, conditions, unsmoothed, smoothed_temperature);
     bridge.load_transfer().interpolate(smoothed_temperature, field);
     has_field = true;
     field_is_of_state = false;
@@ -119,18 +114,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::add_transposed_smoothing(NodalVector &heat_of_nodes, NodalVector &rate)
   {
-    heat_of_nodes.condense();
-    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
-    for (std::size_t k = 0; k < constrained.size(); ++k)
-      kept[k] = std::exchange(*heat_of_nodes.node(constrained[k]), 0.);
-    const NodalVector &smoothed_capacity = bridge.nodal_mass();
-    heat_of_nodes.fill([&](const unsigned int i, double *const of_node)
-                       { *of_node /= *smoothed_capacity.node(i); });
-    bridge.apply_adjoint(heat_of_nodes, adjoint);
-    for (unsigned int i = 0; i < heat_of_nodes.partition()->n_owned(); ++i)
-      *rate.node(i) += *bridge.mass().node(i) * *adjoint.node(i);
-    for (std::size_t k = 0; k < constrained.size(); ++k)
-      *rate.node(constrained[k]) += kept[k];
+    tombolo::add_transposed_smoothing(bridge, conditions, heat_of_nodes, adjoint, kept, rate);
   }
 
   template <int dim>

@@ -206,8 +206,8 @@ namespace tombolo
     else if (model->has_mechanics && is_energy_check_due(run_clock, largest_energy_error))
     {
       step.check_now();
-      last_balance = energy_balance();
-      check_energy_balance(*model, last_balance, run_clock, largest_energy_error, step_size);
+      last.energy = energy_balance();
+      check_energy_balance(*model, last.energy, run_clock, largest_energy_error, step_size);
     }
     seconds.output.add_since(start);
   }
@@ -217,7 +217,7 @@ namespace tombolo
   {
     const bool moves = model->has_mechanics;
     log.progress({run_clock.time, run_clock.step, run_clock.next_step, moves ? "energy" : "heat",
-                  moves ? last_balance.error : last_heat_balance.error},
+                  moves ? last.energy.error : last.heat.error},
                  is_output);
   }
 
@@ -258,16 +258,17 @@ namespace tombolo
     statistics.add("time step", "T", run_clock.next_step);
     if (model->has_mechanics)
     {
-      last_balance = energy_balance();
-      add_mechanical_statistics(*model, last_balance, statistics);
+      last.energy = energy_balance();
+      add_mechanical_statistics(*model, last.energy, statistics);
+      plausibility.look(*model, last.energy, run_clock.time);
       if (statics)
         statics->report(statistics);
     }
     if (model->heat)
     {
-      last_heat_balance = thermal_step->balance(*model);
-      check_heat_balance(last_heat_balance, run_clock);
-      add_thermal_statistics(*model, *thermal_step, last_heat_balance, statistics);
+      last.heat = thermal_step->balance(*model);
+      check_heat_balance(last.heat, run_clock);
+      add_thermal_statistics(*model, *thermal_step, last.heat, statistics);
     }
     if (is_output)
     {
@@ -277,11 +278,11 @@ namespace tombolo
       outputs.write(run_clock, statistics, log);
     }
     // Where the energy is not finite, the message of the failure has the numbers.
-    if (!model->has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
+    if (!model->has_mechanics || std::isfinite(last.energy.total) || largest_energy_error == 0)
       statistics.write_row();
     print_warnings(*model, run_clock, Process<dim>::Occasion::row, log);
     if (model->has_mechanics)
-      check_energy_balance(*model, last_balance, run_clock, largest_energy_error, step_size);
+      check_energy_balance(*model, last.energy, run_clock, largest_energy_error, step_size);
   }
 
   template <int dim>
@@ -292,13 +293,13 @@ namespace tombolo
     summary["ended"] = ended;
     add_model_to_summary(*model, run_clock, summary);
     if (model->has_mechanics)
-      add_mechanics_to_summary(step_size, last_balance, summary);
+      add_mechanics_to_summary(step_size, last.energy, summary);
     if (statics)
       statics->add_to_summary(summary.document());
     for (const auto &process : model->processes)
       process->observed.results(statistics, summary.document());
     if (model->heat)
-      add_heat_to_summary(*thermal_step, last_heat_balance, summary);
+      add_heat_to_summary(*thermal_step, last.heat, summary);
     // The wall time is that of this process, and so are the steps that it is shared among.
     const auto n_steps = std::max(run_clock.step - resumption.first_step, 1ul);
     add_costs_to_summary(*model, step, thermal_step.get(), seconds.of_steps(),
@@ -309,6 +310,9 @@ namespace tombolo
       summary["earlier_wall_seconds"] = seconds.before_resumption;
     }
     print_warnings(*model, run_clock, Process<dim>::Occasion::end, log);
+    summary["implausible"] = plausibility.findings();
+    for (const std::string &finding : plausibility.findings())
+      log.warn("Implausible: " + finding);
     exact_errors.add_to(summary.results());
     outputs.finish(summary.results(), log);
     summary.write(*directory);
@@ -322,15 +326,16 @@ namespace tombolo
     records.archived([this](StateArchive &all) { serialize_model(*model, all); });
     if (model->has_mechanics)
     {
-      ledger.list(records.group("energy ledger"), last_balance);
+      ledger.list(records.group("energy ledger"), last.energy);
       step_size.list(records.group("time step"), *model);
     }
     if (thermal_step)
-      thermal_step->list(records.group("thermal step"), *model, last_heat_balance);
+      thermal_step->list(records.group("thermal step"), *model, last.heat);
     if (statics)
       statics->list(records.group("statics"));
     statistics.list(records);
     records.group("exact solution", exact_errors.records).optional();
+    records.group("plausibility", plausibility.records).optional();
     double wall_seconds = seconds.before_resumption + seconds_since(seconds.start);
     records.value("wall seconds", wall_seconds);
     // In another directory, where their files are not, all outputs start anew.

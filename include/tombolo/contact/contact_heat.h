@@ -139,8 +139,11 @@ namespace tombolo
         *exposure.node(touch.node) += touch.exposure;
     }
 
-    /** Splits the heat of friction at a candidate. */
-    void add_friction(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
+    /** Splits the heat of friction at a candidate. Returns what the body gets. */
+    double add_friction(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
+
+    /** The body's share of the heat of friction at a candidate. */
+    double share_of_body(std::size_t candidate, const NodalHeat &nodal_heat) const;
 
     /** @p heat is that of friction of this rank in the step. */
     void end_forces(const double heat)

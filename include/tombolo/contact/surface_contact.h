@@ -9,6 +9,7 @@
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/implicit_friction.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_surface.h>
 #include <tombolo/mesh/mesh.h>
@@ -302,6 +303,19 @@ namespace tombolo
       return contact_name;
     }
 
+    /** Coulomb's coefficient over the temperature. */
+    const TemperatureTable &friction() const
+    {
+      return settings.friction;
+    }
+    /** From now on the heat of friction goes to nodes around those that touch: the result is to be
+     * kept up to date (HeatedFriction). */
+    SpreadFriction &spread_friction()
+    {
+      spread = std::make_unique<SpreadFriction>();
+      return *spread;
+    }
+
     /** Owned nodes that can touch, and by which law. */
     const std::vector<unsigned int> &candidate_nodes() const
     {
@@ -363,13 +377,6 @@ namespace tombolo
       if (heat)
         heat->add_contact(candidate, normal_force, area, clock.previous_step);
     }
-    /** The largest force along the surface at a candidate: Coulomb's, and the limit of shear. */
-    double tangential_limit(const std::size_t candidate, const double normal_force,
-                            const double area, const NodalHeat &nodal_heat) const
-    {
-      const double by_coulomb = friction_coefficient(candidate, nodal_heat) * normal_force;
-      return std::min(by_coulomb, shear_limit(candidate, area));
-    }
     /** The largest force along the surface at a candidate with this @p area. */
     double shear_limit(const std::size_t candidate, const double area) const
     {
@@ -390,12 +397,15 @@ namespace tombolo
         part->find_sides(state.position, candidates);
       }
     }
-    /** Coulomb's coefficient at a candidate. */
+    /** Coulomb's coefficient at a candidate, with the heat that it has got. */
     double friction_coefficient(const std::size_t candidate, const NodalHeat &nodal_heat) const
     {
       if (settings.friction.is_constant() || !(settings.friction.largest() > 0.))
         return settings.friction.largest();
-      return settings.friction.value(nodal_heat.temperature_of(candidates[candidate]));
+      const unsigned int node = candidates[candidate];
+      const auto present = [&] { return nodal_heat.temperature_of(node); };
+      return spread ? spread->at(node, settings.friction, present)
+                    : settings.friction.value(present());
     }
 
     /** Over which curvature_stiffness() compares normals: not so short that an edge between facets
@@ -408,8 +418,9 @@ namespace tombolo
                            const NodalHeat &nodal_heat)
     {
       totals.friction += of_sliding;
-      if (heat)
-        heat->add_friction(candidate, of_sliding, nodal_heat);
+      const double of_body = heat ? heat->add_friction(candidate, of_sliding, nodal_heat) : 0.;
+      if (spread)
+        *spread->heat.node(candidates[candidate]) += of_body;
     }
 
     /** Gives the surface its share of the heat of friction since begin_forces(). */
@@ -429,7 +440,8 @@ namespace tombolo
     PartSurface<dim> *part = nullptr;                  ///< the surface, where it is that of a part
     std::unique_ptr<ContactHeat<dim>> heat;            ///< null without heat
     const std::vector<double> *yield_stress = nullptr; ///< null where no limit needs it
-    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
+    double touch_distance = 0;              ///< what is nearer touches; zero in explicit steps [L]
+    std::unique_ptr<SpreadFriction> spread; ///< null where the heat of a node stays there
 
   private:
     std::string contact_name;
@@ -481,6 +493,23 @@ namespace tombolo
     /** Moves the spring of a candidate, with friction and heat. */
     void press(std::size_t candidate, const Press &press, const Clock &clock,
                const NodalHeat &nodal_heat);
+    /** Coulomb's coefficient with the heat of this step: @p heat_of(c) is that of sliding by a
+     * coefficient c. */
+    template <typename HeatOf>
+    double implicit_friction(const std::size_t candidate, const NodalHeat &nodal_heat,
+                             const HeatOf &heat_of) const
+    {
+      if (this->settings.friction.is_constant() || this->spread)
+        return this->friction_coefficient(candidate, nodal_heat);
+      const unsigned int node = this->candidates[candidate];
+      const double enthalpy = nodal_heat.enthalpy_of(node);
+      const double share = this->heat->share_of_body(candidate, nodal_heat);
+      return implicit_coefficient(
+          this->settings.friction, nodal_heat.enthalpy->temperature(node, enthalpy),
+          [&](const double coefficient) {
+            return nodal_heat.enthalpy->temperature(node, enthalpy + share * heat_of(coefficient));
+          });
+    }
     /** Ends the contact of a candidate after its @p approach. */
     void release(const std::size_t candidate, const double approach, const bool has_eroded,
                  const NodalHeat &nodal_heat)

@@ -16,6 +16,7 @@
 #include <tombolo/physics/statics/static_steps.h>
 #include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/simulation/exact_errors.h>
+#include <tombolo/simulation/plausibility.h>
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/run_outputs.h>
 #include <tombolo/simulation/run_times.h>
@@ -83,6 +84,13 @@ namespace tombolo
       unsigned long first_step = 0; ///< of this process
     };
 
+    /** The balances of the last row. */
+    struct LastRow
+    {
+      EnergyBalance energy;
+      HeatBalance heat;
+    };
+
     void open_directory();
     RunResult run_to_the_end();
     /** Brings heat to the present time, and the mechanics to the acceleration there, and says
@@ -127,8 +135,8 @@ namespace tombolo
     std::unique_ptr<OutputDirectory> directory;
     TimeTable statistics{"statistics.csv", TimeTable::Rows::in_memory};
     Summary summary;
-    EnergyBalance last_balance;
-    HeatBalance last_heat_balance;
+    LastRow last;
+    Plausibility plausibility;
     RunTimes seconds;
     Resumption resumption;
   };

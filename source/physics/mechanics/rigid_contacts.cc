@@ -300,6 +300,7 @@ namespace tombolo
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
+    heated_friction = std::make_unique<HeatedFriction<dim>>(members, model, this->records);
     create_heat(has_heat);
     this->observed.step_limits.connect(
         [this](double, double &fraction)
@@ -497,6 +498,7 @@ namespace tombolo
     revision_of_stencils = model.revisions.stencils;
     if (yield_stress)
       yield_stress->update(model, members);
+    heated_friction->update(model);
     const NodalHeat nodal_heat = present_heat(model);
     for (const auto &contact : members)
       contact->add_forces(model.state, clock, force.at_touched_nodes(), force.touched_nodes(),

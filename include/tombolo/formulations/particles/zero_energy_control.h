@@ -26,7 +26,7 @@ namespace tombolo
    * with the shear modulus G and the square h² of the length of the edges of cells around the
    * particle, in the mean. Where the particle flows, what is above the energy l V σ²/(6 G), with
    * the equivalent stress σ, the larger of those at the ends of the step, decays with the plastic
-   * strain of the step over σ/(3 G): the slip s_I, which turns with the particle, takes it, and
+   * strain of the step over σ/(10 G): the slip s_I, which turns with the particle, takes it, and
    * what is lost is artificial.
    */
   class ZeroEnergyControl

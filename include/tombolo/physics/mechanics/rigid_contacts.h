@@ -3,6 +3,7 @@
 
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/heated_friction.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
 
 #include <map>
@@ -45,6 +46,10 @@ namespace tombolo
         contact->advance(clock);
     }
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
+    void add_heat(const Model<dim> &model, double, double) override
+    {
+      heated_friction->give_heat(model);
+    }
 
     /** On an owned node [M L/T^2]. */
     dealii::Tensor<1, 3> nodal_force(const unsigned int node) const
@@ -94,7 +99,8 @@ namespace tombolo
     Action *kinematic_force = nullptr; ///< where a contact is kinematic
     HeatAction *friction_heat = nullptr, *conducted_heat = nullptr; ///< where there is some
     NodalVector exposure; ///< buffer, scalar; only of several contacts that exchange heat
-    std::unique_ptr<NodalYieldStress<dim>> yield_stress; ///< null where no contact needs it
-    unsigned long revision_of_stencils = 0;              // at which isolated nodes were found
+    std::unique_ptr<NodalYieldStress<dim>> yield_stress;  ///< null where no contact needs it
+    std::unique_ptr<HeatedFriction<dim>> heated_friction; ///< where particles spread heat
+    unsigned long revision_of_stencils = 0;               // at which isolated nodes were found
   };
 } // namespace tombolo

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/heat_transfer.h>
+#include <tombolo/physics/mechanics/heated_friction.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** The temperature from which on there is no friction; infinite where there always is. */
+    double end_of_friction(const TemperatureTable &friction)
+    {
+      double result = std::numeric_limits<double>::infinity();
+      for (std::size_t k = friction.values().size(); k > 0 && friction.values()[k - 1] == 0.; --k)
+        result = friction.temperatures()[k - 1];
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  HeatedFriction<dim>::HeatedFriction(const Contacts &contacts, const Model<dim> &model,
+                                      Records &records)
+  {
+    if (!model.heat || model.heat->bridge.operators() == Bridge::Operators::identity)
+      return;
+    for (const auto &contact : contacts)
+    {
+      if (contact->friction().is_constant())
+        continue;
+      SpreadFriction &friction = contact->spread_friction();
+      members.push_back({contact.get(), &friction});
+      Records &of_contact = records.group("friction of " + contact->name());
+      of_contact.value("is outdated", friction.is_outdated);
+      of_contact.nodal("coefficients of receivers", 1, friction.weight);
+      of_contact.nodal("coefficient", 1, friction.coefficient);
+      of_contact.nodal("heat of friction", 1, friction.heat);
+      of_contact.nodal("heat by the coefficient 1", 1, friction.unit_heat);
+      // What waits is shared out as that of other sources.
+      of_contact.on_division(
+          [&friction](auto &)
+          {
+            friction.heat.set_zero();
+            friction.unit_heat.set_zero();
+            friction.is_outdated = true;
+          });
+    }
+    if (!members.empty())
+      set_partition(model.state.partition()); // before a checkpoint is read
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    const auto move = [&](NodalVector &vector, const Quantity quantity)
+    {
+      if (vector.partition() == nullptr)
+        vector.reinit(partition, quantity);
+      else if (vector.partition() != partition)
+        vector.move_to(partition);
+    };
+    for (const Member &member : members)
+    {
+      move(member.friction->weight, Quantity::scalars);
+      move(member.friction->coefficient, Quantity::scalars);
+      move(member.friction->heat, Quantity::scalar);
+      move(member.friction->unit_heat, Quantity::scalar);
+    }
+    for (NodalVector *const buffer : {&smoothed, &field, &loads, &heat, &adjoint})
+      buffer->fit_to(partition, Quantity::scalars);
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::find_coefficients(const Model<dim> &model, const Member &member,
+                                              NodalVector &result)
+  {
+    smooth_scalars(model.heat->bridge, model.heat->conditions, member.friction->weight, smoothed);
+    model.heat->bridge.load_transfer().interpolate(member.contact->candidate_nodes(), smoothed,
+                                                   result);
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::limit_weights(const Model<dim> &model, const Member &member)
+  {
+    // Of the range up to the end of friction: a field that is beyond it by so much, at a node to
+    // which a receiver gives all its heat, takes all friction from this receiver.
+    constexpr double tolerance = 1e-3;
+    ThermalModel<dim> &of_heat = *model.heat;
+    const double end = end_of_friction(member.contact->friction());
+    std::vector<unsigned int> hot;
+    loads.set_zero();
+    for (unsigned int i = 0; i < loads.partition()->n_owned(); ++i)
+    {
+      const double excess = *of_heat.state.temperature.node(i) - end;
+      const double range = end - of_heat.nodal_enthalpy.initial_temperature(i);
+      if (!(excess > 0.) || !(range > 0.) || *of_heat.bridge.mass().node(i) == 0.)
+        continue;
+      *loads.node(i) = excess / (tolerance * range);
+      hot.push_back(i);
+    }
+    if (Utilities::MPI::max(hot.empty() ? 0 : 1, model.communicator) == 0)
+      return;
+    add_up({&heat}, [&] { of_heat.bridge.load_transfer().add_force_of_loads(hot, loads, heat); });
+    NodalVector raised(of_heat.state.enthalpy.partition(), Quantity::scalar);
+    add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, raised);
+    member.friction->weight.fill([&](const unsigned int i, double *const weight)
+                                 { *weight *= 1. - std::clamp(*raised.node(i), 0., 1.); });
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::update(const Model<dim> &model)
+  {
+    if (members.empty())
+      return;
+    ThermalModel<dim> &of_heat = *model.heat;
+    set_partition(model.state.partition());
+    for (const Member &member : members)
+    {
+      SpreadFriction &friction = *member.friction;
+      if (!std::exchange(friction.is_outdated, false))
+        continue;
+      const TemperatureTable &table = member.contact->friction();
+      const bool are_dependent = model.state.partition()->has_dependent_nodes();
+      friction.weight.fill(
+          [&](const unsigned int i, double *const weight)
+          {
+            // The field can be hotter than what it is made of.
+            const double own = *of_heat.state.unsmoothed_temperature.node(i);
+            const double excess = std::max(0., *of_heat.state.temperature.node(i) - own);
+            const double enthalpy = *of_heat.state.enthalpy.node(i);
+            const double expected = *friction.unit_heat.node(i);
+            const auto heated = [&](const double coefficient) {
+              return of_heat.nodal_enthalpy.temperature(i, enthalpy + coefficient * expected) +
+                     excess;
+            };
+            *weight = expected > 0. ? implicit_coefficient(table, own + excess, heated)
+                                    : table.value(own + excess);
+          });
+      limit_weights(model, member);
+      if (!are_dependent)
+        find_coefficients(model, member, friction.coefficient);
+      for (const unsigned int node : member.contact->candidate_nodes())
+      {
+        double &of_node = *friction.coefficient.node(node);
+        of_node = are_dependent ? table.value(*of_heat.state.temperature.node(node))
+                                : std::max(0., of_node);
+      }
+    }
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::give_heat(const Model<dim> &model)
+  {
+    if (members.empty())
+      return;
+    set_partition(model.state.partition());
+    for (const Member &member : members)
+    {
+      if (model.state.partition()->has_dependent_nodes())
+      {
+        member.friction->heat.set_zero();
+        member.friction->unit_heat.set_zero();
+      }
+      else
+        give_heat(model, member);
+      member.friction->is_outdated = true;
+    }
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::give_heat(const Model<dim> &model, const Member &member)
+  {
+    // Below, receivers have all but no friction left, and the heat goes where others goes.
+    constexpr double smallest_share = 1e-3;
+    // What a thermal step brought is expected for some more, since a coefficient of zero hides how
+    // much would come, and what sticks slips again.
+    constexpr double remembered = 0.9;
+    SpreadFriction &friction = *member.friction;
+    ThermalModel<dim> &of_heat = *model.heat;
+    ThermalState &state = of_heat.state;
+    find_coefficients(model, member, field);
+    const double smallest = smallest_share * member.contact->friction().largest();
+    loads.set_zero();
+    std::vector<unsigned int> heated;
+    for (const unsigned int node : member.contact->candidate_nodes())
+    {
+      const double of_node = std::exchange(*friction.heat.node(node), 0.);
+      const double coefficient = *field.node(node);
+      if (of_node == 0. || !(coefficient > smallest) || *of_heat.bridge.mass().node(node) == 0.)
+        continue; // it waits with other heat
+      *loads.node(node) = of_node / coefficient;
+      *state.pending.node(node) -= of_node;
+      heated.push_back(node);
+    }
+    add_up({&heat},
+           [&] { of_heat.bridge.load_transfer().add_force_at_positions(heated, loads, heat); });
+    NodalVector unit_heat(state.enthalpy.partition(), Quantity::scalar);
+    add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
+    for (unsigned int i = 0; i < unit_heat.partition()->n_owned(); ++i)
+    {
+      const double now = *unit_heat.node(i);
+      *state.enthalpy.node(i) += *friction.weight.node(i) * now;
+      double &expected = *friction.unit_heat.node(i);
+      expected = std::max(now, remembered * expected);
+    }
+  }
+
+  template class HeatedFriction<2>;
+  template class HeatedFriction<3>;
+} // namespace tombolo
