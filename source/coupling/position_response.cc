@@ -109,8 +109,7 @@ namespace tombolo
         touched.push_back(i);
     touched_owned.assign(touched.begin(), std::lower_bound(touched.begin(), touched.end(),
                                                            mark.partition()->n_owned()));
-    for (NodalVector *const vector : {&force, &field, &rate})
-      vector->set_zero();
+    keep_nodes();
   }
 
   void PositionResponse::divide_by_mass(const std::vector<std::uint8_t> &constrained,

@@ -20,8 +20,8 @@ namespace tombolo
    *   Δx = Δt Δt_n A f,   A = B M⁻¹ Bᵀ_f,      Bᵀ_f = Φᵀ, or with affine smoothing I
    * @endverbatim
    *
-   * The eigenvalues of A are at most those of the inverse of mass(). Prescribed components do not
-   * respond.
+   * The eigenvalues of A are at most those of the inverse of mass(); with affine smoothing, some
+   * are larger by a few percent where nodes are disordered. Prescribed components do not respond.
    */
   class PositionResponse
   {
@@ -47,13 +47,21 @@ namespace tombolo
      * Collective. */
     void set_nodes(const std::vector<unsigned int> &nodes);
 
+    /** Instead, where rows, partition and prescribed components are those of the last call of
+     * set_nodes(): the same nodes. */
+    void keep_nodes()
+    {
+      for (NodalVector *const vector : {&force, &field, &rate})
+        vector->set_zero();
+    }
+
     /** A of the @p loads at these nodes to @p response; @p constrained has a bit per prescribed
      * component of each owned node, or is empty, and those of @p oblique nodes do not respond along
      * prescribed axes of their frames. Collective. */
     void respond(const NodalVector &loads, const std::vector<std::uint8_t> &constrained,
                  NodalVector &response, const ObliqueNodes &oblique = {});
 
-    /** Scalar, or by component: no eigenvalue of A exceeds those of its inverse. */
+    /** Scalar, or by component: what bounds A. */
     const NodalVector &mass() const;
 
   private:

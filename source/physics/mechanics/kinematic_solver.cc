@@ -29,8 +29,12 @@ namespace tombolo
     }
 
     /** Of the deepest predicted penetration: what sweeps may still change. */
-    constexpr double sweep_tolerance = 1e-4;
+    constexpr double sweep_tolerance = 1e-3;
     constexpr unsigned int most_sweeps = 200;
+
+    /** Responses are found at the nodes that were near the surface in an earlier step, as long as
+     * these are at most so many times those that are near it. */
+    constexpr std::size_t most_responding = 2;
 
     /** Nesterov's momentum for responses whose eigenvalues over the masses differ by up to 16, as
      * those of the kernels do: (√16 - 1)/(√16 + 1). */
@@ -61,9 +65,10 @@ namespace tombolo
    *   N <- max(0, N - m g / (Δt Δt_n)),   T <- T - m s / (Δt Δt_n), back to the limit,
    * @endverbatim
    *
-   * with the slip s of the step and the mass m of the position, which no eigenvalue of the response
-   * exceeds. There is no spring and nothing stored. What an impact takes is the work of the normal
-   * forces, by the mean of those at both ends of each step, and is accounted for as damping.
+   * with the slip s of the step and the mass m of the position, see PositionResponse. Only nodes
+   * near the surface are predicted. There is no spring and nothing stored. What an impact takes is
+   * the work of the normal forces, by the mean of those at both ends of each step, and is accounted
+   * for as damping.
    */
   template <int dim>
   class KinematicContact : public SurfaceContact<dim>
@@ -79,30 +84,35 @@ namespace tombolo
               "normal force", [](Tensor<1, dim> & force) -> auto & { return force; });
     }
 
-    /** The least gap of candidates at the positions @p guess at the end of the coming step [L], of
-     * this rank. */
-    double least_gap(const NodalVector &guess, const Clock &clock)
+    /** Finds the candidates whose gap is below @p distance at the positions @p guess at the end of
+     * the coming step, and appends them to @p nodes. */
+    void find_near_candidates(const NodalVector &guess, const Clock &clock, double distance,
+                              std::vector<unsigned int> &nodes)
     {
       this->find_gaps(guess, this->candidates, clock.time + clock.next_step, this->gap);
-      double least = std::numeric_limits<double>::max();
-      for (const double of_candidate : this->gap)
-        least = std::min(least, of_candidate);
       if (this->surface->translation().has_mass())
-        least -= this->surface->translation().free_motion(clock).norm();
-      return least;
+        distance += this->surface->translation().free_motion(clock).norm();
+      near.clear();
+      near_nodes.clear();
+      for (std::size_t k = 0; k < this->candidates.size(); ++k)
+        if (this->gap[k] < distance)
+        {
+          near.push_back(k);
+          near_nodes.push_back(this->candidates[k]);
+        }
+      nodes.insert(nodes.end(), near_nodes.begin(), near_nodes.end());
     }
 
     /** Begins a step: finds the nodes that would be behind the surface at the @p predicted
-     * positions at t_{n+1}. @p mass (scalar or by component) is that of positions, @p constrained
-     * has a bit per prescribed component of an owned node, or is empty: nodes that cannot move
-     * along the normal are left to what prescribes them. Returns the deepest penetration of this
-     * rank [L]. */
+     * positions at t_{n+1}, of those that find_near_candidates() has found. @p mass (scalar or by
+     * component) is that of positions, @p constrained has a bit per prescribed component of an
+     * owned node, or is empty: nodes that cannot move along the normal are left to what prescribes
+     * them. Returns the deepest penetration of this rank [L]. */
     double begin_step(const NodalState &state, const NodalVector &predicted,
                       const NodalVector &mass, const std::vector<std::uint8_t> &constrained,
                       const Clock &clock, const NodalHeat &nodal_heat)
     {
       const ContactSurface<dim> &surface = *this->surface;
-      const std::vector<unsigned int> &candidates = this->candidates;
       const double end = clock.time + clock.next_step;
       const bool has_mass = this->surface->translation().has_mass();
       const Tensor<1, dim> free_motion =
@@ -110,22 +120,23 @@ namespace tombolo
       if (has_mass)
         find_places_from_mass(predicted, free_motion);
       const NodalVector &places = has_mass ? places_from_mass : predicted;
-      this->find_gaps(places, candidates, end, this->gap);
+      this->find_gaps(places, near_nodes, end, this->gap);
       this->find_surroundings(state);
       constraints.clear();
       double largest = 0;
-      for (std::size_t k = 0; k < candidates.size(); ++k)
+      for (std::size_t i = 0; i < near.size(); ++i)
       {
-        const unsigned int node = candidates[k];
-        if (*state.mass.node(node) == 0. || !(this->gap[k] < 0.))
+        const std::size_t k = near[i];
+        const unsigned int node = near_nodes[i];
+        if (*state.mass.node(node) == 0. || !(this->gap[i] < 0.))
           continue;
         const auto place = vector_of<dim>(places.node(node));
         const Tensor<1, dim> motion = place - vector_of<dim>(state.position.node(node)) -
                                       surface.motion(place, clock.time, end);
-        add_constraint(k, place, motion, mass, constrained.empty() ? 0u : constrained[node], clock,
-                       nodal_heat);
+        add_constraint(k, this->gap[i], place, motion, mass,
+                       constrained.empty() ? 0u : constrained[node], clock, nodal_heat);
         if (!constraints.empty() && constraints.back().candidate == k)
-          largest = std::max(largest, -this->gap[k]);
+          largest = std::max(largest, -this->gap[i]);
       }
       return largest;
     }
@@ -299,13 +310,13 @@ namespace tombolo
     void find_places_from_mass(const NodalVector &predicted, const Tensor<1, dim> &free_motion)
     {
       places_from_mass.fit_to(predicted.partition(), predicted.quantity());
-      for (const unsigned int node : this->candidates)
+      for (const unsigned int node : near_nodes)
         for (unsigned int d = 0; d < dim; ++d)
           places_from_mass.node(node)[d] = predicted.node(node)[d] - free_motion[d];
     }
 
     /** Appends a constraint of a candidate behind the surface unless its node is held. */
-    void add_constraint(const std::size_t candidate, const Tensor<1, dim> &place,
+    void add_constraint(const std::size_t candidate, const double gap, const Tensor<1, dim> &place,
                         const Tensor<1, dim> &motion, const NodalVector &mass,
                         const unsigned int held_components, const Clock &clock,
                         const NodalHeat &nodal_heat)
@@ -313,7 +324,7 @@ namespace tombolo
       const unsigned int node = this->candidates[candidate];
       Constraint constraint;
       constraint.candidate = candidate;
-      constraint.gap = this->gap[candidate];
+      constraint.gap = gap;
       constraint.normal = this->surface->normal(place, clock.time + clock.next_step);
       constraint.slip = along_surface(motion, constraint.normal);
       constraint.friction = this->friction_coefficient(candidate, nodal_heat);
@@ -369,6 +380,8 @@ namespace tombolo
       return this->surface->translation().motion_by(reaction, 1.);
     }
 
+    std::vector<std::size_t> near;        ///< candidates that can come behind the surface
+    std::vector<unsigned int> near_nodes; ///< they themselves
     std::vector<Constraint> constraints;
     NodalVector places_from_mass;              ///< of candidates, where the surface has a mass
     std::vector<Tensor<1, dim>> normal_forces; ///< N n of each candidate at t_n
@@ -388,33 +401,38 @@ namespace tombolo
   }
 
   template <int dim>
-  bool KinematicSolver<dim>::may_touch(const Model<dim> &model, const Clock &clock)
+  bool KinematicSolver<dim>::find_near_nodes(const Model<dim> &model, const Clock &clock)
   {
-    double largest = 0;
+    const auto square = [](const double *const vector)
+    { return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]; };
+    double speed = 0, acceleration = 0;
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double *const a = model.state.acceleration.node(i);
-      largest = std::max(largest, a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+      speed = std::max(speed, square(model.state.velocity.node(i)));
+      acceleration = std::max(acceleration, square(model.state.acceleration.node(i)));
     }
-    largest = std::sqrt(Utilities::MPI::max(largest, model.communicator));
+    speed = std::sqrt(Utilities::MPI::max(speed, model.communicator));
+    acceleration = std::sqrt(Utilities::MPI::max(acceleration, model.communicator));
     for (const unsigned int node : candidates)
       store_node(load_node(model.state.position.node(node)) +
                      load_node(model.state.velocity.node(node)) * clock.next_step,
                  predicted.node(node));
-    double least = std::numeric_limits<double>::max();
-    for (KinematicContact<dim> *const contact : contacts)
-      least = std::min(least, contact->least_gap(predicted, clock));
-    // B can raise the largest acceleration a little.
+    // B differs from I by what nodes around do, and can raise the largest value a little.
     constexpr double factor = 4.;
-    const bool may = least < factor * clock.next_step * clock.velocity_step() * largest;
-    return Utilities::MPI::max(may ? 1 : 0, model.communicator) == 1;
+    const double difference =
+        (position_response.is_global() ? 0. : speed) + clock.velocity_step() * acceleration;
+    near.clear();
+    for (KinematicContact<dim> *const contact : contacts)
+      contact->find_near_candidates(predicted, clock, factor * clock.next_step * difference, near);
+    make_unique_nodes(near);
+    return Utilities::MPI::max(near.empty() ? 0 : 1, model.communicator) == 1;
   }
 
   template <int dim>
   double KinematicSolver<dim>::find_constraints(const Model<dim> &model, const Clock &clock,
                                                 const NodalHeat &nodal_heat)
   {
-    position_response.predict(model.state, clock, candidates, predicted);
+    position_response.predict(model.state, clock, near, predicted);
     double deepest = 0;
     nodes.clear();
     for (KinematicContact<dim> *const contact : contacts)
@@ -430,6 +448,28 @@ namespace tombolo
   }
 
   template <int dim>
+  void KinematicSolver<dim>::set_responding_nodes(const Model<dim> &model)
+  {
+    const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
+    const bool is_kept =
+        rows_of == model.state.partition() && stencils_of_rows == model.revisions.stencils &&
+        cells_of_rows == model.revisions.cells && constrained_of_rows == constrained &&
+        responding.size() <= most_responding * (near.size() + 1) &&
+        std::includes(responding.begin(), responding.end(), nodes.begin(), nodes.end());
+    if (Utilities::MPI::min(is_kept ? 1 : 0, model.communicator) == 1)
+    {
+      position_response.keep_nodes();
+      return;
+    }
+    rows_of = model.state.partition();
+    stencils_of_rows = model.revisions.stencils;
+    cells_of_rows = model.revisions.cells;
+    constrained_of_rows = constrained;
+    responding = near;
+    position_response.set_nodes(responding);
+  }
+
+  template <int dim>
   void KinematicSolver<dim>::sweep(const Model<dim> &model, const Clock &clock,
                                    const double tolerance)
   {
@@ -439,11 +479,11 @@ namespace tombolo
       contact->count_constraints(count);
     for (KinematicContact<dim> *const contact : contacts)
       contact->share_masses(count);
-    position_response.set_nodes(nodes);
+    set_responding_nodes(model);
     double change = std::numeric_limits<double>::max();
     for (unsigned int k = 0; k < most_sweeps && change > tolerance; ++k)
     {
-      for (const unsigned int node : nodes)
+      for (const unsigned int node : responding)
         store_node(NodeLanes(0.), trial_loads.node(node));
       for (const KinematicContact<dim> *const contact : contacts)
         contact->add_trial_forces(trial_loads);
@@ -469,7 +509,7 @@ namespace tombolo
       vector->fit_to(partition);
     count.fit_to(partition, Quantity::scalar);
     position_response.begin_step(partition);
-    if (!position_response.is_global() || may_touch(model, clock))
+    if (find_near_nodes(model, clock))
     {
       const double deepest = find_constraints(model, clock, nodal_heat);
       if (deepest > 0.)

@@ -5,6 +5,7 @@
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/coupling/position_response.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -24,7 +25,7 @@ namespace tombolo
 
   /**
    * Finds the forces of all kinematic contacts of a scene in a step, together: those of one contact
-   * move the nodes of others. Sweeps end when they change positions by less than 1e-6 of the
+   * move the nodes of others. Sweeps end when they change positions by less than 1e-3 of the
    * deepest predicted penetration, or after 200; what is left then is part of the next prediction.
    * Sums over ranks are those of nodal forces, so that results on other numbers of ranks agree to
    * round-off.
@@ -43,8 +44,11 @@ namespace tombolo
                NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
 
   private:
-    /** Whether a node can come behind a surface in the step, judged without B a. Collective. */
-    bool may_touch(const Model<dim> &model, const Clock &clock);
+    /** Finds the nodes that can come behind a surface in the step, judged without B. Returns
+     * whether there is one on any rank. Collective. */
+    bool find_near_nodes(const Model<dim> &model, const Clock &clock);
+    /** Lets the nodes behind surfaces respond, and those near them. Collective. */
+    void set_responding_nodes(const Model<dim> &model);
     /** Begins the step of all contacts. Returns the deepest penetration. Collective. */
     double find_constraints(const Model<dim> &model, const Clock &clock,
                             const NodalHeat &nodal_heat);
@@ -53,6 +57,10 @@ namespace tombolo
     std::vector<KinematicContact<dim> *> contacts;
     PositionResponse position_response;
     NodalVector predicted, trial_loads, response, count;
-    std::vector<unsigned int> candidates, nodes;
+    std::vector<unsigned int> candidates, near, nodes, responding;
+    // Of the responding nodes.
+    std::shared_ptr<const NodePartition> rows_of;
+    unsigned long stencils_of_rows = 0, cells_of_rows = 0; // revisions
+    std::vector<std::uint8_t> constrained_of_rows;
   };
 } // namespace tombolo
