@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/materials/melting.h>
 #include <tombolo/simulation/plausibility.h>
 
