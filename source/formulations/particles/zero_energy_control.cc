@@ -68,6 +68,7 @@ namespace tombolo
   void ZeroEnergyControl::reset(const std::vector<double> &volumes,
                                 const std::vector<double> &squared_lengths)
   {
+    has_particles = true;
     volume = volumes;
     squared_length = squared_lengths;
   }

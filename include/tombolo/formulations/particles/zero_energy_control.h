@@ -48,10 +48,10 @@ namespace tombolo
     {
       return coefficient > 0.;
     }
-    /** Whether reset() and set_material() gave it something to do. */
+    /** Whether reset() and set_material() gave it something to do, on some rank. */
     bool is_on() const
     {
-      return is_wanted() && shear_modulus > 0. && !squared_length.empty();
+      return is_wanted() && shear_modulus > 0. && has_particles;
     }
 
     /** Of particles with these V_I [L^dim] and h_I² [L^2]. */
@@ -104,7 +104,7 @@ namespace tombolo
     double shear_modulus = 0., factor = 0.;
     std::vector<double> volume, squared_length;
     unsigned int slip_field = 0, energy_field = 0, loss_field = 0, strain_field = 0;
-    bool can_flow = false;
+    bool can_flow = false, has_particles = false;
     std::vector<double> strain_before, stress_before; ///< of the block at hand
   };
 } // namespace tombolo
