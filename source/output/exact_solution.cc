@@ -90,16 +90,11 @@ namespace tombolo
                              const NodalVector &mass, const double time, const double velocity_time)
   {
     std::array<double, 6> sums{}; // squares of error and of exact: xx, all, velocity
-    std::vector<std::vector<std::array<double, 6>>> offsets;
-    for (const Formulation<dim> *const part : parts)
-      offsets.push_back(has_stress() ? part->stress_offsets()
-                                     : std::vector<std::array<double, 6>>());
     const auto add = [&]()
     {
       if (has_stress())
-        for (std::size_t p = 0; p < parts.size(); ++p)
+        for (const Formulation<dim> *part : parts)
         {
-          const Formulation<dim> *const part = parts[p];
           const MaterialPoints &points = part->points();
           const double *const volume = points.component(MaterialPoints::volume, 0);
           const auto &places = part->initial_point_positions();
@@ -107,8 +102,7 @@ namespace tombolo
             for (unsigned int c = 0; c < 6; ++c)
             {
               const double exact = stress_function->value(places[i], time, c);
-              const double offset = !offsets[p].empty() ? offsets[p][i][c] : 0.;
-              const double error = points.component(MaterialPoints::stress, c)[i] + offset - exact;
+              const double error = points.component(MaterialPoints::stress, c)[i] - exact;
               const double weight = volume[i] * (c < 3 ? 1. : 2.);
               if (c == 0)
               {

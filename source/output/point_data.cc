@@ -120,7 +120,6 @@ namespace tombolo
   {
     part_index = index;
     points = &view.parts[index].formulation->points();
-    stress_offsets = view.parts[index].formulation->stress_offsets();
     initial_positions = &view.parts[index].formulation->initial_point_positions();
     const auto &own_fields = points->fields();
     own_field.clear();
@@ -150,10 +149,7 @@ namespace tombolo
           const double *const component =
               points->component(static_cast<unsigned int>(own_field[f]), c);
           for (std::size_t i = 0; i < indices.size(); ++i)
-            mean += weights[i] / sum *
-                    (component[indices[i]] + (f == MaterialPoints::stress && !stress_offsets.empty()
-                                                  ? stress_offsets[indices[i]][c]
-                                                  : 0.));
+            mean += weights[i] / sum * component[indices[i]];
         }
         values[f].push_back(mean);
       }

@@ -117,9 +117,7 @@ namespace tombolo
       for (const NamedPlace<dim> &place : places)
       {
         const Candidate found = nearest(view, place.location);
-        const Formulation<dim> &formulation = *view.parts[found.part].formulation;
-        const MaterialPoints &points = formulation.points();
-        const auto offsets = formulation.stress_offsets();
+        const MaterialPoints &points = view.parts[found.part].formulation->points();
         const MPI_Comm communicator = view.nodes->communicator();
         const bool is_here = found.rank == Utilities::MPI::this_mpi_process(communicator);
         for (unsigned int f = 0; f < points.fields().size(); ++f)
@@ -129,9 +127,7 @@ namespace tombolo
             continue;
           std::vector<double> values(field.n_components, 0.);
           for (unsigned int c = 0; c < field.n_components && is_here; ++c)
-            values[c] =
-                points.component(f, c)[found.point] +
-                (f == MaterialPoints::stress && !offsets.empty() ? offsets[found.point][c] : 0.);
+            values[c] = points.component(f, c)[found.point];
           // One rank has the point: the sum only adds zeros to its values.
           Utilities::MPI::sum(std::vector<double>(values), communicator, values);
           const std::string name = place.name + " " + field.name;

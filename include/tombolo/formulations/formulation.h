@@ -11,7 +11,6 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -269,13 +268,6 @@ namespace tombolo
 
     /** Initial positions of the material points, in the order of points(). */
     virtual const std::vector<dealii::Point<dim>> &initial_point_positions() const = 0;
-
-    /** What the stresses (components as those of points) at the initial positions of points are
-     * more than those in points() [M/(L T^2)]; empty: nothing. For output. Collective. */
-    virtual std::vector<std::array<double, 6>> stress_offsets() const
-    {
-      return {};
-    }
 
     const MaterialPoints &points() const
     {

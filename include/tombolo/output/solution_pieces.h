@@ -41,7 +41,7 @@ namespace tombolo
   public:
     PointData(const OutputView<dim> &view, const PictureFields &wanted, bool of_particles);
 
-    /** Sets the part of the points of the following add(). Collective. */
+    /** Sets the part of the points of the following add(). */
     void set_part(unsigned int index);
 
     /** Adds an entity with the weighted mean over points of the part. @p deformation_gradient is
@@ -67,7 +67,6 @@ namespace tombolo
 
     unsigned int part_index = 0;
     const MaterialPoints *points = nullptr;
-    std::vector<std::array<double, 6>> stress_offsets; ///< Formulation::stress_offsets()
     const std::vector<dealii::Point<dim>> *initial_positions = nullptr;
     std::vector<int> own_field; ///< the number of each field in this part, or -1
   };

@@ -50,7 +50,6 @@ namespace tombolo
     share_cell.clear();
     share_volume.clear();
     volume.assign(padded_to_lanes(n_particles), 1.);
-    centre.assign(n_particles, Point<dim>());
     for (unsigned int i = 0; i < n_particles; ++i)
     {
       volume[i] = 0.;
@@ -59,9 +58,7 @@ namespace tombolo
         share_cell.push_back(cell);
         share_volume.push_back(volume_of_share);
         volume[i] += volume_of_share;
-        centre[i] += volume_of_share * of_rank[cell].centre;
       }
-      centre[i] /= volume[i];
       share_begin.push_back(static_cast<unsigned int>(share_cell.size()));
     }
     ratio_of_particle.resize(padded_to_lanes(n_particles));
@@ -71,11 +68,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellDilatation<dim>::set_partition(const NodePartition &of_nodes)
+  void CellDilatation<dim>::set_partition(const NodePartition &partition)
   {
-    partition = of_nodes.shared_from_this();
     std::transform(cell_nodes.begin(), cell_nodes.end(), cells.neighbour.begin(),
-                   [&](const Node node) { return of_nodes.local_index(node); });
+                   [&](const Node node) { return partition.local_index(node); });
     for (unsigned int c = 0; c < cells.n_particles(); ++c)
       cells.particle_node[c] = cells.neighbour[cells.row_start[c]];
   }
@@ -204,102 +200,6 @@ namespace tombolo
     for (const double energy_of_particle : own_energy)
       of_own += energy_of_particle;
     return 0.5 * bulk_modulus * sum + of_own;
-  }
-
-  namespace
-  {
-    /** Linear fits at particles to fields whose values are those at other places. */
-    template <int dim>
-    class FieldsOfCentres
-    {
-    public:
-      FieldsOfCentres(const std::shared_ptr<const NodePartition> &partition)
-          : centres(partition, Quantity::position), values(partition, Quantity::scalars)
-      {}
-
-      void set(const unsigned int node, const Point<dim> &centre,
-               const std::array<double, node_stride> &of_centre)
-      {
-        std::copy_n(centre.begin_raw(), dim, centres.node(node));
-        std::copy(of_centre.begin(), of_centre.end(), values.node(node));
-      }
-      /** Collective. */
-      void distribute()
-      {
-        centres.distribute();
-        values.distribute();
-      }
-      /** What the values at a place are more than those of the particle of @p row, of node @p own.
-       */
-      std::array<double, node_stride> growth(const Stencils::Row &row, const unsigned int own,
-                                             const Point<dim> &place) const
-      {
-        std::array<double, node_stride> result{};
-        Tensor<2, dim> of_centres;
-        Tensor<1, dim> slope[node_stride];
-        Point<dim> centre;
-        std::copy_n(centres.node(own), dim, centre.begin_raw());
-        for (unsigned int k = 0; k < row.size; ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double of_row = row.gradient[Stencils::n_gradient * k + d];
-            const double *const other = centres.node(row.neighbour[k]);
-            for (unsigned int e = 0; e < dim; ++e)
-              of_centres[e][d] += (other[e] - centre[e]) * of_row;
-            for (unsigned int v = 0; v < node_stride; ++v)
-              slope[v][d] += (values.node(row.neighbour[k])[v] - values.node(own)[v]) * of_row;
-          }
-        // A direction has 1/2 at a surface where centres are half a cell inside, and across a
-        // single layer nothing.
-        if (determinant(of_centres) < 0.02)
-          return result;
-        const Tensor<1, dim> way = invert(of_centres) * (place - centre);
-        for (unsigned int v = 0; v < node_stride; ++v)
-          result[v] = way * slope[v];
-        return result;
-      }
-
-    private:
-      NodalVector centres, values;
-    };
-  } // namespace
-
-  template <int dim>
-  std::vector<std::array<double, 6>>
-  CellDilatation<dim>::stress_offsets(const Stencils &shape, const std::vector<Point<dim>> &places,
-                                      const MaterialPoints &points) const
-  {
-    FieldsOfCentres<dim> of_mean(partition), of_deviator(partition), of_shear(partition);
-    for (unsigned int i = 0; i < centre.size(); ++i)
-    {
-      double stress[6], mean = 0;
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[c] = points.component(MaterialPoints::stress, c)[i];
-      for (unsigned int d = 0; d < dim; ++d)
-        mean += stress[d] / dim;
-      const unsigned int node = shape.particle_node[i];
-      const Point<dim> of_gradient = places[i] + centre_of_gradient[i];
-      of_mean.set(node, centre[i], {{mean, stress[2]}});
-      of_deviator.set(node, of_gradient, {{stress[0] - mean, stress[1] - mean, stress[2] - mean}});
-      of_shear.set(node, of_gradient, {{stress[3], stress[4], stress[5]}});
-    }
-    for (FieldsOfCentres<dim> *const fields : {&of_mean, &of_deviator, &of_shear})
-      fields->distribute();
-    std::vector<std::array<double, 6>> result(centre.size());
-    for (unsigned int i = 0; i < centre.size(); ++i)
-    {
-      const Stencils::Row row = shape.row(i);
-      const unsigned int node = shape.particle_node[i];
-      const auto mean = of_mean.growth(row, node, places[i]);
-      const auto deviator = of_deviator.growth(row, node, places[i]);
-      const auto shear = of_shear.growth(row, node, places[i]);
-      for (unsigned int c = 0; c < 3; ++c)
-      {
-        result[i][c] = c < dim ? mean[0] + deviator[c] : mean[1];
-        result[i][3 + c] = shear[c];
-      }
-    }
-    return result;
   }
 
   template <int dim>

@@ -183,7 +183,7 @@ namespace tombolo
   {
     IndexSet nodes = rows->required_nodes(set);
     for (const SurfaceFibre &fibre : fibres)
-      nodes.add_indices(fibre.node.begin(), fibre.node.begin() + fibre.n_nodes);
+      nodes.add_indices(fibre.node.begin(), fibre.node.end());
     nodes.compress();
     return nodes;
   }
@@ -392,15 +392,6 @@ namespace tombolo
     if (self_contact)
       self_contact->account(result);
     return result;
-  }
-
-  template <int dim>
-  std::vector<std::array<double, 6>> ParticleMethod<dim>::stress_offsets() const
-  {
-    return this->dilatation == nullptr
-               ? std::vector<std::array<double, 6>>()
-               : this->dilatation->stress_offsets(rows->stencils(), set.initial_positions(),
-                                                  this->points());
   }
 
   template class ParticleMethod<2>;

@@ -337,7 +337,6 @@ namespace tombolo
       Node node;
       double volume;      // V_cI
       double gradient[3]; // of the mean over the cell
-      double centre[3];   // of the cell
     };
     static void list_nodes(const CellIntegrals<dim> &cell, std::vector<NodeOfCell> &list)
     {
@@ -345,14 +344,9 @@ namespace tombolo
       double volume = 0;
       for (const double of_node : cell.volume)
         volume += of_node;
-      dealii::Point<dim> centre;
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j)
-          centre += cell.value[i * n + j] / volume * cell.points[j];
       for (std::size_t j = 0; j < n; ++j)
       {
-        NodeOfCell node{static_cast<unsigned int>(n), cell.nodes[j], cell.volume[j], {}, {}};
-        std::copy_n(centre.begin_raw(), dim, node.centre);
+        NodeOfCell node{static_cast<unsigned int>(n), cell.nodes[j], cell.volume[j], {}};
         for (std::size_t i = 0; i < n; ++i)
           for (unsigned int d = 0; d < dim; ++d)
             node.gradient[d] += cell.gradient[i * n + j][d] / volume;
@@ -368,7 +362,6 @@ namespace tombolo
       for (std::size_t begin = 0; begin < list.size(); begin += list[begin].n_nodes)
       {
         typename CellDilatation<dim>::Cell cell;
-        std::copy_n(list[begin].centre, dim, cell.centre.begin_raw());
         for (std::size_t i = begin; i < begin + list[begin].n_nodes; ++i)
         {
           cell.nodes.push_back(list[i].node);
@@ -390,11 +383,8 @@ namespace tombolo
                    std::vector<double> &squared_edges)
     {
       rows.clear();
-      std::vector<dealii::Tensor<1, dim>> centres(sums.size());
       for (Sums &sum : sums)
       {
-        for (unsigned int d = 0; d < dim; ++d)
-          centres[rows.size()][d] = sum.moment[d] / sum.weight;
         volumes.push_back(sum.volume);
         squared_edges.push_back(sum.squared_edge / sum.volume);
         for (Entry &entry : sum.entries)
@@ -408,8 +398,6 @@ namespace tombolo
         }
         rows.push_back(std::move(sum.entries));
       }
-      // ψ is χ with the dilatation of cells.
-      dilatation.set_centres_of_gradients(centres);
     }
     /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
     std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deal.II/base/aligned_vector.h>
-#include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/approximation/stencils.h>
@@ -10,13 +9,10 @@
 #include <tombolo/formulations/row_stiffness.h>
 #include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
-#include <tombolo/state/material_points.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/node_partition.h>
 
-#include <array>
 #include <cstddef>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -58,7 +54,6 @@ namespace tombolo
     struct Cell
     {
       std::vector<Node> nodes;
-      dealii::Point<dim> centre;
       std::vector<dealii::Tensor<1, dim>> gradient; ///< g_cJ [1/L]
       std::vector<std::pair<unsigned int, double>>
           shares; ///< particles of this rank and V_cI [L^dim]
@@ -117,29 +112,6 @@ namespace tombolo
      * the last find() and collect() [M L^2/T^2]. */
     double energy() const;
 
-    /** Tells where the gradients of particles are those of the field, relative to their places [L]:
-     * at the centre of the functions that average them. */
-    void set_centres_of_gradients(const std::vector<dealii::Tensor<1, dim>> &centres)
-    {
-      centre_of_gradient = centres;
-    }
-
-    /** What the stresses at the @p places of particles, the initial ones, are more than those of
-     * @p points [M/(L T^2)]. What these have of the mean stress is that at the centre C_I of the
-     * cells around a particle, half a cell inside at a surface, and of the deviator that at D_I,
-     * the centre of its gradient, a sixth of a cell inside. With either as C,
-     *
-     * @verbatim
-     *   C_I = Σ_c V_cI x_c / V_I,   Δ_I = (X_I - C_I) · A_I⁻ᵀ Σ_J σ_J ∇φ_J(x_I),
-     *   A_I = Σ_J C_J ⊗ ∇φ_J(x_I)
-     * @endverbatim
-     *
-     * Exact where σ is linear; zero where the part is a single layer. In two dimensions the mean is
-     * that in the plane, and zz is treated as it. Collective. */
-    std::vector<std::array<double, 6>> stress_offsets(const Stencils &shape,
-                                                      const std::vector<dealii::Point<dim>> &places,
-                                                      const MaterialPoints &points) const;
-
     /** @name The linear answer to velocities at the positions of the last find() */
     ///@{
     /** Finds the rates of J_c. */
@@ -170,11 +142,8 @@ namespace tombolo
 
     std::vector<unsigned int> share_begin; ///< by particle, of what follows
     std::vector<unsigned int> share_cell;
-    std::vector<double> share_volume;                       ///< V_cI
-    std::vector<double> volume;                             ///< V_I
-    std::vector<dealii::Point<dim>> centre;                 ///< C_I
-    std::vector<dealii::Tensor<1, dim>> centre_of_gradient; ///< D_I - X_I
-    std::shared_ptr<const NodePartition> partition;
+    std::vector<double> share_volume;         ///< V_cI
+    std::vector<double> volume;               ///< V_I
     dealii::AlignedVector<double> own_energy; ///< of each particle, at the last collect()
     double bulk_modulus = 0, shear_modulus = 0;
   };

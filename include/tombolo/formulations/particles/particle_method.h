@@ -32,7 +32,6 @@ namespace tombolo
     }
     void set_partition(const NodePartition &partition) override;
     EnergyAccounts energies() const override;
-    std::vector<std::array<double, 6>> stress_offsets() const override;
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;
     void list(Records &records) override;
     void complete_reading(NodalVector &buffer) override;

@@ -6,8 +6,6 @@
 #include <tombolo/model/tangent.h>
 #include <tombolo/state/dependent_nodes.h>
 
-#include <boost/container/static_vector.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -19,16 +17,14 @@ namespace tombolo
    * Viscosity at the surface of particles whose shape functions are cell averages. Their outermost
    * layer has a mode of its own: it is half as heavy as the others and as stiff, so that it
    * oscillates faster than any wave of the layers inside, which can therefore not take the energy
-   * away that a sudden load gives it. A fibre from a node on the surface through the next nodes
-   * inside, 0 to 4, with the rates of stretch s_k of its edges between the nodes k and k + 1,
+   * away that a sudden load gives it. A fibre from a node I on the surface through the next nodes A
+   * and B inside, with the rate
    *
    * @verbatim
-   *   s_k = e_k · (v_k - v_{k+1}) / l_k,   r = s_0 - s_1 - s_2 + s_3
+   *   r = e_IA · (v_I - v_A) / l_IA - e_AB · (v_A - v_B) / l_AB
    * @endverbatim
    *
-   * dissipates η V r² with η = b ρ h min(c_P, 2 c_S). A straight one has (1, -2, 0, 2, -1) of its
-   * velocities in r, which is blind to those that are quadratic in place. One of fewer than five
-   * nodes has the first two stretches only, and 5/3 b, by which the mode decays as fast: the
+   * of the difference of its two stretches, dissipates η V r² with η = b ρ h min(c_P, 2 c_S): the
    * mode is gone after some ten spacings of way, while waves lose to it with the fourth power of
    * their number only. Forces are along the edges: linear and angular momentum are those without
    * it, and a rigid motion makes none. Materials that flow plastically have none of it: their flow
@@ -54,12 +50,7 @@ namespace tombolo
             material.inertial_density() *
             std::min(material.longitudinal_wave_speed(), 2. * material.shear_wave_speed());
         for (const SurfaceFibre &fibre : particles->surface_fibres())
-        {
-          const bool is_short = fibre.n_nodes < SurfaceFibre::most_nodes;
-          fibres.push_back(
-              {fibre.node, fibre.n_nodes,
-               (is_short ? 5. / 3. : 1.) * coefficient * impedance * fibre.length * fibre.volume});
-        }
+          fibres.push_back({fibre.node, coefficient * impedance * fibre.length * fibre.volume});
       }
     }
 
@@ -77,8 +68,8 @@ namespace tombolo
       for (const Fibre &fibre : fibres)
       {
         auto &nodes = local.emplace_back();
-        for (unsigned int k = 0; k < fibre.n_nodes; ++k)
-          nodes.push_back(partition->local_index(fibre.node[k]));
+        for (unsigned int k = 0; k < 3; ++k)
+          nodes[k] = partition->local_index(fibre.node[k]);
       }
       touched = owned_marked_nodes(partition,
                                    [&](const auto &mark)
@@ -133,39 +124,30 @@ namespace tombolo
 
     struct Fibre
     {
-      std::array<dealii::types::global_dof_index, SurfaceFibre::most_nodes> node;
-      unsigned int n_nodes;
+      std::array<dealii::types::global_dof_index, 3> node;
       double viscosity; ///< η V [M L^2/T]
     };
 
     /** Adds -C @p velocity at @p position to local nodes. */
     void add_to(const NodalVector &position, const NodalVector &velocity, NodalVector &result) const
     {
-      constexpr double sign[] = {1., -1., -1., 1.};
       for (std::size_t f = 0; f < fibres.size(); ++f)
       {
-        const auto &nodes = local[f];
-        boost::container::static_vector<Edge, SurfaceFibre::most_nodes - 1> edges;
-        double rate = 0;
-        for (std::size_t k = 0; k + 1 < nodes.size(); ++k)
+        const auto &[i, a, b] = local[f];
+        const Edge outer(position.node(i), position.node(a), velocity.node(i), velocity.node(a));
+        const Edge inner(position.node(a), position.node(b), velocity.node(a), velocity.node(b));
+        const double force = fibres[f].viscosity * (outer.rate - inner.rate);
+        for (unsigned int d = 0; d < 3; ++d)
         {
-          edges.emplace_back(position.node(nodes[k]), position.node(nodes[k + 1]),
-                             velocity.node(nodes[k]), velocity.node(nodes[k + 1]));
-          rate += sign[k] * edges.back().rate;
+          result.node(i)[d] -= force * outer.direction[d];
+          result.node(a)[d] += force * (outer.direction[d] + inner.direction[d]);
+          result.node(b)[d] -= force * inner.direction[d];
         }
-        for (std::size_t k = 0; k < edges.size(); ++k)
-          for (unsigned int d = 0; d < 3; ++d)
-          {
-            const double force = fibres[f].viscosity * rate * sign[k] * edges[k].direction[d];
-            result.node(nodes[k])[d] -= force;
-            result.node(nodes[k + 1])[d] += force;
-          }
       }
     }
 
     std::vector<Fibre> fibres;
-    std::vector<boost::container::static_vector<unsigned int, SurfaceFibre::most_nodes>>
-        local;                         ///< nodes of each fibre
+    std::vector<std::array<unsigned int, 3>> local; ///< nodes of each fibre
     std::vector<unsigned int> touched; ///< owned nodes of fibres of any rank, ascending
     NodalVector viscous_force;         ///< buffer of linearize()
     Action &damping;

@@ -256,35 +256,3 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   }
   EXPECT_GT(sum_over_ranks(power), 0.1);
 }
-
-TEST(SurfaceDamping, feels_velocities_from_the_third_power_of_the_place_on)
-{
-  Block block = disordered(2, "particles", "affine");
-  block.mesh_options = "";
-  const FrozenBody<2> body(block);
-  Model<2> &model = *body.model;
-  SurfaceDamping<2> damping(0.2, model);
-  damping.model_changed(model);
-  NodalVector force(model.state.partition()), velocity(model.state.partition());
-  Tangent<2> tangent;
-  tangent.factor = 1.;
-  tangent.force = &force;
-  tangent.velocity = &velocity;
-  for (const unsigned int exponent : {2, 3})
-  {
-    SCOPED_TRACE(exponent);
-    for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
-      for (unsigned int d = 0; d < 2; ++d)
-        velocity.node(i)[d] = std::pow(model.state.position.node(i)[d], exponent);
-    force.set_zero();
-    damping.linearize(model, Clock(), tangent);
-    double of_force = 0;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < 2; ++d)
-        of_force = std::max(of_force, std::abs(force.node(i)[d]));
-    if (exponent == 2)
-      EXPECT_LT(largest(of_force), 1e-12);
-    else
-      EXPECT_GT(largest(of_force), 1e-3);
-  }
-}
