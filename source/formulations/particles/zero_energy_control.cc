@@ -176,7 +176,9 @@ namespace tombolo
             of_slip[d] += (1. - kept / length) * elastic[d];
             elastic[d] *= kept / length;
           }
-          loss[i] += factor / squared_length[i] * kept * (length - kept);
+          // Work is found from the mean of the forces at both ends of a step.
+          const double before = std::sqrt(2. * energy[i] * squared_length[i] / factor);
+          loss[i] += 0.5 * factor / squared_length[i] * (before + kept) * (length - kept);
         }
         for (unsigned int d = 0; d < 3; ++d)
           slip[d][i] = of_slip[d];
