@@ -285,7 +285,7 @@ namespace tombolo
     private:
       using Matrix = dealii::FullMatrix<double>;
 
-      static constexpr double amplitude = 1e-5;
+      static constexpr double amplitude = 1e-10;
 
       void reset()
       {
@@ -317,57 +317,45 @@ namespace tombolo
         viscous.add(-1e-3, elastic);
       }
 
-      /** √M̂ (s K + C) √M̂⁻¹ for the step s behind, by motions to both sides. */
+      /** √M̂ (s K + C) √M̂⁻¹ for the step s behind. */
       void probe(const double step_behind, Matrix &matrix)
       {
         matrix = 0.;
-        for (unsigned int node = 0; node < model->state.partition()->n_global(); ++node)
-          for (unsigned int d = 0; d < dim; ++d)
-            for (const double motion : {amplitude, -amplitude})
-              probe_motion(node, d, motion, step_behind, matrix);
-        MPI_Allreduce(MPI_IN_PLACE, &matrix(0, 0), static_cast<int>(matrix.m() * matrix.n()),
-                      MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-      }
-
-      /** Adds half of the answer to @p motion of one component of a node, over it. */
-      void probe_motion(const unsigned int node, const unsigned int d, const double motion,
-                        const double step_behind, Matrix &matrix)
-      {
         const auto &partition = *model->state.partition();
         NodalVector &v_hat = model->state.unsmoothed_velocity;
         Clock clock;
         clock.previous_step = clock.next_step = step_behind;
-        reset();
-        // Prescribed components do not move: their columns stay empty.
-        const auto &constrained = model->conditions->constrained_components();
-        const bool is_mine =
-            partition.owned().is_element(node) &&
-            (constrained.empty() || !((constrained[partition.local_index(node)] >> d) & 1u));
-        double root = 0;
-        if (is_mine)
-        {
-          const unsigned int i = partition.local_index(node);
-          root = std::sqrt(*model->bridge->mass().node(i));
-          v_hat.node(i)[d] = motion / root;
-        }
-        v_hat.update_ghosts();
-        // Some forces follow from velocities over the step behind, others from positions.
-        NodalVector behind(model->state.partition());
-        model->bridge->apply_smoothing(v_hat, behind);
-        for (unsigned int i = 0; i < partition.n_local(); ++i)
-          for (unsigned int c = 0; c < dim; ++c)
-            model->state.position.node(i)[c] += step_behind * behind.node(i)[c];
-        step->evaluate(clock);
-        step->complete(clock);
-        step->advance(clock);
-        if (is_mine)
-          v_hat.node(partition.local_index(node))[d] -= motion / root;
-        for (unsigned int i = 0; i < partition.n_owned(); ++i)
-          for (unsigned int c = 0; c < dim; ++c)
-            matrix(static_cast<unsigned int>(partition.global_index(i)) * dim + c,
-                   node * dim + d) -= 0.5 * v_hat.node(i)[c] *
-                                      std::sqrt(*model->bridge->mass().node(i)) /
-                                      (motion * step_behind);
+        for (unsigned int node = 0; node < partition.n_global(); ++node)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            reset();
+            // Prescribed components do not move: their columns stay empty.
+            const auto &constrained = model->conditions->constrained_components();
+            const bool is_mine =
+                partition.owned().is_element(node) &&
+                (constrained.empty() || !((constrained[partition.local_index(node)] >> d) & 1u));
+            double root = 0;
+            if (is_mine)
+            {
+              const unsigned int i = partition.local_index(node);
+              root = std::sqrt(*model->bridge->mass().node(i));
+              v_hat.node(i)[d] = amplitude / root;
+            }
+            v_hat.update_ghosts();
+            step->evaluate(clock);
+            step->complete(clock);
+            step->advance(clock);
+            if (is_mine)
+              v_hat.node(partition.local_index(node))[d] -= amplitude / root;
+            for (unsigned int i = 0; i < partition.n_owned(); ++i)
+              for (unsigned int c = 0; c < dim; ++c)
+                matrix(static_cast<unsigned int>(partition.global_index(i)) * dim + c,
+                       node * dim + d) = -v_hat.node(i)[c] *
+                                         std::sqrt(*model->bridge->mass().node(i)) /
+                                         (amplitude * step_behind);
+          }
+        MPI_Allreduce(MPI_IN_PLACE, &matrix(0, 0), static_cast<int>(matrix.m() * matrix.n()),
+                      MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
       }
 
       static double largest_eigenvalue(const Matrix &matrix)

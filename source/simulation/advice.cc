@@ -324,7 +324,7 @@ namespace tombolo
                   "with it, 0.022 with affine smoothing and cell averages (doc/choosing.md, Shape "
                   "functions)."
                 : "a surface that a load leaves rings on. Of the velocity of a pulse 1.09 are left "
-                  "there with `fe matched`, 0.02 with affine smoothing and cell averages "
+                  "there with `fe matched`, 0.007 with affine smoothing and cell averages "
                   "(doc/tables/closed_forms.md).";
       else if (is_cut && is_paper && may_tear)
         reason =

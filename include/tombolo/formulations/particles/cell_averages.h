@@ -89,13 +89,13 @@ namespace tombolo
           "body does. They are there for the smoothings affine and none, a total Lagrangian "
           "configuration without bonds that fail, the bridge of the paper and cells that stay "
           "what they are. `automatic` chooses them where they are there and something moves.");
-      wanted_dilatation = e.choice(
-          "Dilatation", "automatic", "automatic|of cells|of particles",
-          "With cell averages: whether the volume of a particle changes as its own gradient says "
-          "(`of particles`), or as those of the cells around it, each of which resists a change of "
-          "its volume by the bulk modulus (`of cells`). Then nearly incompressible bodies neither "
-          "lock nor have pressures that alternate, and surfaces that flow do not zigzag. "
-          "`automatic`: `of cells` with cell averages.");
+      shares_dilatation =
+          e.choice("Dilatation", "of particles", "of cells|of particles",
+                   "With cell averages: whether the volume of a particle changes as its own "
+                   "gradient says, or `of cells`: as those of the cells around it, and each cell "
+                   "resists a change of its volume by the bulk modulus. Then nearly incompressible "
+                   "bodies neither lock nor have pressures that alternate, and surfaces that flow "
+                   "do not zigzag.") == "of cells";
       control = ZeroEnergyControl(e);
     }
 
@@ -110,8 +110,7 @@ namespace tombolo
       // Heated faces of a lattice are a third of a percent nearer with moving least squares.
       is_chosen = reason.empty() &&
                   (wanted == "cell averages" || (wanted == "automatic" && setup.has_mechanics));
-      shares_dilatation = is_chosen && wanted_dilatation != "of particles" && setup.has_mechanics;
-      if (wanted_dilatation == "of cells" && !is_chosen)
+      if (shares_dilatation && !is_chosen)
         section.fail("Dilatation",
                      "`of cells` needs cell averages as `Shape functions`" +
                          (reason.empty() ? std::string() : ", which are not there with " + reason));
@@ -557,7 +556,7 @@ namespace tombolo
     }
 
     Section section;
-    std::string wanted, wanted_dilatation, reason;
+    std::string wanted, reason;
     bool is_chosen = false, shares_dilatation = false;
     CellDilatation<dim> dilatation;
     ZeroEnergyControl control;
