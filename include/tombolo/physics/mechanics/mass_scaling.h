@@ -240,10 +240,8 @@ namespace tombolo
       table.add("added mass", "M", masses(model).added);
       const double internal =
           table.present("elastic energy") + table.present("plastic dissipation");
-      const double kinetic = table.present("kinetic energy");
-      // Beside a body that has not deformed, internal energy is round-off.
-      if (internal > 1e-20 * kinetic)
-        table.add("kinetic over internal energy", "1", kinetic / internal);
+      if (internal > 0.)
+        table.add("kinetic over internal energy", "1", table.present("kinetic energy") / internal);
     }
 
     Json results(const Model<dim> &model, const TimeTable &table) const
