@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
+#include "temperature_table_testing.h"
 
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/implicit_friction.h>
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
@@ -11,16 +12,7 @@ namespace tombolo
 {
   namespace
   {
-    TemperatureTable read_table(const std::string &text)
-    {
-      Parameters parameters(MPI_COMM_SELF);
-      parameters.read_text("subsection tool\nset Friction = " + text + "\nend\n", "test.prm");
-      parameters.handler().enter_subsection("tool");
-      Parameters::declare_mandatory(parameters.handler(), "Friction", Patterns::Anything(), "");
-      parameters.handler().leave_subsection();
-      parameters.assign();
-      return TemperatureTable(parameters.section("tool"), "Friction");
-    }
+    using testing::read_table;
 
     TEST(ImplicitFriction, a_straight_line_has_the_coefficient_of_its_own_heat)
     {

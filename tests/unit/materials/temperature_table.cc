@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
+#include "temperature_table_testing.h"
 
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/temperature_table.h>
+
+#include <gtest/gtest.h>
 
 namespace tombolo
 {
   namespace
   {
-    TemperatureTable read_table(const std::string &text)
-    {
-      Parameters parameters(MPI_COMM_SELF);
-      parameters.read_text("subsection Heat\nset Conductivity = " + text + "\nend\n", "test.prm");
-      parameters.handler().enter_subsection("Heat");
-      Parameters::declare_mandatory(parameters.handler(), "Conductivity",
-                                    dealii::Patterns::Anything(), "");
-      parameters.handler().leave_subsection();
-      parameters.assign();
-      return TemperatureTable(parameters.section("Heat"), "Conductivity");
-    }
+    using testing::read_table;
 
     TEST(TemperatureTable, one_number_is_a_constant)
     {
