@@ -405,14 +405,15 @@ namespace tombolo
   {
     const auto square = [](const double *const vector)
     { return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]; };
-    double speed = 0, acceleration = 0;
+    double largest[2] = {0., 0.};
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      speed = std::max(speed, square(model.state.velocity.node(i)));
-      acceleration = std::max(acceleration, square(model.state.acceleration.node(i)));
+      largest[0] = std::max(largest[0], square(model.state.velocity.node(i)));
+      largest[1] = std::max(largest[1], square(model.state.acceleration.node(i)));
     }
-    speed = std::sqrt(Utilities::MPI::max(speed, model.communicator));
-    acceleration = std::sqrt(Utilities::MPI::max(acceleration, model.communicator));
+    Utilities::MPI::max(ArrayView<const double>(largest, 2), model.communicator,
+                        ArrayView<double>(largest, 2));
+    const double speed = std::sqrt(largest[0]), acceleration = std::sqrt(largest[1]);
     for (const unsigned int node : candidates)
       store_node(load_node(model.state.position.node(node)) +
                      load_node(model.state.velocity.node(node)) * clock.next_step,
