@@ -143,9 +143,6 @@ namespace tombolo
     if (dim == 2 && is_cylindrical && section.is_set("Axis"))
       section.fail("Axis", "two dimensions have none; directions are those from `Centre`.");
     condition.axes = LocalAxes<dim>(section);
-    if (turns && std::isfinite(condition.start))
-      section.fail("Start", "a displacement with an `Angle` turns nodes from their initial "
-                            "positions, and acts from the beginning on.");
     if (turns)
     {
       Tensor<1, 3> axis;
@@ -176,17 +173,44 @@ namespace tombolo
       section.fail("End", "it acts at no time; allowed is a time after `Start`.");
   }
 
+  namespace
+  {
+    /** The rotation by an angle about the axis [rad]. */
+    template <int dim>
+    Tensor<2, dim> rotation_by(const double angle, const Tensor<1, 3> &axis)
+    {
+      using namespace Physics::Transformations::Rotations;
+      if constexpr (dim == 2)
+        return rotation_matrix_2d(angle);
+      else
+        return rotation_matrix_3d(axis, angle);
+    }
+
+    /** What a displacement with an `Angle` and a `Start` adds in a step, where the node is: R(angle
+     * at t + Δt - angle at t) (x - c) - (x - c), and the change of the function [L]. */
+    template <int dim>
+    double turned_since(const MechanicalCondition<dim> &condition, const Point<dim> &initial,
+                        const double *const position, const unsigned int component,
+                        const double time, const double time_step)
+    {
+      const auto &turn = *condition.turn;
+      const double angle = turn.angle.value(Point<dim>(), time + time_step) -
+                           turn.angle.value(Point<dim>(), time);
+      const Tensor<1, dim> arm = point_of<dim>(position) - turn.centre;
+      double change = rotation_by<dim>(angle, turn.axis)[component] * arm - arm[component];
+      if (condition.function)
+        change += condition.function->value(initial, time + time_step, component) -
+                  condition.function->value(initial, time, component);
+      return change;
+    }
+  } // namespace
+
   template <int dim>
   const Tensor<2, dim> &MechanicalCondition<dim>::Turn::rotation(const double time) const
   {
-    using namespace Physics::Transformations::Rotations;
     if (time_of_rotation != time)
     {
-      const double now = angle.value(Point<dim>(), time);
-      if constexpr (dim == 2)
-        last_rotation = rotation_matrix_2d(now);
-      else
-        last_rotation = rotation_matrix_3d(axis, now);
+      last_rotation = rotation_by<dim>(angle.value(Point<dim>(), time), axis);
       time_of_rotation = time;
     }
     return last_rotation;
@@ -215,6 +239,8 @@ namespace tombolo
       return 0.;
     if (type == Type::velocity)
       return function->value(initial, time + 0.5 * time_step, component);
+    if (std::isfinite(start) && turn)
+      return turned_since(*this, initial, position, component, time, time_step) / time_step;
     if (std::isfinite(start))
       return (displacement(initial, component, time + time_step) -
               displacement(initial, component, time)) /

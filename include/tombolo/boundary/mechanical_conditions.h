@@ -101,9 +101,9 @@ namespace tombolo
 
     /** The prescribed velocity of the interval from @p time to @p time + @p time_step of a node
      * that is at @p position [L/T]; that of a displacement reaches the prescribed place at its end,
-     * and with a `Start` it changes as the displacement does. @p direction is that of the component
-     * where it is not that of the coordinates, else null. Throws RunError where the function has no
-     * finite value. */
+     * and with a `Start` it changes as the displacement does and turns the node from where it is.
+     * @p direction is that of the component where it is not that of the coordinates, else null.
+     * Throws RunError where the function has no finite value. */
     double prescribed_velocity(const dealii::Point<dim> &initial, const double *position,
                                unsigned int component, double time, double time_step,
                                const dealii::Tensor<1, dim> *direction = nullptr) const;
