@@ -53,9 +53,20 @@ class DynaCards(DeckTest):
         self.check(of("AUTOMATIC_GENERAL", card(0, 0, 5)), "set Slave parts = blank set Master parts = punch")
         self.check(of("ERODING_NODES_TO_SURFACE", card(3, 2, 4, 3)), "set Slave boundary = node set 3")
         self.check(of("FORMING_ONE_WAY_SURFACE_TO_SURFACE", card(2, 1, 3, 3)), "set Slave parts = blank")
+        self.check(of("TIED_SURFACE_TO_SURFACE_CONSTRAINED_OFFSET", card(1, 2, 3, 3)), "set Type = tied",
+                   "nodes are tied where they are nearer than 10 %")
+        ranks = card(0, 200) + "\n&" + card(1, 2) + "\n"
+        self.check(of("AUTOMATIC_SURFACE_TO_SURFACE_MPP", ranks + card(1, 2, 3, 3), card(0.3)), "set Slave parts = blank",
+                   "set Friction = 0.3", "the card of MPP \"0       200\" is not used", "the card of MPP \"&")
+        self.check(of("SURFACE_TO_SURFACE_THERMAL", card(1, 2, 3, 3), "", "\n" + card(0, 0, 40)), "H0 = 40 is not used",
+                   "set Slave parts = blank")
+        self.check(of("SURFACE_TO_SURFACE_INTERFERENCE", card(1, 2, 3, 3), "", "\n" + card(5)),
+                   "LCID1 = 5 is not understood, so that this is left out", "!Body contact: joint")
         for keyword, sides, reason in (
                 ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 2, 3, 3, 7), "SBOXID = 7 is not understood"),
-                ("TIEBREAK_SURFACE_TO_SURFACE", card(1, 2, 3, 3), "contact of this kind is not understood"),
+                ("TIEBREAK_SURFACE_TO_SURFACE", card(1, 2, 3, 3), "a layer of particles that shares its nodes with both"),
+                ("AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", card(1, 2, 3, 3), "a layer of particles that shares its nodes"),
+                ("SURFACE_TO_SURFACE_TIED_WELD", card(1, 2, 3, 3), "with a `Bonding temperature`"),
                 ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 9, 3, 3), "none of its parts has solid elements"),
                 ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 9, 3, 2), "there is no part set 9"),
                 ("AUTOMATIC_SINGLE_SURFACE", card(1, 0, 3), "there are no two bodies")):
@@ -146,8 +157,10 @@ class DynaCards(DeckTest):
         self.check(of(9, 2, 0, "5.0E-7"), "set End = 5e-07", "set Angle = 0.5*table(deck_curve_7.csv, t)")
         self.check(of(10, 2), "set Function = 0; free; 0", "set Axis = 0, 1, 0", "set Centre = 0.25, 0, 0.5")
         self.check(of(11, 0), "set Angle = 0.5*table(deck_curve_7_integrated.csv, t)", "set Centre = 0.5, 0.25, 0")
-        for changes, reason in (((-9, 2), "DOF = -9 is not understood"), ((9, 1), "VAD = 1 is not understood"),
-                                ((9, 2, 0, 0, "5.0E-7"), "BIRTH = 5.0E-7 is not understood")):
+        late = (0, "9.0E-7", "5.0E-7")
+        self.check(of(9, 2, *late), "set Start = 5e-07 set End = 9e-07", "set Angle = 0.5*table(deck_curve_7.csv, t - 5e-07)")
+        self.check(of(9, 0, *late), "set Angle = 0.5*table(deck_curve_7_integrated.csv, t - 5e-07)")
+        for changes, reason in (((-9, 2), "DOF = -9 is not understood"), ((9, 1), "VAD = 1 is not understood")):
             self.left_out(of(*changes), reason)
         self.left_out(of(9, 2, axis=card(0.5, 0.25, 1)), "LRB = 1 is not understood")
         self.left_out(of(5, 2, axis=""), "DOF = 5 is a rotation of nodes, and nodes of solids do not turn")

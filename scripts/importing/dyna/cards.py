@@ -8,6 +8,9 @@ CONTACT_OPTIONS = ("SOFT SOFSCL=0.1 LCIDAB MAXPAR=1.025 SBOPT=2 DEPTH=2 BSORT FR
                    "PENMAX THKOPT SHLTHK SNLOG ISYM I2D3D SLDTHK SLDSTF",
                    "IGAP=1 IGNORE DPRFAC DTSTIF EDGEK - FLANGL CID_RCF",
                    "Q2TRI DTPCHK SFNBR FNLSCL DNLSCL TCSO TIEDID SHLEDG", "SHAREC CPARM8 IPBACK SRNDE")
+# Further cards of contacts by a part of their names, before the optional ones.
+FURTHER_OF_CONTACT = (("ERODING", "ISYM EROSOP=1 IADJ=1"), ("CONSTRAINT", "KPF"), ("TIED_WELD", "TEMP CLOSE HCLOSE"),
+                      ("THERMAL", "K FRAD H0 LMIN LMAX FTOSLV BC_FLG ALGO"), ("INTERFERENCE", "LCID1 LCID2"))
 SPC = "DOFX DOFY DOFZ DOFRX DOFRY DOFRZ"
 MOTION = "DOF VAD LCID SF=1 VID DEATH=1e28 BIRTH"
 ABOUT = "OFFSET1 OFFSET2 LRB NODE1 NODE2"  # of DOF 9 to 11 and VAD 4
@@ -73,9 +76,6 @@ CARDS = {
     "DAMPING_GLOBAL": ("LCID VALDMP STX STY STZ SRX SRY SRZ",),
     "DATABASE": ("DT BINARY=1 LCUR IOOPT=1",),
     "DATABASE_BINARY_D3PLOT": ("DT LCDT BEAM NPLTC PSETID",),
-    "CONTACT": CONTACT,
-    "CONTACT_ERODING": (*CONTACT, "ISYM EROSOP=1 IADJ=1"),
-    "CONTACT_OPTIONS": CONTACT_OPTIONS,
     "SET": ("SID DA1 DA2 DA3 DA4 SOLVER=MECH ITS=1",),
 }
 OTHER_NAMES = {"PART_INERTIA": "PART", "MAT_ELASTIC": "MAT_001", "MAT_PLASTIC_KINEMATIC": "MAT_003",
@@ -107,14 +107,14 @@ def form_of(name):
         return "SET"
     if name.startswith("LOAD_BODY_"):
         return "LOAD_BODY"
-    if name.startswith("CONTACT_"):
-        return "CONTACT_ERODING" if name.startswith("CONTACT_ERODING") else name if name in CARDS else "CONTACT"
     if name.startswith("DATABASE_") and name not in CARDS:
         return "DATABASE"
     return OTHER_NAMES.get(name, name)
 
 
 def cards_of(name):
+    if name.startswith("CONTACT_"):
+        return CONTACT + tuple(card for word, card in FURTHER_OF_CONTACT if word in name) + CONTACT_OPTIONS
     return CARDS.get(form_of(name), ())
 
 
@@ -125,8 +125,6 @@ def n_cards_of(name):
 def name_of_field(keyword, card, field):
     """The name, and the text that stands for a blank field."""
     cards = cards_of(keyword)
-    if keyword.startswith("CONTACT_"):
-        cards += CONTACT_OPTIONS
     words = cards[card].split() if card < len(cards) else ()
     word, _, default = words[field].partition("=") if field < len(words) else ("-", "", "")
     return word if word != "-" else f"field {field + 1} of card {card + 1}", default

@@ -186,10 +186,9 @@ def motion(converter, record):
         raise NotUnderstood(f"VAD = {kind} is not understood (0 and 2 are)")
     factor, curve = function_of_time(converter, record)
     if axis > 4:
-        entries = turning(converter, record, AXES[axis - 9], kind, factor, curve)
-        if not record.peek("BIRTH") > 0:
-            entries.update(times(converter, record))
-        yield "Conditions", "drive", entries
+        acting = times(converter, record)
+        entries = turning(converter, record, AXES[axis - 9], kind, factor, curve, acting.get("Start", ""))
+        yield "Conditions", "drive", {**entries, **acting}
         return
     entries = times(converter, record)
     start = entries.get("Start", "")
@@ -227,13 +226,14 @@ def where_of(converter, record, nodes):
     return converter.node_set(record) if "NSID" in record.fields else converter.scene.selection(nodes)
 
 
-def way_of(converter, factor, curve):
-    """A factor times the integral of a curve."""
+def way_of(converter, factor, curve, start=""):
+    """A factor times the integral of a curve, whose time begins at the start."""
     converter.curves.along_time(curve)
-    return f"{number(factor)}*table({converter.table(integrated(converter, curve))}, t)"
+    time = f"t - {start}" if start else "t"
+    return f"{number(factor)}*table({converter.table(integrated(converter, curve))}, {time})"
 
 
-def turning(converter, record, axis, kind, factor, curve):
+def turning(converter, record, axis, kind, factor, curve, start):
     """DOF 9, 10 and 11: nodes turn about an axis, along which they are free."""
     along = AXES.index(axis)
     if converter.mesh.dimension == 2 and axis != "z":
@@ -247,7 +247,7 @@ def turning(converter, record, axis, kind, factor, curve):
     if converter.mesh.dimension == 3:
         entries["Function"] = components(converter, axis, "free", "0")
         entries["Axis"] = ", ".join("1" if other == axis else "0" for other in AXES)
-    entries["Angle"] = times_table(converter, factor, curve) if kind == 2 else way_of(converter, factor, curve)
+    entries["Angle"] = (times_table if kind == 2 else way_of)(converter, factor, curve, start)
     entries["Centre"] = ", ".join(map(number, centre[:converter.mesh.dimension]))
     return entries
 

@@ -9,11 +9,23 @@ from ..scene import PARTICLES, NotUnderstood, number
 STICKING = 10  # the largest coefficient of friction here
 MOST_PAIRS = 45
 KINDS = re.compile("SURFACE_TO_SURFACE|NODES_TO_SURFACE|SINGLE_SURFACE|AUTOMATIC_GENERAL")
-NOT_KINDS = re.compile("TIEBREAK|DRAWBEAD|2D|BEAM|SPOTWELD|SHELL_EDGE|SLIDING|_OFFSET")
+OFFSET = re.compile("(_CONSTRAINED|_BEAM)?_OFFSET")
+# What is not read, by a part of its name, and what to take instead.
+OTHER_KINDS = (
+    ("TIEBREAK", "no contact here holds bodies until a stress (nearest are `Type = tied`, which does not break, or a layer of "
+                 "particles that shares its nodes with both and has `Bond failure = principal stress`)"),
+    ("TIED_WELD", "it is no tie from the start (take `Type = touching` with a `Bonding temperature`)"),
+    ("DRAWBEAD", "beads are no contacts here (take a `traction` on the sheet, or make the bead a part of the tool)"),
+    ("SPOTWELD", "beams are no cells (nearest is a `Body contact` with `Type = tied`)"),
+    ("BEAM|SHELL_EDGE", "beams and edges of shells are no cells"),
+    ("2D", "its sides are those of a plane (write a section \"Body contact: NAME\")"),
+    ("SLIDING|ORTHO_FRICTION|LUBRICATION|COMPOSITE", "contact of this kind is not understood"))
 # Fields of contacts that say how stiff or how often, not where or when.
 NUMERICAL = ("SPR", "MPR", "PENCHK", "SFS", "SFM", "SST", "MST", "SFST", "SFMT", "FSF", "VSF", "SOFT", "SOFSCL", "MAXPAR",
              "SBOPT", "DEPTH", "BSORT", "FRCFRQ", "PENMAX", "THKOPT", "SHLTHK", "SNLOG", "ISYM", "I2D3D", "SLDTHK",
-             "SLDSTF", "IGAP", "IGNORE", "DPRFAC", "DTSTIF", "EROSOP", "IADJ", "VDC", "VC")
+             "SLDSTF", "IGAP", "IGNORE", "DPRFAC", "DTSTIF", "EROSOP", "IADJ", "VDC", "VC",
+             # Heat that passes, which the bodies do without.
+             "K", "FRAD", "H0", "LMIN", "LMAX", "FTOSLV", "BC_FLG", "ALGO")
 
 
 def friction_of(record, entries):
@@ -121,7 +133,14 @@ def side_of(converter, record, letter):
 
 def contact(converter, record):
     name = record.section.name
-    if not KINDS.search(name) or NOT_KINDS.search(name):
+    if "TIED" in name and OFFSET.search(name):
+        name = OFFSET.sub("", name)
+        converter.report.note(record.line.place, f"*{record.section.keyword}: nodes are tied where they are nearer than 10 % of "
+                              "a cell's thickness, and keep their distance.")
+    for part_of_name, instead in OTHER_KINDS:
+        if re.search(part_of_name, name):
+            raise NotUnderstood(instead)
+    if not KINDS.search(name):
         raise NotUnderstood("contact of this kind is not understood")
     for field in NUMERICAL:
         converter.numerical(record, field)

@@ -147,6 +147,8 @@ class Section:
         while lines:
             name = self.name
             title, lines = self.titled(lines)
+            if name.startswith("CONTACT_") and "_MPP" in name:
+                lines = self.without_cards_of_ranks(lines)
             if lines and name in REPEATED and n_cards_of(name) == 1 and not lines[0].text.strip():
                 lines = lines[1:]
                 continue
@@ -157,6 +159,14 @@ class Section:
             n_cards = n_cards_of(name) if self.name in REPEATED else len(lines)
             yield Record(self, title, lines[:n_cards], name)
             lines = lines[n_cards:]
+
+    def without_cards_of_ranks(self, lines):
+        """The cards of a contact with _MPP behind those that say how ranks search; a second one begins with &."""
+        n = 2 if lines[1:] and lines[1].text.lstrip().startswith("&") else 1
+        for line in lines[:n]:
+            if line.text.strip(BLANKS + "&0., "):
+                self.deck.report.unused(line.place, self.keyword, f'the card of MPP "{line.text.strip()}"')
+        return lines[n:]
 
     def has_axis(self, line):
         """Whether a prescribed motion has a second card."""
