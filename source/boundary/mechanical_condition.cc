@@ -194,8 +194,8 @@ namespace tombolo
                         const double time, const double time_step)
     {
       const auto &turn = *condition.turn;
-      const double angle = turn.angle.value(Point<dim>(), time + time_step) -
-                           turn.angle.value(Point<dim>(), time);
+      const double angle =
+          turn.angle.value(Point<dim>(), time + time_step) - turn.angle.value(Point<dim>(), time);
       const Tensor<1, dim> arm = point_of<dim>(position) - turn.centre;
       double change = rotation_by<dim>(angle, turn.axis)[component] * arm - arm[component];
       if (condition.function)

@@ -37,6 +37,11 @@ namespace tombolo
       text << "The step " << step << " is " << share << " of the limit of the spectral estimate";
       if (!(share <= largest_share))
         return "The motion is not stable: " + cure + " " + text.str() + ".";
+      // What sets in at once, such as a drive, is booked by the first steps to their size.
+      constexpr unsigned int few_steps = 50;
+      if (clock.step < few_steps)
+        return text.str() +
+               ", at which motions are stable, but the run has had few of them: " + cure;
       return text.str() + ", at which motions are stable: a smaller one hardly helps. Another "
                           "formulation may help.";
     }
