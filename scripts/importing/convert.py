@@ -56,7 +56,7 @@ def convert(source, target, dimension=None, is_mesh_alone=False):
         if suffix in ABAQUS:
             mesh.remark_links()
         if not is_mesh_alone:
-            report.remark("The deck has no materials: its mesh is written alone.")
+            report.remark("The deck has no materials: its mesh is written alone, for section Mesh of a scene (`Type = file`).")
         for section in deck.sections:
             if not getattr(section, "is_read", False) and section.name not in (*dyna_scene.OF_THE_MESH, *PARTS) and \
                     not section.name.startswith("SET_"):

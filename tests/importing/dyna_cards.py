@@ -5,7 +5,7 @@
     dyna_cards.py PROJECT_DIRECTORY PROGRAM
 """
 
-from deck_testing import DeckTest, card, main, replaced, text_of
+from deck_testing import DeckError, DeckTest, card, main, replaced, text_of
 
 PRESS, BAR = text_of("press.k"), text_of("bar.k")
 ELASTIC = BAR[BAR.index("*MAT_ELASTIC"):BAR.index("*NODE")]
@@ -30,6 +30,14 @@ class DynaCards(DeckTest):
         self.dry_run("deck.prm")
         rows = (self.directory / "deck_curve_6_integrated.csv").read_text().split("\n")
         self.assertIn("1e-05, 0.05", rows[-2])
+
+    def test_a_table_that_names_its_curves(self):
+        old = "*DEFINE_TABLE\n         8\n               0.001\n                 100\n"
+        new = "*DEFINE_TABLE_2D\n" + card(8) + "\n" + card(4.6, 81, width=20) + "\n" + card(-6.9077553, 82, width=20) + "\n"
+        log = ("PLASTICITY\n", "PLASTICITY_LOG_INTERPOLATION\n")
+        self.check(replaced(PRESS, (old, new), log), "set Flow stresses = 250, 350", "that of the rate 0.001 is taken")
+        with self.assertRaisesRegex(DeckError, "8 names the curve 83, which is not there"):
+            self.converted(replaced(PRESS, (old, replaced(new, ("82", "83")))), "deck.k")
 
     def test_what_a_rigid_material_leaves_free(self):
         for card_2, parts in ((card(0), ("set Displacement = free; free; free", "set Rotation = free")),
@@ -58,6 +66,8 @@ class DynaCards(DeckTest):
         ranks = card(0, 200) + "\n&" + card(1, 2) + "\n"
         self.check(of("AUTOMATIC_SURFACE_TO_SURFACE_MPP", ranks + card(1, 2, 3, 3), card(0.3)), "set Slave parts = blank",
                    "set Friction = 0.3", "the card of MPP \"0       200\" is not used", "the card of MPP \"&")
+        self.check(of("TIED_SURFACE_TO_SURFACE_ID_OFFSET_MPP", card(5) + "joint, outer\n" + ranks + card(1, 2, 3, 3)),
+                   ": joint, outer", "set Slave parts = blank", "set Type = tied")
         self.check(of("SURFACE_TO_SURFACE_THERMAL", card(1, 2, 3, 3), "", "\n" + card(0, 0, 40)), "H0 = 40 is not used",
                    "set Slave parts = blank")
         self.check(of("SURFACE_TO_SURFACE_INTERFERENCE", card(1, 2, 3, 3), "", "\n" + card(5)),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""*DEFINE_CURVE and *DEFINE_TABLE."""
+"""*DEFINE_CURVE, *DEFINE_TABLE and *DEFINE_TABLE_2D."""
 
 
 class Curve:
@@ -49,14 +49,16 @@ class Curves(Used):
     def __init__(self, deck, report):
         super().__init__()
         self.tables = {}
-        sections = deck.named("DEFINE_CURVE", "DEFINE_TABLE")
+        sections = deck.named("DEFINE_CURVE", "DEFINE_TABLE", "DEFINE_TABLE_2D")
         for section in sections:
             section.is_read = True
             if section.name == "DEFINE_CURVE":
                 curve = Curve(section, report)
                 self[curve.number] = curve
         for place, section in enumerate(sections):
-            if section.name == "DEFINE_TABLE":
+            if section.name == "DEFINE_TABLE_2D":
+                self.add_named_curves(section)
+            elif section.name == "DEFINE_TABLE":
                 self.add_table(section, [one for one in sections[place + 1:] if one.name == "DEFINE_CURVE"])
 
     def add_table(self, section, followers):
@@ -68,6 +70,22 @@ class Curves(Used):
             section.line.fail(f"*DEFINE_TABLE has {len(values)} values, and {len(followers)} curves follow it.")
         numbers = [one.head()[0].integer("LCID") for one in followers[:len(values)]]
         self.tables[record.integer("TBID")] = sorted(zip(values, numbers))
+
+    def add_named_curves(self, section):
+        """Each value of a table stands beside the number of its curve."""
+        record, lines = section.head()
+        factor, offset = record.number("SFA") or 1, record.number("OFFA")
+        pairs = []
+        for line in lines:
+            if line.text.strip():
+                value, curve = section.values(line, 20)[:2]
+                number = section.transform.number("F", int(curve))
+                if number not in self:
+                    line.fail(f"*{section.keyword} {record.integer('TBID')} names the curve {number}, which is not there.")
+                pairs.append((factor * (value + offset), number))
+        if not pairs:
+            section.line.fail(f"*{section.keyword} has no values.")
+        self.tables[record.integer("TBID")] = sorted(pairs)
 
     def along_time(self, number):
         """A curve as a function of time."""

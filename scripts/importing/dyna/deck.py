@@ -83,6 +83,11 @@ class Section:
             self.has_id = self.has_id or self.name.endswith("_ID")
             self.has_title = self.has_title or self.name.endswith("_TITLE")
             self.name = self.name[:self.name.rindex("_")]
+        if keyword.startswith("CONTACT_"):
+            # Their options stand in any order.
+            self.has_id = self.has_id or "_ID_" in self.name
+            self.has_title = self.has_title or "_TITLE_" in self.name
+            self.name = self.name.replace("_ID_", "_").replace("_TITLE_", "_")
         self.is_of_the_mesh = keyword.startswith(OF_THE_MESH)
         self.lines = []
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*MAT_... and *EOS_... as sections of materials."""
 
+from math import exp
+
 from ..scene import at_one_temperature, linear_hardening, number, plastic_curve, tabular
 from .cards import form_of
 
@@ -20,6 +22,7 @@ class Material:
         self.kind = form_of(record.name)
         self.failure_strain, self.has_damage = None, False
         self.equation, self.remarks, self.flow, self.heat = {}, [], {}, {}
+        self.is_linear = False  # the equation of state
         self.moduli = {}
         self.back_stress = 0  # the modulus of kinematic hardening
         self.start_of_tables = record.number("TREF")
@@ -75,6 +78,8 @@ class Material:
         curves = self.curves
         if number_of_curve in curves.tables:
             rate, first = curves.tables[number_of_curve][0]
+            if rate < 0:  # then all are natural logarithms
+                rate = exp(rate)
             for _, other in curves.tables[number_of_curve][1:]:
                 curves.used.add(other)
             if len(curves.tables[number_of_curve]) > 1:
@@ -232,6 +237,7 @@ class Material:
 
     def give_polynomial(self, record):
         """A linear one is that of the bulk modulus; others have no counterpart."""
+        self.is_linear = True
         bulk = self.modulus / (3 * (1 - 2 * self.poisson))
         if abs(record.number("C1") - bulk) > 0.02 * bulk:
             self.remarks.append(f"*{record.section.keyword} on {record.section.line.place}: C1 = {record.number('C1'):g} is "
@@ -242,7 +248,7 @@ class Material:
         model = "elastic" if self.kind in ("MAT_001", "MAT_020") or not self.flow else \
             "chaboche" if self.back_stress else "j2 plasticity"
         title = f": {self.record.title}" if self.record.title else ""
-        if self.kind == "MAT_015" and not self.equation:
+        if self.kind == "MAT_015" and not self.equation and not self.is_linear:
             self.remarks.append("There is no *EOS_GRUNEISEN of its parts: pressure is linear elastic.")
         if not self.heat:
             self.moduli = at_one_temperature(self.moduli, self.start_of_tables, self.remarks)
