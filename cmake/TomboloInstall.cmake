@@ -22,7 +22,7 @@ install(FILES
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
 # The plug-ins that the pages for authors walk through, each a project of its own.
-foreach(plugin plugin_process plugin_lattice_filter plugin_formulation plugin_material)
+foreach(plugin plugin_process plugin_lattice_filter plugin_formulation plugin_material plugin_pairing)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/${plugin} DESTINATION ${data_directory}/plugins
     FILES_MATCHING PATTERN "*.cc" PATTERN "*.h" PATTERN "CMakeLists.txt" PATTERN "*.prm")
 endforeach()

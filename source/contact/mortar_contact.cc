@@ -8,14 +8,13 @@
 #include <tombolo/contact/surface_contact.h>
 
 #include <cmath>
+#include <utility>
 
 namespace tombolo
 {
-  MortarSettings::MortarSettings(const Entries &e, const bool has_heat) : FrictionSettings(has_heat)
+  MortarSettings::MortarSettings(const Entries &e, const bool is_tied, const bool has_heat)
+      : FrictionSettings(has_heat)
   {
-    is_tied = e.choice("Type", "touching", "touching|tied",
-                       "`touching`: the bodies push each other, with friction. `tied`: they are "
-                       "one where they meet at the start, also in tension.") == "tied";
     resolves_overlap = e.choice("Initial overlap", "refuse", "refuse|resolve",
                                 "What happens where bodies overlap at the start: `refuse` ends "
                                 "with the depth and the place, `resolve` takes the overlap as it "
@@ -75,11 +74,6 @@ namespace tombolo
 
   namespace
   {
-    /** The largest distance at which faces see each other, over the thickness of the thinner of
-     * their cells: of tied surfaces at the start, and of others, which may be pressed into each
-     * other. In a layer of one cell the far side of a body is one thickness away. */
-    constexpr double reach_of_tied = 0.1, reach_of_touching = 0.75;
-
     /** Negative only where bonded surfaces are apart. */
     template <int dim>
     double pressed_depth(const MortarHistory<dim> &history)
@@ -123,13 +117,15 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  MortarContact<dim>::MortarContact(const Section &section, const bool has_heat,
-                                    const Nodes<dim> &nodes, const NodalState &state,
-                                    const Selector &is_slave, const Selector &is_master)
-      : communicator(nodes.communicator()), settings(section, has_heat),
-        contact_name(section.name()), slaves(nodes, is_slave), masters(nodes, is_master),
-        segments(slaves, masters, settings.is_tied ? reach_of_tied : reach_of_touching,
-                 communicator)
+  MortarContact<dim>::MortarContact(const Section &section,
+                                    std::unique_ptr<const Pairing<dim>> of_faces,
+                                    const bool has_heat, const Nodes<dim> &nodes,
+                                    const NodalState &state, const Selector &is_slave,
+                                    const Selector &is_master)
+      : communicator(nodes.communicator()), pairing(std::move(of_faces)),
+        settings(section, pairing->is_tied(), has_heat), contact_name(section.name()),
+        slaves(nodes, is_slave), masters(nodes, is_master),
+        segments(slaves, masters, *pairing, communicator)
   {
     const auto n_slaves = Utilities::MPI::sum(slaves.faces().size(), communicator);
     const auto n_masters = Utilities::MPI::sum(masters.faces().size(), communicator);
@@ -143,7 +139,7 @@ namespace tombolo
     for (std::size_t f = 0; f < std::min(slaves.faces().size(), masters.faces().size()); ++f)
       n_different += slaves.faces()[f].global_nodes != masters.faces()[f].global_nodes ? 1 : 0;
     is_one_surface = n_slaves == n_masters && Utilities::MPI::sum(n_different, communicator) == 0;
-    if (is_one_surface && settings.is_tied)
+    if (is_one_surface && pairing->is_tied())
       section.fail("Type", "slave and master are the same faces; a surface cannot be tied to "
                            "itself.");
     if (settings.splits_by_effusivity)
@@ -151,10 +147,10 @@ namespace tombolo
     set_partition(state.partition());
     histories.resize(slaves.owned_nodes().size());
     start(section, nodes, state);
-    stiffness.list(records, slaves, masters, !settings.is_tied);
+    stiffness.list(records, slaves, masters, !pairing->is_tied());
     records.sums("heat, work and impulse", totals.friction, totals.damping, totals.conducted,
                  interleaved(totals.impulse, totals.force, dim));
-    NodeHistory::list(records, slaves.owned_nodes(), histories, !settings.is_tied);
+    NodeHistory::list(records, slaves.owned_nodes(), histories, !pairing->is_tied());
   }
 
   template <int dim>
@@ -175,8 +171,6 @@ namespace tombolo
                                  const NodalState &state)
   {
     const NodalVector &position = state.initial_position;
-    if (settings.is_tied)
-      segments.fix(position);
     segments.gather(position, position, nullptr);
     unsigned int n_near = 0;
     for (std::size_t k = 0; k < histories.size(); ++k)
@@ -189,12 +183,12 @@ namespace tombolo
       history.area = segments.area_of(node);
       history.gap =
           -(vector_of<dim>(segments.sums().gap.node(node)) * history.normal) / history.area;
-      history.offset = settings.is_tied ? history.gap : std::max(0., -history.gap);
+      history.offset = pairing->is_tied() ? history.gap : std::max(0., -history.gap);
     }
-    if (settings.is_tied && Utilities::MPI::sum(n_near, communicator) == 0)
+    if (pairing->is_tied() && Utilities::MPI::sum(n_near, communicator) == 0)
       refuse_distance<dim>(section, state, slaves.owned_nodes(), masters.owned_nodes(),
                            communicator);
-    if (settings.is_tied || settings.resolves_overlap)
+    if (pairing->is_tied() || settings.resolves_overlap)
       return;
     std::vector<double> depths;
     for (const NodeHistory &history : histories)
@@ -280,7 +274,7 @@ namespace tombolo
     }
     const double area = segments.area_of(node);
     const Tensor<1, dim> gap = vector_of<dim>(sums.gap.node(node)) / area;
-    if (settings.is_tied)
+    if (pairing->is_tied())
     {
       history.normal = normal;
       history.area = area;

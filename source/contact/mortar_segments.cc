@@ -11,18 +11,15 @@ namespace tombolo
 {
   namespace
   {
-    /** Faces whose normals have a larger cosine do not face each other. */
-    constexpr double largest_cosine = -0.3;
-
     /** The slot of a nodal vector behind the components of a normal. */
     constexpr unsigned int slot_of_depth = node_stride - 1;
   } // namespace
 
   template <int dim>
   MortarSegments<dim>::MortarSegments(const ContactFaces<dim> &slaves,
-                                      const ContactFaces<dim> &masters, const double reach,
+                                      const ContactFaces<dim> &masters, const Pairing<dim> &pairing,
                                       const MPI_Comm communicator)
-      : slaves(slaves), masters(masters), reach(reach), communicator(communicator),
+      : slaves(slaves), masters(masters), pairing(pairing), communicator(communicator),
         exchange(communicator)
   {
     double thinnest = std::numeric_limits<double>::max();
@@ -47,7 +44,7 @@ namespace tombolo
         nodes.insert(nodes.end(), face.nodes.begin(), face.nodes.end());
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    has_pairs = false;
+    has_pairs = has_pairs && pairing.is_tied();
   }
 
   template <int dim>
@@ -74,73 +71,40 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MortarSegments<dim>::make_segment(const FaceCorners<dim> &slave,
-                                         const Tensor<1, dim> &normal,
-                                         const FaceCorners<dim> &master, const double distance,
-                                         Segment &segment) const
+  PairedFace<dim> MortarSegments<dim>::slave_face(const unsigned int number,
+                                                  const NodalVector &position) const
   {
-    Tensor<1, dim> middle;
-    for (const auto &corner : slave)
-      middle += corner / n_corners;
-    double nearest = std::numeric_limits<double>::max(), farthest = -nearest, warp = 0;
-    for (const auto &corner : master)
-    {
-      nearest = std::min(nearest, (corner - middle) * normal);
-      farthest = std::max(farthest, (corner - middle) * normal);
-    }
-    for (const auto &corner : slave)
-      warp = std::max(warp, std::abs((corner - middle) * normal));
-    if (nearest > distance + warp || farthest < -distance - warp)
-      return false;
-    find_overlap(slave, master, overlap);
-    segment.of_slave = {};
-    segment.of_master = {};
-    bool is_empty = true;
-    for (const OverlapPoint<dim> &point : overlap)
-    {
-      Tensor<1, dim> gap;
-      for (unsigned int k = 0; k < n_corners; ++k)
-        gap +=
-            point.of_master[k] * (master[k] - slave[0]) - point.of_slave[k] * (slave[k] - slave[0]);
-      if (!(std::abs(gap * normal) <= distance))
-        continue;
-      is_empty = false;
-      for (unsigned int i = 0; i < n_corners; ++i)
-        for (unsigned int j = 0; j < n_corners; ++j)
-        {
-          segment.of_slave[i][j] += point.weight * point.of_slave[i] * point.of_slave[j];
-          segment.of_master[i][j] += point.weight * point.of_slave[i] * point.of_master[j];
-        }
-    }
-    return !is_empty;
+    const auto &face = slaves.faces()[number];
+    const FaceCorners<dim> corners = slaves.corners(face, position);
+    return {number, face.thickness, corners, face.orientation * area_vector<dim>(corners)};
+  }
+
+  template <int dim>
+  PairedFace<dim> MortarSegments<dim>::master_face(const unsigned int number,
+                                                   const std::vector<double> &of_corners,
+                                                   const unsigned int n_of_corner) const
+  {
+    const auto &face = exchange.masters()[number];
+    PairedFace<dim> result{number, face.thickness, {}, {}};
+    for (unsigned int k = 0; k < n_corners; ++k)
+      result.corners[k] =
+          vector_of<dim>(of_corners.data() + (number * n_corners + k) * n_of_corner);
+    result.area = face.orientation * area_vector<dim>(result.corners);
+    return result;
   }
 
   template <int dim>
   void MortarSegments<dim>::find_segments(const NodalVector &position)
   {
     segments.clear();
-    unsigned int present = static_cast<unsigned int>(-1);
-    FaceCorners<dim> slave;
-    Tensor<1, dim> normal;
-    for (const auto &pair : exchange.pairs())
+    std::vector<PairedFace<dim>> near;
+    const auto &pairs = exchange.pairs();
+    for (auto pair = pairs.begin(); pair != pairs.end();)
     {
-      const auto &face = slaves.faces()[pair.slave];
-      if (pair.slave != present)
-      {
-        present = pair.slave;
-        slave = slaves.corners(face, position);
-        normal = face.orientation * area_vector<dim>(slave);
-        normal /= normal.norm();
-      }
-      const auto &of_master = exchange.masters()[pair.master];
-      const FaceCorners<dim> master = master_corners(pair.master);
-      const Tensor<1, dim> area = of_master.orientation * area_vector<dim>(master);
-      if (area * normal > largest_cosine * area.norm())
-        continue;
-      Segment segment{pair.slave, pair.master, {}, {}};
-      if (make_segment(slave, normal, master, reach * std::min(face.thickness, of_master.thickness),
-                       segment))
-        segments.push_back(segment);
+      const unsigned int slave = pair->slave;
+      for (near.clear(); pair != pairs.end() && pair->slave == slave; ++pair)
+        near.push_back(master_face(pair->master, values, n_values));
+      pairing.find(slave_face(slave, position), near, segments);
     }
   }
 
@@ -151,8 +115,6 @@ namespace tombolo
   {
     const auto &face = slaves.faces()[segment.slave];
     const FaceCorners<dim> corners = slaves.corners(face, position);
-    Tensor<1, dim> normal = face.orientation * area_vector<dim>(corners);
-    normal /= normal.norm();
     const double *const master = values.data() + segment.master * n_corners * n_values;
     for (unsigned int i = 0; i < n_corners; ++i)
     {
@@ -185,9 +147,10 @@ namespace tombolo
       const unsigned int node = face.nodes[i];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        at_slaves.gap.node(node)[d] += gap[d];
+        const double normal = segment.normals[i][d];
+        at_slaves.gap.node(node)[d] += gap[d] - pairing.radius() * scalars[area] * normal;
         at_slaves.motion.node(node)[d] += motion[d];
-        at_slaves.normal.node(node)[d] += scalars[area] * normal[d];
+        at_slaves.normal.node(node)[d] += scalars[area] * normal;
       }
       for (unsigned int s = 0; s < node_stride; ++s)
         at_slaves.scalars.node(node)[s] += scalars[s];
@@ -200,11 +163,19 @@ namespace tombolo
   void MortarSegments<dim>::gather(const NodalVector &position, const NodalVector &last_position,
                                    const NodalVector *const thermal)
   {
-    if (!is_fixed && (!has_pairs || has_moved(position)))
+    const bool are_kept = has_pairs && pairing.is_tied();
+    if (!are_kept && (!has_pairs || has_moved(position)))
       find_pairs(position);
     receive_values(position, last_position, thermal);
-    if (!is_fixed)
+    if (!are_kept)
       find_segments(position);
+    else
+      for (Segment &segment : segments)
+      {
+        Tensor<1, dim> normal = slave_face(segment.slave, position).area;
+        normal /= normal.norm();
+        segment.set_normal(normal);
+      }
     std::vector<NodalVector *> sums = {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal,
                                        &at_slaves.scalars};
     if (sums_effusivity)
@@ -289,6 +260,7 @@ namespace tombolo
   {
     constexpr double relative_step = 1e-6; // of the size of the slave face
     std::vector<double> sent, received;
+    std::vector<Segment> moved;
     for (const unsigned int f : exchange.sent_faces())
       for (const unsigned int node : masters.faces()[f].nodes)
         sent.insert(sent.end(), position.node(node), position.node(node) + dim);
@@ -303,33 +275,32 @@ namespace tombolo
       for (unsigned int i = 0; i < n_corners; ++i)
       {
         normals[i] = vector_of<dim>(pressed.node(face.nodes[i]));
-        depths[i] = pressed.node(face.nodes[i])[slot_of_depth];
+        depths[i] = pressed.node(face.nodes[i])[slot_of_depth] - pairing.radius();
         is_pressed = is_pressed || normals[i].norm_square() > 0.;
       }
       if (!is_pressed)
         continue;
       // About a corner: far from the origin the quotients would lose digits.
-      std::array<FaceCorners<dim>, 2> corners;
-      corners[0] = slaves.corners(face, position);
-      for (unsigned int k = 0; k < n_corners; ++k)
-        corners[1][k] = vector_of<dim>(received.data() + (segment.master * n_corners + k) * dim);
-      const Tensor<1, dim> place = corners[0][0];
-      for (FaceCorners<dim> &side : corners)
-        for (Tensor<1, dim> &corner : side)
+      PairedFace<dim> slave = slave_face(segment.slave, position);
+      std::vector<PairedFace<dim>> master{master_face(segment.master, received, dim)};
+      const std::array<PairedFace<dim> *, 2> sides{{&slave, master.data()}};
+      const Tensor<1, dim> place = slave.corners[0];
+      for (PairedFace<dim> *const side : sides)
+        for (Tensor<1, dim> &corner : side->corners)
           corner -= place;
-      Tensor<1, dim> direction = face.orientation * area_vector<dim>(corners[0]);
-      const double step = relative_step * std::pow(direction.norm(), 1. / (dim - 1));
-      direction /= direction.norm();
-      const double distance = reach * std::min(face.thickness, of_master.thickness);
+      const double step = relative_step * std::pow(slave.area.norm(), 1. / (dim - 1));
       const auto integrals = [&]
       {
-        Segment moved{};
-        make_segment(corners[0], direction, corners[1], distance, moved);
+        slave.area = face.orientation * area_vector<dim>(slave.corners);
+        master[0].area = of_master.orientation * area_vector<dim>(master[0].corners);
+        moved.clear();
+        pairing.find(slave, master, moved);
         std::array<double, n_corners> result{};
-        for (unsigned int i = 0; i < n_corners; ++i)
-          for (unsigned int j = 0; j < n_corners; ++j)
-            result[i] += moved.of_master[i][j] * (corners[1][j] * normals[i]) -
-                         moved.of_slave[i][j] * (corners[0][j] * normals[i] + depths[i]);
+        for (const Segment &pair : moved)
+          for (unsigned int i = 0; i < n_corners; ++i)
+            for (unsigned int j = 0; j < n_corners; ++j)
+              result[i] += pair.of_master[i][j] * (master[0].corners[j] * normals[i]) -
+                           pair.of_slave[i][j] * (slave.corners[j] * normals[i] + depths[i]);
         return result;
       };
       for (const unsigned int side : {0u, 1u})
@@ -338,7 +309,7 @@ namespace tombolo
           std::array<Tensor<1, dim>, n_corners> shifts;
           for (unsigned int d = 0; d < dim; ++d)
           {
-            double &coordinate = corners[side][k][d];
+            double &coordinate = sides[side]->corners[k][d];
             const double middle = coordinate;
             coordinate = middle + step;
             const auto after = integrals();

@@ -124,6 +124,11 @@ class CheckLayersTest(unittest.TestCase):
         # 100 + 404 + 52 lines.
         self.assertEqual(self.violations(project(44)), [])
         self.assert_only(project(45), "include/tombolo/base/a.h:1: A has 601 lines over all its files, more than 600")
+        several = project(44)
+        several["include/tombolo/base/other.h"] = "template <>\nstruct A<int>\n{};\n"
+        self.assertEqual(self.violations(several), [])
+        several["include/tombolo/base/other.h"] = several["include/tombolo/base/other.h"].replace("<int>", "")
+        self.assertEqual(len(self.violations(several)), 1)
 
     def test_lines_of_another_class_in_a_file_do_not_count(self):
         header = "class A\n{\n  void f();\n};\nclass B\n{\n  void f();\n};\n"

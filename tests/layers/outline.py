@@ -22,6 +22,7 @@ BLANKED = re.compile(
     r"|(?<![0-9a-fA-F])'(?:\\.|[^'\\\n])+'"
     r'|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*', re.S | re.M)
 CLASS_KEY = re.compile(r"(?:class|struct|union)\b\s*((?:\w+\s*::\s*)*\w*)")
+VERSION = re.compile(r"(?:class|struct|union) (\w+) ?(<[^:]*>)$")
 NO_DATA = re.compile(r"(?:using|typedef|friend|static_assert|static|enum|extern|template|operator|virtual)\b")
 ACCESS = re.compile(r"\s*(?:public|protected|private)\s*:(?!:)")
 # What may stand between the parameters of a constructor and its body, if that is not the body.
@@ -155,7 +156,11 @@ class Outline:
             return Scope("namespace", scope.names, first)
         match = CLASS_KEY.match(plain)
         if match and "(" not in plain and not re.search(r"(?<![=!<>])=(?!=)", plain):
-            return Scope("class", scope.names + tuple(re.findall(r"\w+", match.group(1)) or ["(unnamed)"]), first)
+            names = re.findall(r"\w+", match.group(1)) or ["(unnamed)"]
+            version = VERSION.search(" ".join(statement.split()))  # a class of its own
+            if version and names == version.group(1).split():
+                names = ["".join(version.groups())]
+            return Scope("class", scope.names + tuple(names), first)
         parts = declarators(plain)
         before = parts[0]
         is_value = ("(" not in before or plain.startswith("enum") or ",".join(parts) != plain

@@ -21,7 +21,7 @@ add_test(NAME install_to_a_prefix
 set_tests_properties(install_to_a_prefix PROPERTIES FIXTURES_SETUP installed_prefix)
 
 # Projects of their own, which find it, build a plug-in and run it.
-foreach(kind formulation material process)
+foreach(kind formulation material process pairing)
   set(plugin_source ${PROJECT_SOURCE_DIR}/tests/plugin_${kind})
   add_test(NAME plugin_a_${kind}_from_outside
     COMMAND ${TOMBOLO_PYTHON} -B ${plugin_source}/check.py ${PROJECT_BINARY_DIR}/tests/prefix

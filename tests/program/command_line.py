@@ -86,7 +86,7 @@ class Options(Case):
         lines = self.run_program("--list-plugins").splitlines()
         for plugin in ("formulation: hexahedron - ", "formulation: momentum consistent particle - ",
                        "kernel: cubic spline - ", "kernel: quintic spline - ", "material: elastic - ",
-                       "mesh: box - ", "mesh: file - "):
+                       "mesh: box - ", "mesh: file - ", "pairing: tied - ", "pairing: touching - "):
             found = [line for line in lines if line.startswith(plugin)]
             self.assertEqual(len(found), 1, plugin)
             self.assertGreater(len(found[0]), len(plugin) + 10)

@@ -118,11 +118,11 @@ namespace tombolo
                                     MPI_Comm communicator);
   };
 
-  /** The entries of a section "Body contact: NAME", without those that choose the faces. */
+  /** The law of a section "Body contact: NAME". */
   struct MortarSettings : FrictionSettings
   {
-    /** Throws InputError. */
-    MortarSettings(const Entries &e, bool has_heat = true);
+    /** Of a pairing that @p is_tied or not. Throws InputError. */
+    MortarSettings(const Entries &e, bool is_tied = false, bool has_heat = true);
 
     /** Whether heat passes from one body to the other. */
     bool conducts() const
@@ -143,7 +143,6 @@ namespace tombolo
       return std::min(friction.value(temperature) * pressure, shear_limit);
     }
 
-    bool is_tied = false;
     bool resolves_overlap = false; ///< the overlap at the start is without force
     double stiffness;              ///< α: of the mass over the square of the stable step
     ContactLaw law;                ///< with dampers
@@ -153,8 +152,8 @@ namespace tombolo
   };
 
   /**
-   * Contact between the surfaces of two bodies by a mortar with penalty springs. Each slave node I
-   * has the normalized gap, with the weights of MortarSegments and the averaged normal n_I,
+   * Contact between the surfaces of two bodies by penalty springs. Each slave node I has the
+   * normalized gap, with the weights of a Pairing and the averaged normal n_I,
    *
    * @verbatim
    *   g_I = n_I · (Σ_L w^m_IL x_L - Σ_J w^s_IJ x_J) / A_I,   p_I = κ <-g_I> + damping
@@ -178,8 +177,9 @@ namespace tombolo
 
     /** Takes the faces that the selectors choose. Throws InputError where a side has none, or where
      * the bodies overlap at the start, or tied ones are apart. Collective. */
-    MortarContact(const Section &section, bool has_heat, const Nodes<dim> &nodes,
-                  const NodalState &state, const Selector &is_slave, const Selector &is_master);
+    MortarContact(const Section &section, std::unique_ptr<const Pairing<dim>> pairing,
+                  bool has_heat, const Nodes<dim> &nodes, const NodalState &state,
+                  const Selector &is_slave, const Selector &is_master);
 
     /** Translates node numbers to those of @p partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
@@ -246,7 +246,7 @@ namespace tombolo
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
     double stable_fraction() const
     {
-      return (settings.is_tied ? settings.bond : settings.law).stable_fraction();
+      return (pairing->is_tied() ? settings.bond : settings.law).stable_fraction();
     }
 
     /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
@@ -278,7 +278,7 @@ namespace tombolo
 
     bool is_tied() const
     {
-      return settings.is_tied;
+      return pairing->is_tied();
     }
     const ContactLaw &law() const
     {
@@ -351,6 +351,7 @@ namespace tombolo
     }
 
     MPI_Comm communicator;
+    std::unique_ptr<const Pairing<dim>> pairing;
     MortarSettings settings;
     std::string contact_name;
     ContactFaces<dim> slaves, masters;

@@ -4,29 +4,20 @@
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/pairing.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
 
-#include <array>
 #include <memory>
 #include <vector>
 
 namespace tombolo
 {
   /**
-   * The segments of the mortar between two surfaces and its integrals. With the shape functions N
-   * of both sides at the same points of their common part,
-   *
-   * @verbatim
-   *   w^s_IJ = ∫ N^s_I N^s_J dA,   w^m_IL = ∫ N^s_I N^m_L dA,   Σ_J w^s_IJ = Σ_L w^m_IL = A_I
-   * @endverbatim
-   *
-   * gather() finds sums for slave nodes I, scatter() applies the transpose to tractions, so that
-   * forces on both sides have the sum zero to round-off.
-   *
-   * Points count where slave and master face each other and their distance along the normal of the
-   * slave is at most @p reach times the thickness of the thinner of the cells behind the faces.
+   * Sums of a pairing of two surfaces: with the weights w^s_IJ, w^m_IL and the areas A_I of its
+   * pairs of faces, gather() finds sums for slave nodes I, scatter() applies the transpose to
+   * tractions, so that forces on both sides have the sum zero to round-off.
    */
   template <int dim>
   class MortarSegments
@@ -60,9 +51,9 @@ namespace tombolo
       effusivity
     };
 
-    /** The faces must outlive this. */
-    MortarSegments(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters, double reach,
-                   MPI_Comm communicator);
+    /** What is referred to must outlive this. */
+    MortarSegments(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
+                   const Pairing<dim> &pairing, MPI_Comm communicator);
 
     /** Finds the sums of effusivities as well. Before set_partition(). */
     void split_by_effusivity()
@@ -73,18 +64,9 @@ namespace tombolo
     /** Translates node numbers to those of @p partition; the faces have it. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
-    /** Finds the segments in these positions and keeps them. Collective. */
-    void fix(const NodalVector &position)
-    {
-      find_pairs(position);
-      receive_values(position, position, nullptr);
-      find_segments(position);
-      is_fixed = true;
-    }
-
-    /** Finds sums() with the segments in these positions, or the fixed ones, and the motion since
-     * @p last_position. All arguments have current ghosts; @p thermal is null without heat.
-     * Collective. */
+    /** Finds sums() with the segments in these positions, or those of the first call where the
+     * pairing is tied, and the motion since @p last_position. All arguments have current ghosts;
+     * @p thermal is null without heat. Collective. */
     void gather(const NodalVector &position, const NodalVector &last_position,
                 const NodalVector *thermal);
 
@@ -136,13 +118,7 @@ namespace tombolo
 
   private:
     static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;
-    using Weights = std::array<std::array<double, n_corners>, n_corners>;
-
-    struct Segment
-    {
-      unsigned int slave, master;
-      Weights of_slave, of_master; ///< w^s_IJ, w^m_IL of this pair
-    };
+    using Segment = FacePair<dim>;
 
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
     bool has_moved(const NodalVector &position) const
@@ -156,7 +132,7 @@ namespace tombolo
     }
     void find_pairs(const NodalVector &position)
     {
-      exchange.find_pairs(slaves, masters, position, reach, margin);
+      exchange.find_pairs(slaves, masters, position, pairing.reach(), margin + pairing.radius());
       position_of_pairs.copy_from(position);
       has_pairs = true;
     }
@@ -165,29 +141,24 @@ namespace tombolo
     void receive_values(const NodalVector &position, const NodalVector &last_position,
                         const NodalVector *thermal);
     void find_segments(const NodalVector &position);
-    bool make_segment(const FaceCorners<dim> &slave, const dealii::Tensor<1, dim> &normal,
-                      const FaceCorners<dim> &master, double distance, Segment &segment) const;
-    FaceCorners<dim> master_corners(const unsigned int master) const
-    {
-      FaceCorners<dim> result;
-      for (unsigned int k = 0; k < n_corners; ++k)
-        result[k] = vector_of<dim>(values.data() + (master * n_corners + k) * n_values);
-      return result;
-    }
+    PairedFace<dim> slave_face(unsigned int number, const NodalVector &position) const;
+    /** With @p n_of_corner values for each corner of a master, the first of which are positions. */
+    PairedFace<dim> master_face(unsigned int number, const std::vector<double> &of_corners,
+                                unsigned int n_of_corner) const;
     void add_segment(const Segment &segment, const NodalVector &position,
                      const NodalVector &last_position, const NodalVector *thermal);
 
     const ContactFaces<dim> &slaves, &masters;
-    double reach, margin;
+    const Pairing<dim> &pairing;
+    double margin;
     MPI_Comm communicator;
     FaceExchange<dim> exchange;
-    mutable std::vector<OverlapPoint<dim>> overlap; ///< a buffer
     std::vector<Segment> segments;
     Sums at_slaves;
     NodalVector position_of_pairs;   ///< where nodes were when the pairs were found
     std::vector<unsigned int> nodes; ///< local ones on any face, ascending
     unsigned int n_values = 0;       ///< of a corner of a master
     std::vector<double> sent_values, values, returned; // buffers
-    bool is_fixed = false, has_pairs = false, sums_effusivity = false;
+    bool has_pairs = false, sums_effusivity = false;
   };
 } // namespace tombolo

@@ -325,7 +325,6 @@ namespace tombolo
   public:
     explicit BondFailureProcess(Model<dim> &model) : redistribution(model)
     {
-      this->roles.rest = ProcessRole::is_idle; // bonds stay those of the start
       model.stencils_change_for_good = true;
       model.signals.rows_changed.connect(
           [this, &model]

@@ -60,7 +60,7 @@ namespace tombolo
 
     template <int dim>
     typename MortarContact<dim>::Selector selector(const Section &section, const std::string &side,
-                                                   const Model<dim> &model)
+                                                   const Model<dim> &model, const bool is_tied)
     {
       const std::set<unsigned int> parts = parts_of_entry(section, side + " parts", model.parts);
       std::set<types::boundary_id> boundaries;
@@ -73,8 +73,7 @@ namespace tombolo
             std::any_of(model.parts.begin(), model.parts.end(),
                         [&](const Part<dim> &other) { return other.source == p; });
         if ((parts.empty() || parts.count(p) > 0) &&
-            (gives_particles ||
-             (section.get("Type") == "tied" && part.formulation->can_lose_cells())))
+            (gives_particles || (is_tied && part.formulation->can_lose_cells())))
           section.fail(side + " parts",
                        "cells of the part \"" + part.name +
                            (gives_particles ? "\" become particles, which have no faces"
@@ -217,11 +216,13 @@ namespace tombolo
         if (model.degree > 1)
           section.fail("", "elements have degree " + std::to_string(model.degree) +
                                "; contact between bodies needs degree 1.");
-        selectors.push_back(
-            {{selector(section, "Slave", model), selector(section, "Master", model)}});
+        auto pairing = Pairing<dim>::create(section);
+        const bool is_tied = pairing->is_tied();
+        selectors.push_back({{selector(section, "Slave", model, is_tied),
+                              selector(section, "Master", model, is_tied)}});
         members.push_back(std::make_unique<MortarContact<dim>>(
-            section, heat != nullptr, *model.nodes, model.state, selectors.back()[0],
-            selectors.back()[1]));
+            section, std::move(pairing), heat != nullptr, *model.nodes, model.state,
+            selectors.back()[0], selectors.back()[1]));
         refuse_common_nodes(section, *members.back(), model);
         this->records.group("body contact " + section.name(), members.back()->records);
       }
@@ -434,6 +435,7 @@ namespace tombolo
                    "Names of the boundaries with the faces of this side, separated by commas; "
                    "empty for all boundaries of the parts.");
           }
+          Pairing<dim>::create(e);
           declare<MortarSettings>(e);
         }
       }
@@ -455,7 +457,7 @@ namespace tombolo
           const std::vector<std::string> rigid = parameters.raw_list("Contacts");
           if (std::find(rigid.begin(), rigid.end(), section.name()) != rigid.end())
             section.fail("", "an entry of `Contacts` has the same name; allowed is another one.");
-          MortarSettings settings(section, has_heat);
+          MortarSettings settings(section, Pairing<dim>::create(section)->is_tied(), has_heat);
           check_side(section, "Slave", parts);
           check_side(section, "Master", parts);
         }

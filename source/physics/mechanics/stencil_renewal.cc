@@ -30,7 +30,6 @@ namespace tombolo
     StencilRenewal(const bool breaks, const bool renews, Model<dim> &model)
         : breaks(breaks), renews(renews)
     {
-      this->roles.rest = ProcessRole::is_idle; // rows stay those of the start
       this->records.group("renewal of stencils").sums("taken", taken_by_breaks, taken_by_renewals);
       model.signals.change.connect([this, &model] { prepare_change(model); });
       if (breaks)

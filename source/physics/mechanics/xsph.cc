@@ -40,7 +40,6 @@ namespace tombolo
       this->observed.energy("XSPH in contacts", EnergyKind::artificial, in_contacts);
       this->observed.column("XSPH work", "M L^2/T^2",
                             [&] { return ordered_sum(work, model.communicator); });
-      this->roles.rest = ProcessRole::is_idle;
       this->roles.divided_cells = ProcessRole::is_refused;
     }
 

@@ -80,7 +80,6 @@ namespace tombolo
     MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model)
         : section(section), settings(settings), communicator(model.communicator)
     {
-      this->roles.rest = ProcessRole::is_idle;
       this->roles.divided_cells = ProcessRole::is_refused;
       this->records.group("mass scaling").sums("work", work);
       this->observed.audit.connect([this, &model](std::ostream &text) { describe(model, text); });
