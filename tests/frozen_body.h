@@ -285,7 +285,7 @@ namespace tombolo
     private:
       using Matrix = dealii::FullMatrix<double>;
 
-      static constexpr double amplitude = 1e-10;
+      static constexpr double amplitude = 1e-10, amplitude_of_probes = 1e-5;
 
       void reset()
       {
@@ -317,45 +317,67 @@ namespace tombolo
         viscous.add(-1e-3, elastic);
       }
 
-      /** √M̂ (s K + C) √M̂⁻¹ for the step s behind. */
+      /** √M̂ (s K + C) √M̂⁻¹ for the step s behind, from motions of both signs. */
       void probe(const double step_behind, Matrix &matrix)
       {
         matrix = 0.;
         const auto &partition = *model->state.partition();
-        NodalVector &v_hat = model->state.unsmoothed_velocity;
         Clock clock;
         clock.previous_step = clock.next_step = step_behind;
         for (unsigned int node = 0; node < partition.n_global(); ++node)
           for (unsigned int d = 0; d < dim; ++d)
-          {
-            reset();
-            // Prescribed components do not move: their columns stay empty.
-            const auto &constrained = model->conditions->constrained_components();
-            const bool is_mine =
-                partition.owned().is_element(node) &&
-                (constrained.empty() || !((constrained[partition.local_index(node)] >> d) & 1u));
-            double root = 0;
-            if (is_mine)
+            for (const double sign : {1., -1.})
             {
-              const unsigned int i = partition.local_index(node);
-              root = std::sqrt(*model->bridge->mass().node(i));
-              v_hat.node(i)[d] = amplitude / root;
+              const NodalVector &change = response_to(node, d, sign, clock);
+              for (unsigned int i = 0; i < partition.n_owned(); ++i)
+                for (unsigned int c = 0; c < dim; ++c)
+                  matrix(static_cast<unsigned int>(partition.global_index(i)) * dim + c,
+                         node * dim + d) -= sign * change.node(i)[c] *
+                                            std::sqrt(*model->bridge->mass().node(i)) /
+                                            (2. * amplitude_of_probes * step_behind);
             }
-            v_hat.update_ghosts();
-            step->evaluate(clock);
-            step->complete(clock);
-            step->advance(clock);
-            if (is_mine)
-              v_hat.node(partition.local_index(node))[d] -= amplitude / root;
-            for (unsigned int i = 0; i < partition.n_owned(); ++i)
-              for (unsigned int c = 0; c < dim; ++c)
-                matrix(static_cast<unsigned int>(partition.global_index(i)) * dim + c,
-                       node * dim + d) = -v_hat.node(i)[c] *
-                                         std::sqrt(*model->bridge->mass().node(i)) /
-                                         (amplitude * step_behind);
-          }
         MPI_Allreduce(MPI_IN_PLACE, &matrix(0, 0), static_cast<int>(matrix.m() * matrix.n()),
                       MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+      }
+
+      /** By how much a step changes v̂, which is zero but for the component @p d of @p node; x has
+       * moved with it where it moves with v. */
+      const NodalVector &response_to(const unsigned int node, const unsigned int d,
+                                     const double sign, const Clock &clock)
+      {
+        const auto &partition = *model->state.partition();
+        NodalVector &v_hat = model->state.unsmoothed_velocity;
+        reset();
+        // Prescribed components do not move: their columns stay empty.
+        const auto &constrained = model->conditions->constrained_components();
+        const bool is_mine =
+            partition.owned().is_element(node) &&
+            (constrained.empty() || !((constrained[partition.local_index(node)] >> d) & 1u));
+        double value = 0;
+        if (is_mine)
+        {
+          const unsigned int i = partition.local_index(node);
+          value = sign * amplitude_of_probes / std::sqrt(*model->bridge->mass().node(i));
+          v_hat.node(i)[d] = value;
+        }
+        v_hat.update_ghosts();
+        const auto operators = model->bridge->operators();
+        if (operators == Bridge::Operators::affine || operators == Bridge::Operators::identity)
+        {
+          model->bridge->apply_smoothing(v_hat, model->state.velocity);
+          for (unsigned int i = 0; i < partition.n_owned(); ++i)
+            for (unsigned int c = 0; c < dim; ++c)
+              model->state.position.node(i)[c] +=
+                  clock.previous_step * model->state.velocity.node(i)[c];
+          model->state.position.distribute();
+          model->bridge->positions_have_changed();
+        }
+        step->evaluate(clock);
+        step->complete(clock);
+        step->advance(clock);
+        if (is_mine)
+          v_hat.node(partition.local_index(node))[d] -= value;
+        return v_hat;
       }
 
       static double largest_eigenvalue(const Matrix &matrix)

@@ -30,7 +30,7 @@ def transform_in_plate(smoothing, time_step, frequency):
     n_steps = math.ceil(END_TIME / time_step)
     with tempfile.TemporaryDirectory() as directory:
         run = Scene({
-            "Dimension": 2, "End time": repr(n_steps * time_step),
+            "Dimension": 2, "End time": n_steps * time_step,
             "Output directory": directory + "/plate", "Parts": "a, b", "Materials": "m",
             "Initial conditions": "burst",
             "Mesh": {"Type": "box", "box": {
@@ -42,7 +42,7 @@ def transform_in_plate(smoothing, time_step, frequency):
                 "Density": 1, "Young's modulus": 1, "Poisson's ratio": 0}},
             "Initial condition: burst": {
                 "Velocity": f"if({place} > 0 && {place} < 1, {burst}, 0); 0"},
-            "Time step": {"Fixed": repr(time_step)},
+            "Time step": {"Fixed": time_step},
             "Output": {"Write solution": False, "Number": 1,
                        "probes": {"Locations": "station: -9, 80"}},
         }).run()

@@ -195,10 +195,11 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
 
 TEST(CellAverages, the_estimate_of_the_stable_step_is_the_limit)
 {
-  for (const std::string smoothing : {"affine", "none"})
+  for (const std::string options :
+       {"affine", "none", "affine\nset Dilatation = of cells", "none\nset Dilatation = of cells"})
   {
-    SCOPED_TRACE(smoothing);
-    FrozenBody<2> body(disordered(2, "particles", smoothing));
+    SCOPED_TRACE(options);
+    FrozenBody<2> body(disordered(2, "particles", options));
     const double limit = body.limit_by_eigenvalues();
     const double estimate = body.estimator->estimate(*body.model).time_step;
     EXPECT_GE(limit, 0.9999 * estimate);
