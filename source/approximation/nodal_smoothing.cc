@@ -2,7 +2,7 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/base/simd/cross_product.h>
 #include <tombolo/base/simd/unroll.h>
 
 #include <cmath>
@@ -48,14 +48,6 @@ namespace tombolo
           z += value * axes.offset(other, 2);
         }
       };
-
-      TOMBOLO_ALWAYS_INLINE NodeLanes cross_product(const NodeLanes &a, const NodeLanes &b)
-      {
-        const NodeLanes a_next = permute<1, 2, 0, 3>(a);
-        const NodeLanes b_next = permute<1, 2, 0, 3>(b);
-        const NodeLanes c = a * b_next - a_next * b;
-        return permute<1, 2, 0, 3>(c);
-      }
 
       [[noreturn]] void throw_singular(const double *place)
       {

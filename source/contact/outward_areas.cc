@@ -1,10 +1,38 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/outward_areas.h>
 
+#include <tombolo/base/simd/cross_product.h>
+
 #include <algorithm>
 
 namespace tombolo
 {
+  namespace
+  {
+    /** Adds ∫ N_k n dA of a bilinear face to the sums of its four @p nodes, times @p orientation:
+     * with x = m + ξ a + η b + ξη c its normal is a × b + ξ a × c + η c × b. */
+    void add_bilinear(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                      const double orientation, NodalVector &sums)
+    {
+      NodeLanes x[4];
+      for (unsigned int k = 0; k < 4; ++k)
+        x[k] = load_node(position.node(nodes[k]));
+      const NodeLanes a = 0.25 * ((x[1] - x[0]) + (x[3] - x[2])),
+                      b = 0.25 * ((x[2] - x[0]) + (x[3] - x[1])),
+                      c = 0.25 * ((x[0] - x[1]) + (x[3] - x[2]));
+      const NodeLanes mean = orientation * cross_product(a, b),
+                      along_first = (orientation / 3.) * cross_product(a, c),
+                      along_second = (orientation / 3.) * cross_product(c, b);
+      for (unsigned int k = 0; k < 4; ++k)
+      {
+        double *const sum = sums.node(nodes[k]);
+        store_node(load_node(sum) + mean + (k % 2 == 1 ? along_first : -along_first) +
+                       (k / 2 == 1 ? along_second : -along_second),
+                   sum);
+      }
+    }
+  } // namespace
+
   template <int dim>
   OutwardAreas<dim>::OutwardAreas(const Nodes<dim> &nodes,
                                   const std::set<types::boundary_id> &boundaries)
@@ -113,8 +141,11 @@ namespace tombolo
            [&]
            {
              for (const Face &face : faces)
-               for (unsigned int q = 0; q < shapes.weights.size() && face.counts; ++q)
-                 add(face, q);
+               if (dim == 3 && shapes.n_nodes == 4 && face.counts)
+                 add_bilinear(position, face.nodes, face.orientation, sums);
+               else
+                 for (unsigned int q = 0; q < shapes.weights.size() && face.counts; ++q)
+                   add(face, q);
            });
   }
 

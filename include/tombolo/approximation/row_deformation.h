@@ -4,6 +4,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/approximation/stencils.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <cmath>
@@ -37,19 +38,33 @@ namespace tombolo
                           const NodalVector &position)
   {
     const Stencils::Row of_row = shape.row(row);
-    const dealii::Tensor<2, dim> deformation = row_deformation<dim>(shape, row, position);
-    if (!(determinant(deformation) > 0.))
-      return std::numeric_limits<double>::infinity();
-    const dealii::Tensor<2, dim> inverse = invert(deformation);
-    double squared = 0;
+    const NodeLanes own = load_node(position.node(shape.particle_node[row]));
+    NodeLanes deformation[dim], moment[dim]; // F and Σ_J ∇φ_J ⊗ ∇φ_J, by columns
+    for (unsigned int b = 0; b < dim; ++b)
+      deformation[b] = moment[b] = 0.;
     for (unsigned int k = 0; k < of_row.size; ++k)
-      for (unsigned int a = 0; a < dim; ++a)
+    {
+      const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
+      const NodeLanes all = load_node(gradient),
+                      offset = load_node(position.node(of_row.neighbour[k])) - own;
+      for (unsigned int b = 0; b < dim; ++b)
       {
-        double component = 0;
-        for (unsigned int b = 0; b < dim; ++b)
-          component += inverse[b][a] * of_row.gradient[k * Stencils::n_gradient + b];
-        squared += component * component;
+        deformation[b] += offset * gradient[b];
+        moment[b] += all * gradient[b];
       }
+    }
+    dealii::Tensor<2, dim> of_columns;
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        of_columns[a][b] = deformation[b][a];
+    if (!(determinant(of_columns) > 0.))
+      return std::numeric_limits<double>::infinity();
+    const dealii::Tensor<2, dim> inverse = invert(of_columns);
+    double squared = 0;
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        for (unsigned int c = 0; c < dim; ++c)
+          squared += inverse[b][a] * inverse[c][a] * moment[b][c];
     return std::sqrt(squared);
   }
 } // namespace tombolo

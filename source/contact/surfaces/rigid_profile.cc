@@ -36,7 +36,7 @@ namespace tombolo
 
     double length(const Place &a)
     {
-      return std::hypot(a.r, a.z);
+      return std::sqrt(dot(a, a));
     }
 
     Place unit(const Place &a)
