@@ -336,6 +336,23 @@ def at_one_temperature(constants, temperature, remarks):
     return result
 
 
+def tabular_over_rates(rows):
+    """Of (strain rate, points of a curve): a table over all their strains, constant beyond a curve's end."""
+    strains = sorted({strain for _, points in rows for strain, _ in points})
+    return {"Flow stress": "tabular", "tabular": {
+        "Plastic strains": ", ".join(map(number, strains)),
+        "Strain rates": ", ".join(number(rate) for rate, _ in rows),
+        "Flow stresses": "; ".join(", ".join(number(at(points, strain)) for strain in strains) for _, points in rows)}}
+
+
+def at(points, x):
+    """Linear between points, constant beyond them."""
+    for (before, value), (after, next_value) in zip(points, points[1:]):
+        if x < after:
+            return value if x <= before else value + (next_value - value) * (x - before) / (after - before)
+    return points[-1][1]
+
+
 def tabular(points):
     return {"Flow stress": "tabular", "tabular": {
         "Plastic strains": ", ".join(number(strain) for strain, _ in points),

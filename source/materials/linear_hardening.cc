@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/materials/flow_stress.h>
+#include <tombolo/materials/cowper_symonds.h>
 
 namespace tombolo
 {
-  /** σ_y = Y + H ε_p. */
+  /** σ_y = Y + H ε_p, times the factor of CowperSymonds. */
   class LinearHardening : public FlowStress
   {
   public:
@@ -16,6 +16,7 @@ namespace tombolo
           e.number("Hardening modulus", "0", zero_or_positive(), "M/(L T^2)",
                    "Slope $H$ of the flow stress over the effective plastic strain, "
                    "zero for perfect plasticity.");
+      rate_factor = CowperSymonds(e);
     }
 
     bool depends_on_temperature() const override
@@ -31,11 +32,13 @@ namespace tombolo
         batch.flow_stress[i] = yield_stress + hardening_modulus * batch.plastic_strain[i];
         batch.slope[i] = hardening_modulus;
       }
+      rate_factor.apply(batch);
     }
 
   private:
     double yield_stress;      // Y [M/(L T^2)]
     double hardening_modulus; // H [M/(L T^2)]
+    CowperSymonds rate_factor;
   };
 
   TOMBOLO_REGISTER(FlowStress, LinearHardening, "linear hardening",

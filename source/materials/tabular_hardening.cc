@@ -2,7 +2,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/materials/flow_stress.h>
+#include <tombolo/materials/cowper_symonds.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -43,7 +43,8 @@ namespace tombolo
   } // namespace
 
   /** A flow stress interpolated linearly in a table over the effective plastic strain and, where
-   * the table has more than one row, the temperature; constant beyond its ends. */
+   * the table has more than one row, the temperature or the plastic strain rate; constant beyond
+   * its ends. */
   class TabularHardening : public FlowStress
   {
   public:
@@ -54,25 +55,36 @@ namespace tombolo
       e.text("Temperatures", "", "",
              "Temperatures of the rows, increasing, separated by commas; empty for a table of one "
              "row that holds at all temperatures.");
+      e.text("Strain rates", "", "1/T",
+             "Plastic strain rates of the rows, increasing, in the place of temperatures.");
       e.text(
           "Flow stresses", mandatory, "M/(L T^2)",
           "The table: flow stresses of a row separated by commas, rows separated by semicolons.");
+      rate_factor = CowperSymonds(e);
       if (e.declares())
         return;
       const Section &section = e.section();
       strains = section.get_doubles("Plastic strains");
-      temperatures = section.get_doubles("Temperatures");
+      over_rates = !section.get_doubles("Strain rates").empty();
+      const std::string of_rows = over_rates ? "Strain rates" : "Temperatures";
+      if (over_rates && !section.get_doubles("Temperatures").empty())
+        section.fail("Strain rates", "rows are over the temperature or over the rate: empty "
+                                     "`Temperatures`, or this entry.");
+      if (over_rates && rate_factor.is_on())
+        section.fail("Cowper-Symonds rate", "the table has `Strain rates` already: one of both.");
+      knots_of_rows = section.get_doubles(of_rows);
       if (strains.empty() || strains.front() != 0.)
         section.fail("Plastic strains", "allowed are numbers that increase from 0.");
       check_increasing(section, "Plastic strains", strains);
-      check_increasing(section, "Temperatures", temperatures);
+      check_increasing(section, of_rows, knots_of_rows);
 
       const std::vector<std::vector<double>> rows = read_rows(section, "Flow stresses");
-      const std::size_t n_rows = temperatures.empty() ? 1 : temperatures.size();
+      const std::size_t n_rows = knots_of_rows.empty() ? 1 : knots_of_rows.size();
       if (rows.size() != n_rows)
         section.fail("Flow stresses", "found " + std::to_string(rows.size()) +
                                           " rows, separated by semicolons; needed are " +
-                                          std::to_string(n_rows) + ", one a temperature.");
+                                          std::to_string(n_rows) +
+                                          (over_rates ? ", one a rate." : ", one a temperature."));
       for (std::size_t r = 0; r < n_rows; ++r)
       {
         const std::vector<double> &row = rows[r];
@@ -90,48 +102,59 @@ namespace tombolo
       }
       if (strains.size() == 1)
         strains.push_back(1.);
-      if (temperatures.size() == 1)
-      {
-        // One row holds at all temperatures.
-        temperatures.clear();
-      }
+      if (knots_of_rows.size() == 1) // it holds everywhere
+        knots_of_rows.clear();
     }
 
     bool depends_on_temperature() const override
     {
-      return !temperatures.empty();
+      return !knots_of_rows.empty() && !over_rates;
     }
 
     void evaluate(const FlowStressBatch &batch) const override
     {
-      if (temperatures.empty())
-        interpolate<false>(batch);
+      if (knots_of_rows.empty())
+        interpolate<Rows::one>(batch);
+      else if (over_rates)
+        interpolate<Rows::over_rates>(batch);
       else
-        interpolate<true>(batch);
+        interpolate<Rows::over_temperatures>(batch);
+      rate_factor.apply(batch);
     }
 
   private:
-    template <bool with_temperature>
+    enum class Rows
+    {
+      one,
+      over_temperatures,
+      over_rates
+    };
+
+    template <Rows rows>
     void interpolate(const FlowStressBatch &batch) const
     {
       const double *const strain_knots = strains.data();
-      const double *const temperature_knots = temperatures.data();
+      const double *const row_knots = knots_of_rows.data();
       const double *const table = values.data();
       const auto n_strains = static_cast<int>(strains.size());
-      const auto n_temperatures = static_cast<int>(temperatures.size());
+      const auto n_rows = static_cast<int>(knots_of_rows.size());
       for (unsigned int begin = 0; begin < batch.n; begin += n_lanes)
       {
         const double *const p = batch.plastic_strain + begin;
-        const double *const t = with_temperature ? batch.temperature + begin : nullptr;
+        double t[n_lanes]; // where the rows are asked for
+        for (unsigned int lane = 0; lane < n_lanes && rows != Rows::one; ++lane)
+          t[lane] = rows == Rows::over_rates
+                        ? batch.increment[begin + lane] * batch.inverse_time_increment
+                        : batch.temperature[begin + lane];
         // The intervals, found by counting: all lanes walk the table together.
         long long column[n_lanes] = {}, row[n_lanes] = {};
         for (int k = 1; k < n_strains - 1; ++k)
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
             column[lane] += p[lane] >= strain_knots[k] ? 1 : 0;
-        if constexpr (with_temperature)
-          for (int k = 1; k < n_temperatures - 1; ++k)
+        if constexpr (rows != Rows::one)
+          for (int k = 1; k < n_rows - 1; ++k)
             for (unsigned int lane = 0; lane < n_lanes; ++lane)
-              row[lane] += t[lane] >= temperature_knots[k] ? 1 : 0;
+              row[lane] += t[lane] >= row_knots[k] ? 1 : 0;
 
 #pragma GCC ivdep
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
@@ -145,18 +168,19 @@ namespace tombolo
           const double *const lower = table + row[lane] * n_strains + j;
           double value = (1. - weight) * lower[0] + weight * lower[1];
           double slope = slope_factor * (lower[1] - lower[0]);
-          if constexpr (with_temperature)
+          if constexpr (rows != Rows::one)
           {
             const double *const upper = lower + n_strains;
             const double upper_value = (1. - weight) * upper[0] + weight * upper[1];
-            const double range = temperature_knots[row[lane] + 1] - temperature_knots[row[lane]];
-            const double s = (t[lane] - temperature_knots[row[lane]]) / range;
+            const double range = row_knots[row[lane] + 1] - row_knots[row[lane]];
+            const double s = (t[lane] - row_knots[row[lane]]) / range;
             const bool is_between = s > 0. && s < 1.;
             const double share = s > 0. ? (s < 1. ? s : 1.) : 0.;
-            const double thermal_slope = is_between ? (upper_value - value) / range : 0.;
+            const double slope_of_rows = is_between ? (upper_value - value) / range : 0.;
+            const double change = rows == Rows::over_rates ? batch.inverse_time_increment
+                                                           : batch.temperature_change[begin + lane];
             const double upper_slope = slope_factor * (upper[1] - upper[0]);
-            slope = (1. - share) * slope + share * upper_slope +
-                    thermal_slope * batch.temperature_change[begin + lane];
+            slope = (1. - share) * slope + share * upper_slope + slope_of_rows * change;
             value = (1. - share) * value + share * upper_value;
           }
           batch.flow_stress[begin + lane] = value;
@@ -166,10 +190,12 @@ namespace tombolo
     }
 
     // Knots of an axis with one value are doubled, so that every axis has an interval.
-    std::vector<double> strains, temperatures;
+    std::vector<double> strains, knots_of_rows;
+    bool over_rates = false;
+    CowperSymonds rate_factor;
     std::vector<double> values; // [M/(L T^2)], strain fastest
   };
 
   TOMBOLO_REGISTER(FlowStress, TabularHardening, "tabular",
-                   "a table over the plastic strain and the temperature")
+                   "a table over the plastic strain and the temperature or the strain rate")
 } // namespace tombolo

@@ -25,7 +25,8 @@ class DynaCards(DeckTest):
                    "set Function = 0; 0; -1*table(deck_curve_6.csv, t)", "set Safety factor = 0.6",
                    "set Quadratic bulk viscosity = 1.2", "set Interval = 1e-06", "set Statistics interval = 1e-07",
                    "set Further outputs = part history", "set Mesh nodes = 1, 2",
-                   "LCSS = 8 is a table over strain rates: that of the rate 0.001 is taken", "set Flow stresses = 200, 300",
+                   "LCSS = 8 is a table over strain rates: they are plastic ones", "set Strain rates = 0.001, 100",
+                   "set Flow stresses = 200, 300; ",
                    "SOFT = 2 is not used", "VDC = 20 is not used", "*HOURGLASS (1 time")
         self.dry_run("deck.prm")
         rows = (self.directory / "deck_curve_6_integrated.csv").read_text().split("\n")
@@ -35,7 +36,8 @@ class DynaCards(DeckTest):
         old = "*DEFINE_TABLE\n         8\n               0.001\n                 100\n"
         new = "*DEFINE_TABLE_2D\n" + card(8) + "\n" + card(4.6, 81, width=20) + "\n" + card(-6.9077553, 82, width=20) + "\n"
         log = ("PLASTICITY\n", "PLASTICITY_LOG_INTERPOLATION\n")
-        self.check(replaced(PRESS, (old, new), log), "set Flow stresses = 250, 350", "that of the rate 0.001 is taken")
+        self.check(replaced(PRESS, (old, new), log), "set Strain rates = 0.001, 99.48", "set Flow stresses = 250, 350; 200, 300",
+                   "stresses are linear in the rate, not in its logarithm")
         with self.assertRaisesRegex(DeckError, "8 names the curve 83, which is not there"):
             self.converted(replaced(PRESS, (old, replaced(new, ("82", "83")))), "deck.k")
 
@@ -134,7 +136,7 @@ class DynaCards(DeckTest):
                     curve(23, (20, 300), (520, 100)))
         self.check(replaced(BAR, (ELASTIC, material)), "set Young's modulus = 210000", "set Temperatures = 20, 520",
                    "set Flow stresses = 300, 400; 100, 200", "the thermal expansion is left out",
-                   "C, P: the dependence on the strain rate is left out", "set Initial temperature = 20")
+                   "set Cowper-Symonds rate = 40 set Cowper-Symonds exponent = 5", "set Initial temperature = 20")
         heat = ("*MAT_THERMAL_ISOTROPIC\n" + card(9) + "\n" + card("4.5E8", 50) + "\n*INITIAL_TEMPERATURE_SET\n" +
                 card(0, 20.0) + "\n")
         text = replaced(BAR, (ELASTIC, material + heat), ("*PART\nbar\n" + card(1, 1, 1), "*PART\nbar\n" + card(

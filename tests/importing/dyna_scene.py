@@ -83,7 +83,7 @@ class DynaScene(DeckTest):
         self.assertIn("set Hardening modulus = 0", scene)
         self.assertIn("set Back stress moduli = 23333.33333", scene)
         self.assertIn("set Erosion strain = 0.4", scene)
-        self.assertIn("Cowper and Symonds is left out", scene)
+        self.assertIn("set Cowper-Symonds rate = 40", scene)
         self.assertEqual(self.run_program("--dry-run", "rod.prm")[0], 0)
 
     def test_damage_and_equation_of_state(self):

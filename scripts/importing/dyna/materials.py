@@ -3,7 +3,7 @@
 
 from math import exp
 
-from ..scene import at_one_temperature, linear_hardening, number, plastic_curve, tabular
+from ..scene import at_one_temperature, linear_hardening, number, plastic_curve, tabular, tabular_over_rates
 from .cards import form_of
 
 MODELS = ("MAT_001", "MAT_003", "MAT_004", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
@@ -60,13 +60,23 @@ class Material:
         self.flow = linear_hardening(record.number("SIGY"), isotropic * slope)
         if isotropic < 1 and slope > 0:
             self.back_stress = (1 - isotropic) * slope
-        self.leave_out_rates("SRC", "SRP", "SRC, SRP: the rate dependence of Cowper and Symonds is left out.")
+        self.read_rates("SRC", "SRP")
         self.read_failure_strain("FS")
 
-    def leave_out_rates(self, first, second, remark):
-        if self.record.number(first) > 0:
-            self.record.number(second)
-            self.remarks.append(remark)
+    def read_rates(self, rate, exponent):
+        """The factor of Cowper and Symonds."""
+        reference, power = self.record.number(rate), self.record.number(exponent)
+        if not reference > 0:
+            return
+        if power < 1:
+            self.remarks.append(f"{exponent} = {power:g} is below 1: the dependence on the strain rate is left out.")
+        elif "Strain rates" in self.flow[self.flow["Flow stress"]]:
+            self.remarks.append(f"{rate}, {exponent}: the flow stress is a table over the strain rate; the factor of Cowper "
+                                "and Symonds is left out.")
+        else:
+            self.flow[self.flow["Flow stress"]].update(
+                {"Cowper-Symonds rate": number(reference), "Cowper-Symonds exponent": number(power)})
+            self.remarks.append(f"{rate}, {exponent}: the strain rate is the plastic one.")
 
     def read_failure_strain(self, name):
         """Programs write a large number for none."""
@@ -74,18 +84,19 @@ class Material:
             self.failure_strain = self.record.number(name)
 
     def curve_of_flow(self, number_of_curve):
-        """Points of a curve, or of that of the lowest strain rate of a table."""
+        """Points of a curve, or of that of the lowest strain rate of a table, of which self.rows has all."""
         curves = self.curves
         if number_of_curve in curves.tables:
-            rate, first = curves.tables[number_of_curve][0]
-            if rate < 0:  # then all are natural logarithms
-                rate = exp(rate)
-            for _, other in curves.tables[number_of_curve][1:]:
-                curves.used.add(other)
-            if len(curves.tables[number_of_curve]) > 1:
-                self.remarks.append(f"LCSS = {number_of_curve} is a table over strain rates: that of the rate {rate:g} is "
-                                    "taken, there is no dependence on the rate here.")
-            number_of_curve = first
+            table = curves.tables[number_of_curve]
+            if table[0][0] < 0:  # then all are natural logarithms
+                table = [(exp(rate), curve) for rate, curve in table]
+                self.remarks.append(f"LCSS = {number_of_curve}: between its rates stresses are linear in the rate, not in its "
+                                    "logarithm.")
+            if len(table) > 1:
+                self.remarks.append(f"LCSS = {number_of_curve} is a table over strain rates: they are plastic ones.")
+                self.rows = [(rate, self.curve_of_flow(curve)) for rate, curve in table]
+                return self.rows[0][1] if all(points for _, points in self.rows) else None
+            number_of_curve = table[0][1]
         if number_of_curve not in curves:
             return None
         curve = curves[number_of_curve]
@@ -98,6 +109,7 @@ class Material:
     def read_piecewise_linear(self):
         record = self.record
         lcss = record.integer("LCSS")
+        self.rows = []
         points = []
         if lcss:
             points = self.curve_of_flow(lcss) or []
@@ -111,15 +123,18 @@ class Material:
             points = [point for point in points if point[1] != 0]
             points = plastic_curve(points, self.line.fail) if points else []
         if len(points) > 1:
-            self.flow = tabular(points)
+            self.flow = self.flow_of(points)
         elif points:
             self.flow = self.hardening(points[0][1], 0)
         else:
             self.flow = self.hardening(record.number("SIGY"), record.number("ETAN"))
-        if record.number("C") > 0 or record.integer("LCSR"):
-            record.number("P")
-            self.remarks.append("C, P, LCSR: the dependence on the strain rate is left out.")
+        if record.integer("LCSR"):
+            self.remarks.append("LCSR: the scale of the flow stress over the strain rate is left out.")
+        self.read_rates("C", "P")
         self.read_failure_strain("FAIL")
+
+    def flow_of(self, points):
+        return tabular_over_rates(self.rows) if self.rows else tabular(points)
 
     def read_over_temperature(self):
         """Up to eight temperatures, the first of constants that do not change."""
@@ -148,6 +163,7 @@ class Material:
 
     def read_viscoplastic_thermal(self):
         record = self.record
+        self.rows = []
         points = self.curve_of_flow(record.integer("LCSS")) if record.integer("LCSS") else None
         stress = record.number("SIGY")
         if not points and record.number("QR1"):
@@ -156,8 +172,8 @@ class Material:
             terms = [(record.number(f"QR{k}"), record.number(f"CR{k}")) for k in (1, 2)]
             strains = (0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1)
             points = [(e, stress + sum(q * (1 - exp(-c * e)) for q, c in terms)) for e in strains]
-        self.flow = tabular(points) if points and len(points) > 1 else self.hardening(stress, 0)
-        self.leave_out_rates("C", "P", "C, P: the dependence on the strain rate is left out.")
+        self.flow = self.flow_of(points) if points and len(points) > 1 else self.hardening(stress, 0)
+        self.read_rates("C", "P")
         for field, entry in (("LCE", "Young's modulus"), ("LCPR", "Poisson's ratio"), ("LCALPH", "Thermal expansion")):
             curve = record.integer(field)
             if curve and curve in self.curves:

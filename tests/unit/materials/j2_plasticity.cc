@@ -420,6 +420,53 @@ namespace tombolo
         EXPECT_NEAR(evaluate(*softening, 7., 50.).flow_stress, 7., 1e-14);
       }
 
+      /** At the strain 0.2 before an @p increment within the time 0.01. */
+      Evaluation evaluate_fast(const FlowStress &flow_stress, const double increment)
+      {
+        std::array<double, n_lanes> p, increments, zero{}, value, slope;
+        p.fill(0.2 + increment);
+        increments.fill(increment);
+        flow_stress.evaluate({n_lanes, 100., p.data(), increments.data(), zero.data(), zero.data(),
+                              value.data(), slope.data()});
+        return {value.back(), slope.back()};
+      }
+
+      TEST(RateDependence, of_tables_and_of_cowper_and_symonds_is_the_formula_with_its_slope)
+      {
+        const auto table = make_plugin<FlowStress>("tabular", "set Plastic strains = 0, 1\n"
+                                                              "set Strain rates = 1, 5\n"
+                                                              "set Flow stresses = 3, 5; 7, 9\n");
+        EXPECT_FALSE(table->depends_on_temperature());
+        EXPECT_NEAR(evaluate_fast(*table, 0.03).flow_stress, 3. + 2. * 0.23 + 2., 1e-12);
+        EXPECT_NEAR(evaluate_fast(*table, 0.005).flow_stress, 3. + 2. * 0.205, 1e-12);
+        EXPECT_NEAR(evaluate_fast(*table, 0.08).flow_stress, 7. + 2. * 0.28, 1e-12);
+
+        const std::string factor =
+            "set Cowper-Symonds rate = 40\nset Cowper-Symonds exponent = 5\n";
+        const auto line = make_plugin<FlowStress>(
+            "linear hardening", "set Yield stress = 3\nset Hardening modulus = 2\n" + factor);
+        const auto curve = make_plugin<FlowStress>(
+            "tabular", "set Plastic strains = 0, 1\nset Flow stresses = 3, 5\n" + factor);
+        for (const double increment : {0.03, 1e-5, 1e-8})
+        {
+          const double expected = (3. + 2. * (0.2 + increment)) *
+                                  (1. + (increment > 1e-7 ? std::pow(increment / 0.4, 0.2) : 0.));
+          EXPECT_NEAR(evaluate_fast(*line, increment).flow_stress, expected,
+                      increment > 1e-7 ? 1e-12 : 3.4 * std::pow(1e-6, 0.2) / 39.);
+          EXPECT_NEAR(evaluate_fast(*curve, increment).flow_stress,
+                      evaluate_fast(*line, increment).flow_stress, 1e-12);
+        }
+        for (const FlowStress *const flow_stress : {table.get(), line.get(), curve.get()})
+          for (const double increment : {0.03, 1e-3})
+          {
+            const double difference = 1e-5 * increment,
+                         slope = (evaluate_fast(*flow_stress, increment + difference).flow_stress -
+                                  evaluate_fast(*flow_stress, increment - difference).flow_stress) /
+                                 (2. * difference);
+            EXPECT_NEAR(evaluate_fast(*flow_stress, increment).slope, slope, 1e-6 * slope);
+          }
+      }
+
       TEST(TabularHardening, a_table_along_a_line_is_linear_hardening)
       {
         const auto table = make_plugin<Material>(
@@ -536,6 +583,21 @@ namespace tombolo
           EXPECT_NE(message.find(bad[2]), std::string::npos) << bad[1] << ": " << message;
           EXPECT_NE(message.find("test.prm:"), std::string::npos) << message;
         }
+      }
+
+      TEST(RateDependence, twice_is_refused)
+      {
+        const std::string rates = "set Plastic strains = 0, 1\nset Strain rates = 1, 2\n"
+                                  "set Flow stresses = 3, 4; 5, 6\n";
+        EXPECT_NE(refusal<FlowStress>("tabular", rates + "set Temperatures = 1, 2\n")
+                      .find("rows are over the temperature or over the rate"),
+                  std::string::npos);
+        EXPECT_NE(refusal<FlowStress>("tabular", rates + "set Cowper-Symonds rate = 3\n")
+                      .find("one of both"),
+                  std::string::npos);
+        EXPECT_NE(refusal<FlowStress>("tabular", with(rates, "6", "6; 7, 8"))
+                      .find("needed are 2, one a rate"),
+                  std::string::npos);
       }
     } // namespace
   }   // namespace testing
