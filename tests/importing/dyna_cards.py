@@ -36,7 +36,7 @@ class DynaCards(DeckTest):
         old = "*DEFINE_TABLE\n         8\n               0.001\n                 100\n"
         new = "*DEFINE_TABLE_2D\n" + card(8) + "\n" + card(4.6, 81, width=20) + "\n" + card(-6.9077553, 82, width=20) + "\n"
         log = ("PLASTICITY\n", "PLASTICITY_LOG_INTERPOLATION\n")
-        self.check(replaced(PRESS, (old, new), log), "set Strain rates = 0.001, 99.48", "set Flow stresses = 250, 350; 200, 300",
+        self.check(replaced(PRESS, (old, new), log), "set Strain rates = 0.000999999979, 99.48431564", "set Flow stresses = 250, 350; 200, 300",
                    "stresses are linear in the rate, not in its logarithm")
         with self.assertRaisesRegex(DeckError, "8 names the curve 83, which is not there"):
             self.converted(replaced(PRESS, (old, replaced(new, ("82", "83")))), "deck.k")

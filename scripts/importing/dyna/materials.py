@@ -173,7 +173,6 @@ class Material:
             strains = (0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1)
             points = [(e, stress + sum(q * (1 - exp(-c * e)) for q, c in terms)) for e in strains]
         self.flow = self.flow_of(points) if points and len(points) > 1 else self.hardening(stress, 0)
-        self.read_rates("C", "P")
         for field, entry in (("LCE", "Young's modulus"), ("LCPR", "Poisson's ratio"), ("LCALPH", "Thermal expansion")):
             curve = record.integer(field)
             if curve and curve in self.curves:
@@ -183,12 +182,15 @@ class Material:
         curve = record.integer("LCSIGY")
         if curve and curve in self.curves:
             self.scale_by_temperature(self.curves[curve].points)
+        self.read_rates("C", "P")
         record.number("TREF")
 
     def scale_by_temperature(self, points):
         """Yield stresses over the temperature scale the table."""
         rows = self.flow.get("tabular") or {"Plastic strains": "0", "Flow stresses": number(points[0][1])}
-        stresses = [float(text) for text in rows["Flow stresses"].split(",")]
+        if "Strain rates" in rows:
+            self.remarks.append("A table is over the temperature or over the strain rate: that of the lowest rate is taken.")
+        stresses = [float(text) for text in rows["Flow stresses"].split(";")[0].split(",")]
         self.flow = {"Flow stress": "tabular", "tabular": {
             "Plastic strains": rows["Plastic strains"], "Temperatures": ", ".join(number(x) for x, _ in points),
             "Flow stresses": "; ".join(", ".join(number(s - stresses[0] + y) for s in stresses) for _, y in points)}}
