@@ -8,6 +8,18 @@ from .errors import TomboloError
 FILE = "histories.h5"
 
 
+def is_cut_short(file):
+    """Whether a file is shorter than its superblock (version 2 or 3) says: HDF5 1.14 reads those of a run that writes, and
+    does not come back."""
+    with open(file, "rb") as stream:
+        head = stream.read(48)
+        size = stream.seek(0, 2)
+    if head[:8] != b"\x89HDF\r\n\x1a\n" or len(head) < 48 or head[8] < 2:
+        return False
+    width = head[9]
+    return size < int.from_bytes(head[12 + 2 * width:12 + 3 * width], "little")
+
+
 def opened(file):
     try:
         import h5py  # only where it is needed
@@ -16,7 +28,8 @@ def opened(file):
     try:
         return h5py.File(file, "r")
     except OSError:
-        pass
+        if is_cut_short(file):
+            raise TomboloError(f"{file} is damaged: it is cut short") from None
     try:  # of a run that was killed while it wrote rows, or that writes some just now
         return h5py.File(file, "r", libver="latest", swmr=True)
     except (OSError, ValueError) as error:
