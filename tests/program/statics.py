@@ -230,7 +230,10 @@ def stop():
                             sys.exit(f"the run does not begin:\n{process.stdout.read()}")
                         time.sleep(0.05)
                     time.sleep(0.5)
-                    process.send_signal(signal.SIGTERM)
+                    # mpirun of Open MPI 5 kills ranks that do not end within 0.2 s.
+                    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+                    for rank in children.read_text("utf-8").split() if ranks > 1 else [process.pid]:
+                        os.kill(int(rank), signal.SIGTERM)
                     printed = process.communicate()[0]
                 finally:
                     process.kill()
