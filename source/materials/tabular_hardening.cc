@@ -56,7 +56,7 @@ namespace tombolo
              "Temperatures of the rows, increasing, separated by commas; empty for a table of one "
              "row that holds at all temperatures.");
       e.text("Strain rates", "", "1/T",
-             "Plastic strain rates of the rows, increasing, in the place of temperatures.");
+             "Plastic strain rates of the rows in place of temperatures.");
       e.text(
           "Flow stresses", mandatory, "M/(L T^2)",
           "The table: flow stresses of a row separated by commas, rows separated by semicolons.");

@@ -21,10 +21,9 @@ namespace tombolo
 
     explicit CowperSymonds(const Entries &e)
         : reference_rate(e.number("Cowper-Symonds rate", "0", zero_or_positive(), "1/T",
-                                  "C of the factor $1 + (\\dot\\varepsilon_p/C)^{1/P}$ of the flow "
-                                  "stress, with the plastic strain rate; 0: no such factor.")),
-          exponent(1. / e.number("Cowper-Symonds exponent", "5", between(1., 1000.), "1",
-                                 "P of the same."))
+                                  "C of a factor $1 + (\\dot\\varepsilon_p/C)^{1/P}$; 0: none.")),
+          exponent(1. /
+                   e.number("Cowper-Symonds exponent", "5", between(1., 1000.), "1", "P of it."))
     {}
 
     bool is_on() const
