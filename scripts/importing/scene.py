@@ -342,15 +342,7 @@ def tabular_over_rates(rows):
     return {"Flow stress": "tabular", "tabular": {
         "Plastic strains": ", ".join(map(number, strains)),
         "Strain rates": ", ".join(number(rate) for rate, _ in rows),
-        "Flow stresses": "; ".join(", ".join(number(at(points, strain)) for strain in strains) for _, points in rows)}}
-
-
-def at(points, x):
-    """Linear between points, constant beyond them."""
-    for (before, value), (after, next_value) in zip(points, points[1:]):
-        if x < after:
-            return value if x <= before else value + (next_value - value) * (x - before) / (after - before)
-    return points[-1][1]
+        "Flow stresses": "; ".join(", ".join(number(interpolated(points, strain)) for strain in strains) for _, points in rows)}}
 
 
 def tabular(points):

@@ -23,6 +23,7 @@ class Material:
         self.failure_strain, self.has_damage = None, False
         self.equation, self.remarks, self.flow, self.heat = {}, [], {}, {}
         self.is_linear = False  # the equation of state
+        self.rows = []  # curves of hardening, by strain rate
         self.moduli = {}
         self.back_stress = 0  # the modulus of kinematic hardening
         self.start_of_tables = record.number("TREF")
@@ -109,7 +110,6 @@ class Material:
     def read_piecewise_linear(self):
         record = self.record
         lcss = record.integer("LCSS")
-        self.rows = []
         points = []
         if lcss:
             points = self.curve_of_flow(lcss) or []
@@ -163,12 +163,10 @@ class Material:
 
     def read_viscoplastic_thermal(self):
         record = self.record
-        self.rows = []
         points = self.curve_of_flow(record.integer("LCSS")) if record.integer("LCSS") else None
         stress = record.number("SIGY")
         if not points and record.number("QR1"):
             # Voce's saturation, as a table.
-            from math import exp
             terms = [(record.number(f"QR{k}"), record.number(f"CR{k}")) for k in (1, 2)]
             strains = (0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1)
             points = [(e, stress + sum(q * (1 - exp(-c * e)) for q, c in terms)) for e in strains]
