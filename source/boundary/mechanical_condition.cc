@@ -173,47 +173,26 @@ namespace tombolo
       section.fail("End", "it acts at no time; allowed is a time after `Start`.");
   }
 
-  namespace
-  {
-    /** The rotation by an angle about the axis [rad]. */
-    template <int dim>
-    Tensor<2, dim> rotation_by(const double angle, const Tensor<1, 3> &axis)
-    {
-      using namespace Physics::Transformations::Rotations;
-      if constexpr (dim == 2)
-        return rotation_matrix_2d(angle);
-      else
-        return rotation_matrix_3d(axis, angle);
-    }
-
-    /** What a displacement with an `Angle` and a `Start` adds in a step, where the node is: R(angle
-     * at t + Δt - angle at t) (x - c) - (x - c), and the change of the function [L]. */
-    template <int dim>
-    double turned_since(const MechanicalCondition<dim> &condition, const Point<dim> &initial,
-                        const double *const position, const unsigned int component,
-                        const double time, const double time_step)
-    {
-      const auto &turn = *condition.turn;
-      const double angle =
-          turn.angle.value(Point<dim>(), time + time_step) - turn.angle.value(Point<dim>(), time);
-      const Tensor<1, dim> arm = point_of<dim>(position) - turn.centre;
-      double change = rotation_by<dim>(angle, turn.axis)[component] * arm - arm[component];
-      if (condition.function)
-        change += condition.function->value(initial, time + time_step, component) -
-                  condition.function->value(initial, time, component);
-      return change;
-    }
-  } // namespace
-
   template <int dim>
-  const Tensor<2, dim> &MechanicalCondition<dim>::Turn::rotation(const double time) const
+  double MechanicalCondition<dim>::Turn::displacement(const Point<dim> &place,
+                                                      const unsigned int component,
+                                                      const double time,
+                                                      const std::optional<double> since) const
   {
-    if (time_of_rotation != time)
+    using namespace Physics::Transformations::Rotations;
+    if (times_of_rotation != std::pair{time, since})
     {
-      last_rotation = rotation_by<dim>(angle.value(Point<dim>(), time), axis);
-      time_of_rotation = time;
+      double by = angle.value(Point<dim>(), time);
+      if (since)
+        by -= angle.value(Point<dim>(), *since);
+      if constexpr (dim == 2)
+        rotation = rotation_matrix_2d(by);
+      else
+        rotation = rotation_matrix_3d(axis, by);
+      times_of_rotation = {time, since};
     }
-    return last_rotation;
+    const Tensor<1, dim> arm = place - centre;
+    return rotation[component] * arm - arm[component];
   }
 
   template <int dim>
@@ -222,10 +201,7 @@ namespace tombolo
                                                 const double time) const
   {
     const double shift = function ? function->value(initial, time, component) : 0.;
-    if (!turn)
-      return shift;
-    const Tensor<1, dim> arm = initial - turn->centre;
-    return turn->rotation(time)[component] * arm - arm[component] + shift;
+    return turn ? turn->displacement(initial, component, time) + shift : shift;
   }
 
   template <int dim>
@@ -239,12 +215,16 @@ namespace tombolo
       return 0.;
     if (type == Type::velocity)
       return function->value(initial, time + 0.5 * time_step, component);
-    if (std::isfinite(start) && turn)
-      return turned_since(*this, initial, position, component, time, time_step) / time_step;
     if (std::isfinite(start))
-      return (displacement(initial, component, time + time_step) -
-              displacement(initial, component, time)) /
-             time_step;
+    {
+      double change = 0;
+      if (function)
+        change += function->value(initial, time + time_step, component) -
+                  function->value(initial, time, component);
+      if (turn) // from where the node is
+        change += turn->displacement(point_of<dim>(position), component, time + time_step, time);
+      return change / time_step;
+    }
     if (direction != nullptr)
     {
       double way = displacement(initial, component, time + time_step);

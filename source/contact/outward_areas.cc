@@ -141,11 +141,15 @@ namespace tombolo
            [&]
            {
              for (const Face &face : faces)
-               if (dim == 3 && shapes.n_nodes == 4 && face.counts)
+             {
+               if (!face.counts)
+                 continue;
+               if (dim == 3 && shapes.n_nodes == 4)
                  add_bilinear(position, face.nodes, face.orientation, sums);
                else
-                 for (unsigned int q = 0; q < shapes.weights.size() && face.counts; ++q)
+                 for (unsigned int q = 0; q < shapes.weights.size(); ++q)
                    add(face, q);
+             }
            });
   }
 

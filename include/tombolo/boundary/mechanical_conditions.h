@@ -52,15 +52,17 @@ namespace tombolo
     /** How the selected nodes of a displacement turn. */
     struct Turn
     {
-      /** R(angle) at @p time. It is kept for those who ask again for the same time, as all nodes of
-       * a step do. Throws RunError where the angle has no finite value. */
-      const dealii::Tensor<2, dim> &rotation(double time) const;
+      /** What the rotation by the angle at @p time, or by what it grew @p since another time, adds
+       * to a component of @p place [L]. The rotation is kept for those who ask again for the same
+       * times, as all nodes of a step do. Throws RunError where the angle has no finite value. */
+      double displacement(const dealii::Point<dim> &place, unsigned int component, double time,
+                          std::optional<double> since = {}) const;
 
       Expression<dim> angle;         ///< of time [rad]
       dealii::Tensor<1, dim> centre; ///< a point of the axis [L]
       dealii::Tensor<1, 3> axis;     ///< of length one; z in two dimensions
-      mutable std::optional<double> time_of_rotation;
-      mutable dealii::Tensor<2, dim> last_rotation;
+      mutable std::optional<std::pair<double, std::optional<double>>> times_of_rotation;
+      mutable dealii::Tensor<2, dim> rotation;
     };
     std::optional<Turn> turn;
 
