@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Particles as ellipsoids that are stretched as the material around them."""
 
+import math
+
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
@@ -9,7 +11,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkStaticPointLocator
 # A neighbour at the start that has gone farther than so many times its distance is torn off.
 TORN = 2.5
 # No axis is drawn longer than so many radii, nor shorter than one over it.
-LARGEST_STRETCH = 2.5
+LARGEST_STRETCH = 2
 
 DISC = numpy.array([[numpy.cos(angle), numpy.sin(angle)]
                     for angle in numpy.linspace(0, 2 * numpy.pi, 12, endpoint=False)])
@@ -79,7 +81,10 @@ def stretches(start, now):
     turn, size, _ = numpy.linalg.svd(gradient)
     size = numpy.maximum(size, 1e-3 * size.max(axis=1, initial=1e-300, keepdims=True))
     size /= numpy.prod(size, axis=1, keepdims=True)**(1 / dim)
-    size = numpy.clip(size, 1 / LARGEST_STRETCH, LARGEST_STRETCH)
+    # What flows without end is shown less stretched than it is, with its volume.
+    logarithm = numpy.log(size)
+    largest = numpy.abs(logarithm).max(axis=1, initial=0, keepdims=True)
+    size = numpy.exp(logarithm * numpy.minimum(1, math.log(LARGEST_STRETCH) / numpy.maximum(largest, 1e-300)))
     places = numpy.flatnonzero(is_known)[:, None, None]
     result[places, numpy.arange(dim)[:, None], numpy.arange(dim)] = (turn * size[:, None, :]) @ turn.transpose(0, 2, 1)
     return result
