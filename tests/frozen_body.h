@@ -121,6 +121,20 @@ namespace tombolo
           : FrozenBody(parameters_of(block), communicator)
       {}
 
+      /** Lets the material take the present positions as they are, and frees it of stress. */
+      void take_positions()
+      {
+        Clock clock;
+        clock.previous_step = clock.next_step = 1e-3;
+        step->evaluate(clock);
+        for (Part<dim> &part : model->parts)
+        {
+          MaterialPoints &points = part.formulation->points();
+          for (unsigned int c = 0; c < 6; ++c)
+            std::fill_n(points.component(MaterialPoints::stress, c), points.padded_size(), 0.);
+        }
+      }
+
       /** The present configuration becomes the one that the limits are asked for. */
       void keep_configuration()
       {
@@ -367,8 +381,9 @@ namespace tombolo
           model->bridge->apply_smoothing(v_hat, model->state.velocity);
           for (unsigned int i = 0; i < partition.n_owned(); ++i)
             for (unsigned int c = 0; c < dim; ++c)
-              model->state.position.node(i)[c] +=
-                  clock.previous_step * model->state.velocity.node(i)[c];
+              if (constrained.empty() || !((constrained[i] >> c) & 1u))
+                model->state.position.node(i)[c] +=
+                    clock.previous_step * model->state.velocity.node(i)[c];
           model->state.position.distribute();
           model->bridge->positions_have_changed();
         }

@@ -73,6 +73,8 @@ namespace tombolo
       if (!is_smoothed && method.rebuild != std::string("never"))
         entries += "\nset Configuration = updated Lagrangian\nset Rebuild interval = " +
                    std::string(method.rebuild);
+      if (!is_smoothed && method.filter != std::string("0"))
+        entries += "\nset Dilatation = of particles";
       return "set Formulation = " + name + "\nset Material = m\nsubsection " + name + "\n" +
              entries + "\nend\n";
     }

@@ -320,8 +320,9 @@ class Writer:
         if scene["configuration"] == "updated Lagrangian":
             self.set(*scene["rebuild"])
         self.set("Shape functions", scene["shape functions"])
-        if scene["dilatation of cells"] and scenes.can_share_dilatation(scene):
-            self.set("Dilatation", "of cells")
+        if scenes.can_share_dilatation(scene):
+            of_cells = scene["dilatation of cells"] and not scene["filter"]
+            self.set("Dilatation", "of cells" if of_cells else "of particles")
         self.bonds(material)
 
     def smoothed_particles(self, material):

@@ -183,6 +183,12 @@ namespace tombolo
         const LatticeFilterSettings settings(parameters.section("Lattice filter"));
         if (settings.power == 0)
           return nullptr;
+        for (const Part<dim> &part : model.parts)
+          if (part.particles != nullptr && part.particles->follows_positions())
+            parameters.section("Lattice filter")
+                .fail("Power", "the volume of the particles of part \"" + part.name +
+                                   "\" follows from positions, which a filter of velocities does "
+                                   "not change; allowed is `Dilatation = of particles`, or 0 here");
         return std::make_unique<LatticeFilter<dim>>(settings);
       }
     };

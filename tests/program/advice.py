@@ -117,6 +117,13 @@ class PatchTest(command_line.Case):
             self.assertEqual(printed.count("Advice: `Smoothing = affine` in the section of part \"block\": "), 1 if piece else 0)
             self.assertIn(piece, printed)
 
+    def test_the_dilatation_of_cells_is_advised_where_particles_lock(self):
+        nearly_incompressible, of_particles = "Material: soft/elastic/Poisson's ratio = 0.49", PARTICLES + "Dilatation = of particles"
+        for settings, count in (((nearly_incompressible,), 0), ((of_particles,), 0), ((nearly_incompressible, of_particles), 1),
+                                ((nearly_incompressible, PARTICLES + "Smoothing = fe matched"), 1)):
+            _, printed = self.defect(*settings)
+            self.assertEqual(printed.count("Advice: `Dilatation = of cells` in the section of part \"block\": "), count, settings)
+
 
 class Warnings(command_line.Case):
     CONTACT = ["subsection Output", "subsection Contact: wall\n  set Surface = plane\n  subsection plane\n    set Point = "

@@ -46,8 +46,12 @@ def particles_alone(smoothing):
             f"Part: root/momentum consistent particle/Smoothing = {smoothing}", *coupled(smoothing)]
 
 
+# The lattice filter needs it.
+OF_PARTICLES = "Part: tip/momentum consistent particle/Dilatation = of particles"
+
+
 def coupled(smoothing):
-    return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}"]
+    return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}", OF_PARTICLES]
 
 
 def lattice_filter(power):

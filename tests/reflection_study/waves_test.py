@@ -66,11 +66,12 @@ class Reflection(unittest.TestCase):
         self.assertGreater(without_filter.unsmoothed, 0.01)
         self.assertLess(filtered.unsmoothed, 0.002)
 
-    def test_of_cell_averages_is_as_small_as_of_moving_least_squares(self):
-        of_least_squares, of_averages = results_of(
-            into_particles("affine"), into_particles("affine", shape_functions="cell averages"))
-        print("reflected:", of_least_squares.reflection, "and", of_averages.reflection)
-        self.assertLess(of_averages.reflection, 1.5 * of_least_squares.reflection)
+    def test_of_cell_averages_is_a_tenth_of_a_percent(self):
+        of_averages, of_paper = results_of(into_particles("affine", shape_functions="cell averages"),
+                                           into_particles("paper"))
+        print("reflected:", of_averages.reflection, "and", of_paper.reflection)
+        self.assertLess(of_averages.reflection, 0.0012)
+        self.assertLess(of_averages.reflection, 0.1 * of_paper.reflection)
 
     def test_of_a_wave_that_the_lattice_does_not_carry_is_not_a_number(self):
         # At the largest frequency of the paper's particles energy stands still.

@@ -191,7 +191,7 @@ class Results:
     def difference(self, run, other, columns=None):
         """The largest difference of two runs in statistics.csv, each column relative to its largest
         magnitude. Columns that measure round-off (drifts, errors of conservation) and columns below
-        1e-12 of the largest of their unit have no scale of their own and are compared to that."""
+        1e-10 of the largest of their unit have no scale of their own and are compared to that."""
         tables = [self.table(name, "statistics.csv") for name in (run, other)]
         with open(self.directory(run) / "statistics.csv", newline="", encoding="utf-8") as file:
             heads = next(csv.reader(file))
@@ -213,7 +213,7 @@ class Results:
             scale = own
             if units[name] == "1" and name != "step":
                 scale = max(own, 1.)
-            elif own < 1e-12 * scale_of_unit[units[name]]:
+            elif own < 1e-10 * scale_of_unit[units[name]]:
                 scale = scale_of_unit[units[name]]
             for x, y in zip(a, b):
                 if math.isnan(x) and math.isnan(y):

@@ -17,6 +17,7 @@ namespace tombolo
   {
     cells = Stencils();
     cell_nodes.clear();
+    cell_volume.clear();
     cells.row_start = {0};
     RowSharing kept;
     std::vector<double> value, gradient;
@@ -33,8 +34,12 @@ namespace tombolo
           gradient[Stencils::n_gradient * k + d] = cell.gradient[k][d];
       cells.coefficient_start.push_back(
           kept.add(static_cast<unsigned int>(value.size()), value.data(), gradient.data()));
+      cell_volume.push_back(0.);
       for (const auto &[particle, volume_of_share] : cell.shares)
+      {
         of_particle[particle].emplace_back(c, volume_of_share);
+        cell_volume.back() += volume_of_share;
+      }
     }
     kept.store(cells);
     cells.particle_node.resize(of_rank.size());
@@ -143,15 +148,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellDilatation<dim>::add_pressures(const AlignedVector<double> &of_cell,
-                                          const Lanes &mean_of_cells, const unsigned int first,
-                                          const Lanes &stress, const double modulus)
+  void CellDilatation<dim>::add_pressures(const unsigned int first, const Lanes &of_particles)
   {
     for (unsigned int lane = 0; lane < n_lanes; ++lane)
+    {
+      const double of_particle = of_particles[lane];
       for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
-        pressure[share_cell[s]] +=
-            share_volume[s] *
-            (stress[lane] + modulus * (of_cell[share_cell[s]] - mean_of_cells[lane]));
+        pressure[share_cell[s]] += share_volume[s] * of_particle;
+    }
   }
 
   template <int dim>
@@ -164,12 +168,28 @@ namespace tombolo
     const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
     for (unsigned int i = 0; i < dim; ++i)
       stress[i] += of_own - mean_stress;
-    add_pressures(jacobian, shared, first, (mean_stress - of_own) / (shared * initial_volume),
-                  bulk_modulus);
+    add_pressures(first, (mean_stress - of_own) / (shared * initial_volume) -
+                             bulk_modulus * (shared - 1.));
   }
 
   template <int dim>
   void CellDilatation<dim>::add_force(NodalVector &force)
+  {
+    for (unsigned int c = 0; c < cells.n_particles(); ++c)
+      pressure[c] += bulk_modulus * cell_volume[c] * (jacobian[c] - 1.);
+    subtract_pressures(force);
+  }
+
+  template <int dim>
+  void CellDilatation<dim>::add_force_of_rates(NodalVector &force)
+  {
+    for (unsigned int c = 0; c < cells.n_particles(); ++c)
+      pressure[c] -= bulk_modulus * cell_volume[c] * rate[c];
+    subtract_pressures(force);
+  }
+
+  template <int dim>
+  void CellDilatation<dim>::subtract_pressures(NodalVector &force)
   {
     alignas(64) double columns[3 * node_stride];
     for (unsigned int c = 0; c < cells.n_particles(); ++c)
@@ -237,8 +257,8 @@ namespace tombolo
     const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
     for (unsigned int i = 0; i < dim; ++i)
       stress[i] -= of_own + mean_stress;
-    add_pressures(rate, mean(rate, first), first,
-                  (mean_stress + of_own) / (ratio(first) * initial_volume), -bulk_modulus);
+    add_pressures(first, (mean_stress + of_own) / (ratio(first) * initial_volume) +
+                             bulk_modulus * mean(rate, first));
   }
 
   template <int dim>

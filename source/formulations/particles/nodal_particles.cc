@@ -164,7 +164,7 @@ namespace tombolo
     if (control != nullptr)
       control->apply_stiffness(shape, velocity, force);
     if (dilatation != nullptr)
-      dilatation->add_force(force);
+      dilatation->add_force_of_rates(force);
   }
 
   template <int dim>

@@ -28,15 +28,15 @@ namespace tombolo
       return sum;
     }
 
-    /** Von Mises'. */
-    double equivalent_stress(const MaterialPoints &points, const unsigned int i)
+    /** The square of von Mises' stress of n_lanes points from @p i on. */
+    Lanes squared_equivalent_stress(const MaterialPoints &points, const unsigned int i)
     {
-      double s[6];
+      Lanes s[6];
       for (unsigned int c = 0; c < 6; ++c)
-        s[c] = points.component(MaterialPoints::stress, c)[i];
-      return std::sqrt(0.5 * ((s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) +
-                              (s[2] - s[0]) * (s[2] - s[0])) +
-                       3. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+        s[c] = load_lanes(points.component(MaterialPoints::stress, c) + i);
+      return 0.5 * ((s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) +
+                    (s[2] - s[0]) * (s[2] - s[0])) +
+             3. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
     }
 
     void scatter(const Stencils::Row &row, const unsigned int own, const NodeLanes &of_residual,
@@ -70,7 +70,9 @@ namespace tombolo
   {
     has_particles = true;
     volume = volumes;
+    volume.resize(padded_to_lanes(static_cast<unsigned int>(volumes.size())), 0.);
     squared_length = squared_lengths;
+    squared_length.resize(volume.size(), 1.);
   }
 
   void ZeroEnergyControl::set_material(const Material &material)
@@ -109,27 +111,31 @@ namespace tombolo
   {
     if (!can_flow)
       return;
-    const double *const strain = points.component(strain_field, 0);
-    strain_before.assign(strain + first, strain + last);
-    stress_before.resize(last - first);
-    for (unsigned int i = first; i < last; ++i)
-      stress_before[i - first] = equivalent_stress(points, i);
+    const double *const strain = points.component(strain_field, 0) + first;
+    const unsigned int n = padded_to_lanes(last - first);
+    strain_before.assign(strain, strain + n);
+    squared_stress_before.resize(n);
+    for (unsigned int p = 0; p < n; p += n_lanes)
+      store_lanes(squared_equivalent_stress(points, first + p), &squared_stress_before[p]);
   }
 
   ZeroEnergyControl::Range ZeroEnergyControl::elastic_range(const MaterialPoints &points,
                                                             const unsigned int first,
-                                                            const unsigned int i) const
+                                                            const unsigned int p) const
   {
     Range result;
     if (!can_flow)
       return result;
-    const double flow = points.component(strain_field, 0)[i] - strain_before[i - first];
-    if (!(flow > 0.))
+    const Lanes flow =
+        load_lanes(points.component(strain_field, 0) + first + p) - load_lanes(&strain_before[p]);
+    if (none_of(flow > 0.))
       return result;
     // A yield surface that moves lets a particle flow while its stress passes zero.
-    const double stress = std::max(equivalent_stress(points, i), stress_before[i - first]);
-    result.length = stress * std::sqrt(limit * squared_length[i] / (3. * shear_modulus * factor));
-    result.beyond = stress / (stress + 10. * shear_modulus * flow);
+    const Lanes stress = square_root(
+        max(squared_equivalent_stress(points, first + p), load_lanes(&squared_stress_before[p])));
+    where(flow > 0., result.length) = stress * square_root((limit / (3. * shear_modulus * factor)) *
+                                                           load_lanes(&squared_length[first + p]));
+    where(flow > 0., result.beyond) = stress / (stress + 10. * shear_modulus * flow);
     return result;
   }
 
@@ -137,57 +143,80 @@ namespace tombolo
                                   const unsigned int last, const double *const spin[3],
                                   double *const residuals) const
   {
-    double *slip[3] = {}, *loss = nullptr;
-    if (can_flow)
+    double *const energy_density = points.component(energy_field, 0) + first;
+    for (unsigned int p = 0; p < last - first; p += n_lanes)
     {
-      for (unsigned int d = 0; d < 3; ++d)
-        slip[d] = points.component(slip_field, d);
-      loss = points.component(loss_field, 0);
-    }
-    double *const energy = points.component(energy_field, 0);
-    for (unsigned int i = first; i < last; ++i)
-    {
-      double *const place = residuals + node_stride * (i - first);
-      NodeLanes elastic = load_node(place);
+      NodeLanes of_nodes[n_lanes];
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        of_nodes[lane] = first + p + lane < last ? load_node(residuals + node_stride * (p + lane))
+                                                 : NodeLanes(0.);
+      Lanes elastic[3];
+      nodes_to_lanes(of_nodes, elastic);
+      const Lanes area = load_lanes(&squared_length[first + p]);
+      const Lanes modulus = factor / area;
       if (can_flow)
-      {
-        double of_slip[3] = {slip[0][i], slip[1][i], slip[2][i]};
-        if (of_slip[0] != 0. || of_slip[1] != 0. || of_slip[2] != 0.)
-        {
-          const double of_step[3] = {spin[0][i - first], spin[1][i - first], spin[2][i - first]};
-          const Matrix3<double> turn = rotation_of(of_step);
-          double turned[3];
-          for (unsigned int d = 0; d < 3; ++d)
-            turned[d] = turn(d, 0) * of_slip[0] + turn(d, 1) * of_slip[1] + turn(d, 2) * of_slip[2];
-          std::copy_n(turned, 3, of_slip);
-        }
-        double squared = 0;
-        for (unsigned int d = 0; d < 3; ++d)
-        {
-          elastic[d] -= of_slip[d];
-          squared += elastic[d] * elastic[d];
-        }
-        const Range range = elastic_range(points, first, i);
-        if (const double length = std::sqrt(squared); length > range.length)
-        {
-          const double kept = range.length + range.beyond * (length - range.length);
-          for (unsigned int d = 0; d < 3; ++d)
-          {
-            of_slip[d] += (1. - kept / length) * elastic[d];
-            elastic[d] *= kept / length;
-          }
-          // Work is found from the mean of the forces at both ends of a step.
-          const double before = std::sqrt(2. * energy[i] * squared_length[i] / factor);
-          loss[i] += 0.5 * factor / squared_length[i] * (before + kept) * (length - kept);
-        }
-        for (unsigned int d = 0; d < 3; ++d)
-          slip[d][i] = of_slip[d];
-      }
-      const double k = stiffness(i);
-      energy[i] = 0.5 * factor / squared_length[i] *
-                  (elastic[0] * elastic[0] + elastic[1] * elastic[1] + elastic[2] * elastic[2]);
-      store_node(k * elastic, place);
+        let_slip(points, first, p, spin, elastic);
+      store_lanes(0.5 * modulus *
+                      (elastic[0] * elastic[0] + elastic[1] * elastic[1] + elastic[2] * elastic[2]),
+                  energy_density + p);
+      for (Lanes &component : elastic)
+        component *= modulus * load_lanes(&volume[first + p]);
+      lanes_to_nodes(elastic, of_nodes);
+      for (unsigned int lane = 0; lane < n_lanes && first + p + lane < last; ++lane)
+        store_node(of_nodes[lane], residuals + node_stride * (p + lane));
     }
+  }
+
+  void ZeroEnergyControl::let_slip(MaterialPoints &points, const unsigned int first,
+                                   const unsigned int p, const double *const spin[3],
+                                   Lanes (&elastic)[3]) const
+  {
+    double *slip[3];
+    Lanes of_slip[3], squared = 0.;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      slip[d] = points.component(slip_field, d) + first + p;
+      of_slip[d] = load_lanes(slip[d]);
+    }
+    const bool has_slip = any_of(of_slip[0] != 0. || of_slip[1] != 0. || of_slip[2] != 0.);
+    if (has_slip)
+    {
+      const Lanes of_step[3] = {load_lanes(spin[0] + p), load_lanes(spin[1] + p),
+                                load_lanes(spin[2] + p)};
+      const Matrix3<Lanes> turn = rotation_of(of_step);
+      const Lanes former[3] = {of_slip[0], of_slip[1], of_slip[2]};
+      for (unsigned int d = 0; d < 3; ++d)
+        of_slip[d] = turn(d, 0) * former[0] + turn(d, 1) * former[1] + turn(d, 2) * former[2];
+    }
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      elastic[d] -= of_slip[d];
+      squared += elastic[d] * elastic[d];
+    }
+    const Range range = elastic_range(points, first, p);
+    const LaneMask is_beyond = squared > range.length * range.length;
+    if (any_of(is_beyond))
+    {
+      const Lanes length = square_root(squared);
+      Lanes kept = length, share = 1.;
+      where(is_beyond, kept) = range.length + range.beyond * (length - range.length);
+      where(is_beyond, share) = kept / length;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        of_slip[d] += (1. - share) * elastic[d];
+        elastic[d] *= share;
+      }
+      // Work is found from the mean of the forces at both ends of a step.
+      const Lanes area = load_lanes(&squared_length[first + p]);
+      const Lanes before = square_root(
+          (2. / factor) * load_lanes(points.component(energy_field, 0) + first + p) * area);
+      double *const loss = points.component(loss_field, 0) + first + p;
+      store_lanes(load_lanes(loss) + 0.5 * factor / area * (before + kept) * (length - kept), loss);
+    }
+    else if (!has_slip)
+      return;
+    for (unsigned int d = 0; d < 3; ++d)
+      store_lanes(of_slip[d], slip[d]);
   }
 
   void ZeroEnergyControl::apply_stiffness(const Stencils &shape, const NodalVector &velocity,
@@ -218,11 +247,13 @@ namespace tombolo
     // D = a (I - e e) + b e e, with the direction e of r - s.
     double across = stiffness(particle), along = across;
     const double length = std::sqrt(squared);
-    const Range range = elastic_range(points, first, particle);
-    if (length > range.length)
+    const Range of_lanes = elastic_range(points, first, 0);
+    const double largest = of_lanes.length[particle - first];
+    if (length > largest)
     {
-      across *= (range.length + range.beyond * (length - range.length)) / length;
-      along *= range.beyond;
+      const double beyond = of_lanes.beyond[particle - first];
+      across *= (largest + beyond * (length - largest)) / length;
+      along *= beyond;
     }
     const std::size_t n_nodes = equations.nodes.size();
     const std::size_t dim = equations.force.size() / n_nodes;
@@ -245,7 +276,7 @@ namespace tombolo
         {
           const double derivative =
               (d == e ? across : 0.) +
-              (length > range.length ? (along - across) * elastic[d] * elastic[e] / squared : 0.);
+              (length > largest ? (along - across) * elastic[d] * elastic[e] / squared : 0.);
           for (std::size_t b = 0; b < n_nodes; ++b)
             equations.matrix[(dim * a + d) * n_nodes * dim + dim * b + e] +=
                 derivative * weight[a] * weight[b];

@@ -18,6 +18,8 @@ namespace tombolo
         Block block;
         block.formulation = formulation;
         block.options = options;
+        if (formulation == "particles") // of which each has its own volume
+          block.options += "\nset Dilatation = of particles";
         block.cells = {4, 3, 3};
         return block;
       }

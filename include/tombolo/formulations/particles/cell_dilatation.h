@@ -94,7 +94,7 @@ namespace tombolo
      * both and the differences of the cells give to P_c. */
     void collect(unsigned int first, const Lanes &own, Lanes (&stress)[6]);
 
-    /** Adds the forces of P_c, and begins the sums anew. */
+    /** Adds the forces of P_c after collect(), and begins the sums anew. */
     void add_force(NodalVector &force);
 
     /** G [M/(L T^2)]. */
@@ -119,18 +119,20 @@ namespace tombolo
     /** Gives n_lanes particles the rate of ln J_I in the place of the trace of @p gradient. Returns
      * the rate of ln d. */
     Lanes share_rate(unsigned int first, Matrix3<Lanes> &gradient) const;
-    /** collect() of rates, with the sign of +K in add_force(); @p stress comes times minus the
-     * present volume. */
+    /** collect() of rates; @p stress comes times minus the present volume. */
     void collect_rates(unsigned int first, const Lanes &own, const Lanes &rate_of_own,
                        Lanes (&stress)[6]);
+    /** Adds what they give, and begins the sums anew. */
+    void add_force_of_rates(NodalVector &force);
     ///@}
 
   private:
     /** Σ V_cI y_c / V_I. */
     Lanes mean(const dealii::AlignedVector<double> &of_cell, unsigned int first) const;
-    /** Adds V_cI (σ_I + K (y_c - y_I)) to P_c, with the mean y_I of particles. */
-    void add_pressures(const dealii::AlignedVector<double> &of_cell, const Lanes &mean_of_cells,
-                       unsigned int first, const Lanes &stress, double modulus);
+    /** Adds V_cI times what n_lanes particles from @p first on have to P_c. */
+    void add_pressures(unsigned int first, const Lanes &of_particles);
+    /** Subtracts P_c cof(F_c) g_cJ from @p force and empties P_c. */
+    void subtract_pressures(NodalVector &force);
 
     Stencils cells;               ///< rows of g_cJ; its particles are the first nodes of cells
     std::vector<Node> cell_nodes; ///< by entry of a row
@@ -138,6 +140,7 @@ namespace tombolo
     dealii::AlignedVector<double> jacobian; ///< J_c
     dealii::AlignedVector<double> rate;     ///< of J_c
     dealii::AlignedVector<double> pressure; ///< P_c
+    std::vector<double> cell_volume;        ///< Σ_I V_cI over the particles of this rank
     dealii::AlignedVector<double> ratio_of_particle; ///< J_I
 
     std::vector<unsigned int> share_begin; ///< by particle, of what follows

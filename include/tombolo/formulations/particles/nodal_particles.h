@@ -34,6 +34,10 @@ namespace tombolo
     {
       return set;
     }
+    bool follows_positions() const override
+    {
+      return dilatation != nullptr;
+    }
     dealii::Point<dim> support(unsigned int i) const override;
     dealii::Tensor<2, dim> deformation(const unsigned int i,
                                        const NodalVector &position) const override

@@ -97,6 +97,13 @@ namespace tombolo
       return particle_set().smallest_spacing();
     }
 
+    /** Whether forces follow from positions, which a velocity that is changed after the motion does
+     * not move, and not from velocities alone. */
+    virtual bool follows_positions() const
+    {
+      return false;
+    }
+
     /** Present support half width of particle @p i [L]. */
     virtual dealii::Point<dim> support(unsigned int i) const = 0;
 

@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/state/material_points.h>
@@ -63,8 +64,8 @@ namespace tombolo
     /** Finds the fields in @p points. */
     void initialize(const MaterialPoints &points);
 
-    /** Remembers the plastic strains and stresses of the particles @p first to @p last - 1 before
-     * the step. */
+    /** Remembers the plastic strains and stresses of the particles @p first, a multiple of n_lanes,
+     * to @p last - 1 before the step. */
     void begin(const MaterialPoints &points, unsigned int first, unsigned int last);
     /** Advances their slip, with the spins of the step by component and particle, and turns their
      * r_I, node_stride doubles each, into k_I (r_I - s_I). */
@@ -89,14 +90,18 @@ namespace tombolo
     {
       return factor * volume[i] / squared_length[i];
     }
-    /** How far |r - s| of a particle can be elastic. */
+    /** How far |r - s| of n_lanes particles can be elastic. */
     struct Range
     {
-      double length = 1e300; ///< [L]
-      double beyond = 1.;    ///< share of what is longer that stays
+      Lanes length = 1e100; ///< [L]
+      Lanes beyond = 1.;    ///< share of what is longer that stays
     };
-    /** Of particle @p i in the block from @p first on, after its stress is known. */
-    Range elastic_range(const MaterialPoints &points, unsigned int first, unsigned int i) const;
+    /** Of those from number @p p of the block from @p first on, after their stress is known. */
+    Range elastic_range(const MaterialPoints &points, unsigned int first, unsigned int p) const;
+    /** Turns the slip of these particles by @p spin, takes it from their residuals, and lets it
+     * take what is beyond their range. */
+    void let_slip(MaterialPoints &points, unsigned int first, unsigned int p,
+                  const double *const spin[3], Lanes (&elastic)[3]) const;
 
     static constexpr double default_coefficient = 0.9, default_limit = 0.001;
 
@@ -105,6 +110,6 @@ namespace tombolo
     std::vector<double> volume, squared_length;
     unsigned int slip_field = 0, energy_field = 0, loss_field = 0, strain_field = 0;
     bool can_flow = false, has_particles = false;
-    std::vector<double> strain_before, stress_before; ///< of the block at hand
+    std::vector<double> strain_before, squared_stress_before; ///< of the block at hand
   };
 } // namespace tombolo

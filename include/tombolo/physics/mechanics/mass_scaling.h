@@ -239,8 +239,9 @@ namespace tombolo
       table.add("added mass", "M", masses(model).added);
       const double internal =
           table.present("elastic energy") + table.present("plastic dissipation");
-      if (internal > 0.)
-        table.add("kinetic over internal energy", "1", table.present("kinetic energy") / internal);
+      const double kinetic = table.present("kinetic energy");
+      if (internal > 1e-15 * kinetic) // and not round-off
+        table.add("kinetic over internal energy", "1", kinetic / internal);
     }
 
     Json results(const Model<dim> &model, const TimeTable &table) const

@@ -28,7 +28,8 @@ namespace
         "set Formulation = momentum consistent particle\nsubsection momentum consistent particle\n"
         "set Smoothing = " +
             std::string(smoothing) +
-            "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\n"
+            "\nset Dilatation = of particles\nend\nend\nsubsection Material: m\nset Model = "
+            "elastic\nsubsection elastic\n"
             "set Density = 1\nset Young's modulus = 1\nset Poisson's ratio = 0.3\nend\nend\n"
             "subsection Condition: drive\nset Type = velocity\nset Where = x < 1e-9\nset Function "
             "= " +

@@ -127,6 +127,7 @@ namespace
       {
         body.estimator->estimate(*body.model); // what follows starts from its mode
         random.deform(*body.model);
+        body.take_positions();
         body.keep_configuration();
       }
       const double estimate = body.estimator->estimate(*body.model).time_step;
