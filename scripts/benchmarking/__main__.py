@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from . import communication, files, machine, roofline, scaling, whole_runs
+from . import communication, machine, roofline, scaling, whole, whole_runs
 from .runs import BenchmarkError, Program
 
 
@@ -25,7 +25,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(prog="benchmark")
     parser.add_argument("root", type=Path)
     parser.add_argument("--program", type=Path)
-    for kind in ("kernels", "runs", "roofline", "scaling", "files"):
+    for kind in ("kernels", "runs", "roofline", "scaling", "whole"):
         parser.add_argument(f"--{kind}", action="store_true")
     parser.add_argument("--cells", default=[250, 20, 20], type=list_of_cells)
     parser.add_argument("--steps", type=int)
@@ -36,11 +36,11 @@ def parse_arguments():
     parser.add_argument("--latency", default=communication.Network.latency, type=float)
     parser.add_argument("--network", default=communication.Network.bandwidth, type=float)
     parser.add_argument("--rounds", default=3, type=int)
-    parser.add_argument("--update", action="store_true")
+    parser.add_argument("--against", type=Path)
     parser.add_argument("--output", type=Path)
     arguments = parser.parse_args()
-    if arguments.update and not arguments.files:
-        parser.error("--update goes with --files")
+    if arguments.against and not arguments.whole:
+        parser.error("--against goes with --whole")
     return arguments
 
 
@@ -50,7 +50,7 @@ def main():
     program = Program(arguments.root, arguments.program)
     beside_the_machine = (arguments.kernels or arguments.runs or arguments.roofline
                           or arguments.scaling)
-    everything = not beside_the_machine and not arguments.files
+    everything = not beside_the_machine and not arguments.whole
     results = {}
     if everything or beside_the_machine:
         results["machine"] = machine.measure_machine(binaries)
@@ -74,12 +74,11 @@ def main():
         scaling.print_scaling(results["scaling"])
         communication.print_projection(results["scaling"]["projection"], arguments.projected,
                                        network)
-    if arguments.files:
-        results["files"] = files.measure_files(program, arguments.root, arguments.rounds,
+    if arguments.whole:
+        other = Program(arguments.root, arguments.against) if arguments.against else None
+        results["whole"] = whole.measure_whole(program, other, arguments.root, arguments.rounds,
                                                arguments.filter)
-        files.print_files(results["files"])
-        if arguments.update:
-            files.write_reference(results["files"], arguments.root)
+        whole.print_whole(results["whole"])
     if arguments.output:
         arguments.output.write_text(json.dumps(results, indent=2), encoding="utf-8")
 
