@@ -59,17 +59,6 @@ class Program:
                 *(part for one in [*overrides, f"Output directory = {directory}/run"]
                   for part in ("--set", one))]
 
-    def first_step(self, file, overrides):
-        """The time step at the start, and how many steps a run that keeps it has."""
-        with tempfile.TemporaryDirectory() as directory:
-            audit = run([*self._command(file, overrides, directory), "--dry-run"]).stdout
-        match = (re.search(r"^  time step (\S+) .*about (\d+) steps", audit, re.MULTILINE)
-                 or re.search(r"^  thermal step at most ([\d.e+-]+).*at least (\d+) steps", audit,
-                              re.MULTILINE))
-        if not match:
-            raise BenchmarkError(f"the audit of {file} does not tell the time step:\n{audit}")
-        return float(match.group(1)), int(match.group(2))
-
     def start(self, file, overrides, directory, ranks=1, prefix=()):
         """A process of the run, which writes below @p directory."""
         command = [*prefix, *launcher(ranks), *self._command(file, overrides, directory),

@@ -175,28 +175,29 @@ namespace tombolo
   template <int dim>
   void CellDilatation<dim>::add_force(NodalVector &force)
   {
-    for (unsigned int c = 0; c < cells.n_particles(); ++c)
-      pressure[c] += bulk_modulus * cell_volume[c] * (jacobian[c] - 1.);
-    subtract_pressures(force);
+    subtract_pressures([&](const unsigned int c)
+                       { return bulk_modulus * cell_volume[c] * (jacobian[c] - 1.); },
+                       force);
   }
 
   template <int dim>
   void CellDilatation<dim>::add_force_of_rates(NodalVector &force)
   {
-    for (unsigned int c = 0; c < cells.n_particles(); ++c)
-      pressure[c] -= bulk_modulus * cell_volume[c] * rate[c];
-    subtract_pressures(force);
+    subtract_pressures(
+        [&](const unsigned int c) { return -bulk_modulus * cell_volume[c] * rate[c]; }, force);
   }
 
   template <int dim>
-  void CellDilatation<dim>::subtract_pressures(NodalVector &force)
+  template <typename OfCell>
+  void CellDilatation<dim>::subtract_pressures(const OfCell &of_cell, NodalVector &force)
   {
     alignas(64) double columns[3 * node_stride];
     for (unsigned int c = 0; c < cells.n_particles(); ++c)
     {
-      const double *const of_cell = cofactor.data() + 3 * node_stride * std::size_t(c);
+      const double *const of_areas = cofactor.data() + 3 * node_stride * std::size_t(c);
+      const double of_all = pressure[c] + of_cell(c);
       for (unsigned int k = 0; k < 3 * node_stride; ++k)
-        columns[k] = pressure[c] * of_cell[k];
+        columns[k] = of_all * of_areas[k];
       RowBlock::subtract_row(cells.row(c), columns, force.data());
     }
     pressure.fill(0.);

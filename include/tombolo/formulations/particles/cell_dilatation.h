@@ -131,8 +131,10 @@ namespace tombolo
     Lanes mean(const dealii::AlignedVector<double> &of_cell, unsigned int first) const;
     /** Adds V_cI times what n_lanes particles from @p first on have to P_c. */
     void add_pressures(unsigned int first, const Lanes &of_particles);
-    /** Subtracts P_c cof(F_c) g_cJ from @p force and empties P_c. */
-    void subtract_pressures(NodalVector &force);
+    /** Subtracts P_c cof(F_c) g_cJ from @p force, with @p of_cell(c) in P_c beside what particles
+     * have added, which is emptied. */
+    template <typename OfCell>
+    void subtract_pressures(const OfCell &of_cell, NodalVector &force);
 
     Stencils cells;               ///< rows of g_cJ; its particles are the first nodes of cells
     std::vector<Node> cell_nodes; ///< by entry of a row

@@ -209,9 +209,7 @@ TEST(CellAverages, the_estimate_of_the_stable_step_is_the_limit)
 
 TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
 {
-  Block block = disordered(3, "particles", "affine");
-  block.options += "\nset Dilatation = of particles";
-  const FrozenBody<3> body(block);
+  const FrozenBody<3> body(disordered(3, "particles", "affine"));
   Model<3> &model = *body.model;
   SurfaceDamping<3> damping(0.2, model);
   damping.model_changed(model);
