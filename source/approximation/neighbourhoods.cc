@@ -80,6 +80,8 @@ namespace tombolo
     std::iota(columns.begin(), columns.end(), 0u);
     finder.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
                 neighbour_place);
+    if (skin == 0.) // the next search is not near
+      finder = NeighbourSearch<dim>();
 
     // Of the particles received and of images only those that are neighbours keep a place, and the
     // sources of these images. They stay ascending by global number, and so do the rows.

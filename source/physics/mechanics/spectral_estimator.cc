@@ -31,7 +31,6 @@ namespace tombolo
   {
     records.value("calls", n_calls);
     records.value("has viscosity", has_viscosity);
-    records.value("last time step", last_time_step);
     records.list(
         [this, &model](Records &now)
         {
@@ -98,20 +97,24 @@ namespace tombolo
   }
 
   template <int dim>
-  double SpectralEstimator<dim>::viscous_part(const Model<dim> &model, const double time_step)
+  double SpectralEstimator<dim>::quotient(const Model<dim> &model, const double time_step)
   {
-    double quotient[2];
-    for (const int k : {0, 1})
-      quotient[k] = solver.rayleigh_quotient(model.bridge->mass(),
-                                             [&](const NodalVector &field, NodalVector &image)
-                                             { apply(model, field, (k + 1) * time_step, image); });
-    // K + 2C/Δt and K + C/Δt
-    const double difference = quotient[0] - quotient[1];
-    return difference > 1e-9 * quotient[0] ? difference * time_step : 0.;
+    return solver.rayleigh_quotient(model.bridge->mass(),
+                                    [&](const NodalVector &field, NodalVector &image)
+                                    { apply(model, field, time_step, image); });
   }
 
   template <int dim>
-  StepLimit SpectralEstimator<dim>::estimate(const Model<dim> &model)
+  double SpectralEstimator<dim>::viscous_part(const Model<dim> &model, const double time_step,
+                                              const double whole)
+  {
+    // K + 2C/Δt and K + C/Δt
+    const double difference = whole - quotient(model, 2. * time_step);
+    return difference > 1e-9 * whole ? difference * time_step : 0.;
+  }
+
+  template <int dim>
+  StepLimit SpectralEstimator<dim>::estimate(const Model<dim> &model, const double expected)
   {
     count = 0;
     const auto &partition = model.state.partition();
@@ -127,11 +130,11 @@ namespace tombolo
       solver.add(model.bridge->mass(), model.state.acceleration, 0.3);
     ++n_calls;
 
-    double time_step = is_first ? courant_limit(model).time_step : last_time_step;
+    double time_step = expected > 0. ? expected : courant_limit(model).time_step;
     unsigned int min_iterations = 6;
     if (is_first)
     {
-      has_viscosity = viscous_part(model, time_step) > 0.;
+      has_viscosity = viscous_part(model, time_step, quotient(model, time_step)) > 0.;
       min_iterations =
           Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()) * dim);
     }
@@ -145,14 +148,13 @@ namespace tombolo
       time_step = 2. / std::sqrt(eigenvalue);
       if (!has_viscosity)
         break;
-      // For a given mode, Δt² k + 2 Δt c = 4; the mode depends on Δt to second order.
-      const double viscous = viscous_part(model, last);
+      // For a given mode, Δt² k + 2 Δt c = 4; what the mode changes with Δt is of second order.
+      const double viscous = viscous_part(model, last, eigenvalue);
       const double elastic = eigenvalue - 2. * viscous / last;
       time_step = 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
-      if (std::abs(time_step - last) < 1e-4 * time_step)
+      if (std::abs(time_step - last) < 0.03 * time_step)
         break;
     }
-    last_time_step = time_step;
 
     StepLimit limit;
     // The eigenvalue was approached from below: the margin covers what the tolerance may have

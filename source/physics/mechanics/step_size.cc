@@ -117,9 +117,11 @@ namespace tombolo
                   "At the latest every so many steps the check is made whether the limit must be "
                   "estimated anew; more often while cells or supports change fast.");
     e.alias("Check interval", "Look interval");
-    reestimation_threshold = e.number("Re-estimation threshold", "0.01", between(0., 1.), "",
-                                      "The estimate is repeated when the smallest length over wave "
-                                      "speed has changed by this fraction since the last one.");
+    reestimation_threshold =
+        e.number("Re-estimation threshold", "0.05", between(0., 1.), "",
+                 "The estimate is repeated when the smallest length over wave speed, or that of a "
+                 "cell or particle, has changed by this fraction since the last one. Until then "
+                 "the limit falls as the smallest length over wave speed does.");
     e.alias("Re-estimation threshold", "Change that matters");
     longest_estimate_interval =
         e.integer("Estimate interval", "40", between(1, 1000000),
@@ -149,17 +151,15 @@ namespace tombolo
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
         // In an impact one cell shortens by tenths while the shortest stays as it is.
-        constexpr double local_over_global = 5.;
         const bool has_shortened =
-            has_limit && !has_changed &&
-            shortening.exceeds(model, local_over_global * reestimation_threshold);
+            has_limit && !has_changed && shortening.exceeds(model, reestimation_threshold);
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
         if (!has_limit || has_changed || has_shortened || estimate_is_due)
         {
           is_renewed = false;
-          const double last = present.time_step;
-          present = estimator->estimate(model);
+          const double last = limit().time_step;
+          present = estimator->estimate(model, has_limit ? last : 0.);
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
@@ -171,7 +171,7 @@ namespace tombolo
     }
     if (fixed == 0.)
       for (const auto &process : model.processes)
-        process->observed.step_limits(present.time_step, stable_fraction);
+        process->observed.step_limits(limit().time_step, stable_fraction);
     double step = allowed();
     // Where the step grows from Δt to Δt' central differences take ¼ (Δt' - Δt) f²/m Δt: of pieces
     // that oscillate fast it must not grow at once.
@@ -198,9 +198,17 @@ namespace tombolo
   }
 
   template <int dim>
+  StepLimit StepSize<dim>::limit() const
+  {
+    StepLimit result = present;
+    result.time_step *= std::min(1., courant_at_check / courant_at_estimate);
+    return result;
+  }
+
+  template <int dim>
   double StepSize<dim>::stable() const
   {
-    return fixed > 0. ? fixed : round_down(present.time_step);
+    return fixed > 0. ? fixed : round_down(limit().time_step);
   }
 
   template <int dim>
@@ -208,21 +216,21 @@ namespace tombolo
   {
     if (fixed > 0.)
       return fixed;
-    const double step = round_down(std::min(safety_factor, stable_fraction) * present.time_step);
+    const double step = round_down(std::min(safety_factor, stable_fraction) * limit().time_step);
     return maximum > 0. ? std::min(step, maximum) : step;
   }
 
   template <int dim>
   void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
   {
-    // In an impact cells shrink by tenths within few steps: the next check comes before the
-    // threshold is reached, as far as the last one tells.
+    // In an impact cells shrink by tenths within few steps: the next check comes before the limit
+    // has fallen by a percent, as far as the last one tells.
+    constexpr double largest_change = 0.01;
     const double change =
         std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
     const double most = std::min(2. * steps_to_check, double(check_interval));
-    const double wanted = courant_at_check > 0. ? 0.5 * reestimation_threshold /
-                                                      std::max(change, 1e-12) * double(steps)
-                                                : 1.;
+    const double wanted =
+        courant_at_check > 0. ? largest_change / std::max(change, 1e-12) * double(steps) : 1.;
     steps_to_check = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
     courant_at_check = courant;
   }

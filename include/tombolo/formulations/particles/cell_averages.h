@@ -261,37 +261,27 @@ namespace tombolo
                     dealii::ExcInternalError());
     }
 
-    /** Fills the rows of @p stencils; with @p share_rows, those that are the same are kept once. */
-    void fill(const Neighbourhoods<dim> &found, const bool share_rows, Stencils &stencils) const
+    /** Fills the rows of @p stencils, once after establish(); with @p share_rows, those that are
+     * the same are kept once. */
+    void fill(const Neighbourhoods<dim> &found, const bool share_rows, Stencils &stencils)
     {
-      const std::size_t n_entries = found.places().size();
       stencils.is_lumped = true;
       stencils.accelerated_share = accelerated_share;
-      stencils.value.resize_fast(n_entries);
-      stencils.gradient.resize_fast(Stencils::n_gradient * n_entries + 1);
-      stencils.gradient.back() = 0.;
-      stencils.coefficient_start.assign(stencils.row_start.begin(), stencils.row_start.end() - 1);
-      for (unsigned int row = 0; row < rows.size(); ++row)
-        for (std::size_t k = stencils.row_start[row]; k < stencils.row_start[row + 1]; ++k)
-        {
-          const Entry &entry = *find(found, row, found.places()[k]);
-          stencils.value[k] = entry.value;
-          std::copy_n(entry.gradient, Stencils::n_gradient,
-                      stencils.gradient.data() + Stencils::n_gradient * k);
-        }
-      if (!share_rows)
-        return;
-      RowSharing kept;
-      std::vector<std::size_t> start;
-      for (unsigned int row = 0; row < rows.size(); ++row)
+      if (!share_rows || !fill_shared(found, stencils))
       {
-        const Stencils::Row of_row = stencils.row(row);
-        start.push_back(kept.add(of_row.size, of_row.value, of_row.gradient));
-        if (2 * kept.size() > n_entries)
-          return;
+        const std::size_t n_entries = found.places().size();
+        stencils.value.resize_fast(n_entries);
+        stencils.gradient.resize_fast(Stencils::n_gradient * n_entries + 1);
+        stencils.gradient.back() = 0.;
+        stencils.coefficient_start.assign(stencils.row_start.begin(), stencils.row_start.end() - 1);
+        for (unsigned int row = 0; row < rows.size(); ++row)
+        {
+          const std::size_t start = stencils.row_start[row];
+          copy_row(found, stencils, row, stencils.value.data() + start,
+                   stencils.gradient.data() + Stencils::n_gradient * start);
+        }
       }
-      stencils.coefficient_start = start;
-      kept.store(stencils);
+      std::vector<std::vector<Entry>>().swap(rows);
     }
 
   private:
@@ -318,6 +308,8 @@ namespace tombolo
     {
       Entry &at(const ImageNode &node)
       {
+        if (entries.empty())
+          entries.reserve(dim == 2 ? 9 : 27); // of a lattice
         const auto place =
             std::lower_bound(entries.begin(), entries.end(), node,
                              [](const Entry &a, const ImageNode &b) { return a.node < b; });
@@ -378,6 +370,37 @@ namespace tombolo
           result.push_back(std::move(cell));
       }
       return result;
+    }
+    void copy_row(const Neighbourhoods<dim> &found, const Stencils &stencils,
+                  const unsigned int row, double *value, double *gradient) const
+    {
+      for (std::size_t k = stencils.row_start[row]; k < stencils.row_start[row + 1]; ++k)
+      {
+        const Entry &entry = *find(found, row, found.places()[k]);
+        *value++ = entry.value;
+        gradient = std::copy_n(entry.gradient, Stencils::n_gradient, gradient);
+      }
+    }
+    /** Fills the rows of @p stencils, of which those that are the same are kept once; false if most
+     * are not. */
+    bool fill_shared(const Neighbourhoods<dim> &found, Stencils &stencils) const
+    {
+      RowSharing kept;
+      std::vector<std::size_t> start;
+      std::vector<double> value, gradient;
+      for (unsigned int row = 0; row < rows.size(); ++row)
+      {
+        const std::size_t n = rows[row].size();
+        value.resize(n);
+        gradient.resize(Stencils::n_gradient * n);
+        copy_row(found, stencils, row, value.data(), gradient.data());
+        start.push_back(kept.add(static_cast<unsigned int>(n), value.data(), gradient.data()));
+        if (2 * kept.size() > found.places().size())
+          return false;
+      }
+      stencils.coefficient_start = start;
+      kept.store(stencils);
+      return true;
     }
     /** Turns sums into rows. */
     void make_rows(std::vector<Sums> &sums, std::vector<double> &volumes,

@@ -25,8 +25,10 @@ namespace tombolo
   public:
     explicit SpectralEstimator(const Entries &e);
     /** The largest stable step at the present configuration, before any safety factor, the same on
-     * all ranks, with the entity that limits it. Keeps information for later calls. Collective. */
-    StepLimit estimate(const Model<dim> &model);
+     * all ranks, with the entity that limits it. Where there is viscosity the iteration begins with
+     * the @p expected step, or with the Courant limit if it is zero. Keeps information for later
+     * calls. Collective. */
+    StepLimit estimate(const Model<dim> &model, double expected = 0.);
 
     /** Lists what is kept of earlier calls. */
     void list(Records &records, const Model<dim> &model);
@@ -46,8 +48,10 @@ namespace tombolo
     /** Largest eigenvalue of A; the eigenvector goes into mode. */
     double largest_eigenvalue(const Model<dim> &model, double time_step,
                               unsigned int min_iterations);
-    /** mode·C mode of the normalized mode, by two applications. */
-    double viscous_part(const Model<dim> &model, double time_step);
+    /** The Rayleigh quotient of the mode in A. */
+    double quotient(const Model<dim> &model, double time_step);
+    /** mode·C mode of the normalized mode, of which quotient() is @p whole. */
+    double viscous_part(const Model<dim> &model, double time_step, double whole);
     /** Names the node that moves most in the mode; the same on any number of ranks. */
     void find_entity(const Model<dim> &model, StepLimit &limit) const;
 
@@ -55,7 +59,6 @@ namespace tombolo
     unsigned int count = 0;
     unsigned int n_calls = 0;
     bool has_viscosity = false;
-    double last_time_step = 0; // before the margin
     NodalVector velocity, force;
   };
 } // namespace tombolo

@@ -56,11 +56,9 @@ namespace tombolo
     /** The mesh is another one: the next limit is estimated as the first was. */
     void mesh_has_changed(const Parameters &parameters);
 
-    /** The limit found last, before the safety factor, and what limits it. */
-    const StepLimit &limit() const
-    {
-      return present;
-    }
+    /** The limit before the safety factor, and what limits it: the one estimated last, less what
+     * the smallest length over wave speed has lost since. */
+    StepLimit limit() const;
 
     /** The next step is taken from a new estimate: cells have been removed, and what is left alone
      * of a body can move faster than the whole. */
@@ -105,7 +103,7 @@ namespace tombolo
     unsigned int check_interval;
     double reestimation_threshold;
 
-    StepLimit present;
+    StepLimit present; // as estimated last
     bool has_limit = false;
     double courant_at_estimate = 0;
     /** Chooses when to check again, from the change over so many @p steps. */
