@@ -91,9 +91,11 @@ namespace tombolo
         fe_values.reinit(cell);
         cell->get_dof_indices(hierarchic_nodes);
         for (unsigned int k = 0; k < fe_values.dofs_per_cell; ++k)
+        {
+          double &mass = seen.masses[seen.index_of_node[hierarchic_nodes[k]]];
           for (const unsigned int q : fe_values.quadrature_point_indices())
-            seen.masses[seen.index_of_node[hierarchic_nodes[k]]] +=
-                density * fe_values.shape_value(k, q) * fe_values.JxW(q);
+            mass += density * fe_values.shape_value(k, q) * fe_values.JxW(q);
+        }
       }
       seen.half_widths.assign(seen.positions.size(), 0.);
       SupportSize::accumulate<dim>(corners, 1u << dim, seen.positions.data(),
