@@ -16,6 +16,9 @@ namespace tombolo
 {
   namespace
   {
+    /** By what the smallest length over wave speed falls before the limit follows. */
+    constexpr double smallest_change = 0.01;
+
     /** Supports stay as they are where a particle loses neighbours; its gradients grow. */
     template <int dim>
     std::vector<double> times_of_rows(const Part<dim> &part, const NodalVector &position)
@@ -121,7 +124,7 @@ namespace tombolo
         e.number("Re-estimation threshold", "0.05", between(0., 1.), "",
                  "The estimate is repeated when the smallest length over wave speed, or that of a "
                  "cell or particle, has changed by this fraction since the last one. Until then "
-                 "the limit falls as the smallest length over wave speed does.");
+                 "the limit falls as the smallest length over wave speed does, in steps of 0.01.");
     e.alias("Re-estimation threshold", "Change that matters");
     longest_estimate_interval =
         e.integer("Estimate interval", "40", between(1, 1000000),
@@ -148,6 +151,9 @@ namespace tombolo
         const double courant = tombolo::courant_limit(model).time_step;
         adapt_interval(clock.step - step_of_check, courant);
         step_of_check = clock.step;
+        // By steps, since energy is lost or gained where the time step changes.
+        if (courant < (limit_fraction - smallest_change) * courant_at_estimate)
+          limit_fraction = courant / courant_at_estimate;
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
         // In an impact one cell shortens by tenths while the shortest stays as it is.
@@ -163,6 +169,7 @@ namespace tombolo
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
+          limit_fraction = 1.;
           shortening.remember(model);
           has_limit = true;
           ++count;
@@ -201,7 +208,7 @@ namespace tombolo
   StepLimit StepSize<dim>::limit() const
   {
     StepLimit result = present;
-    result.time_step *= std::min(1., courant_at_check / courant_at_estimate);
+    result.time_step *= limit_fraction;
     return result;
   }
 
@@ -224,13 +231,12 @@ namespace tombolo
   void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
   {
     // In an impact cells shrink by tenths within few steps: the next check comes before the limit
-    // has fallen by a percent, as far as the last one tells.
-    constexpr double largest_change = 0.01;
+    // has fallen, as far as the last one tells.
     const double change =
         std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
     const double most = std::min(2. * steps_to_check, double(check_interval));
     const double wanted =
-        courant_at_check > 0. ? largest_change / std::max(change, 1e-12) * double(steps) : 1.;
+        courant_at_check > 0. ? smallest_change / std::max(change, 1e-12) * double(steps) : 1.;
     steps_to_check = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
     courant_at_check = courant;
   }
@@ -252,6 +258,7 @@ namespace tombolo
     tombolo::list(records, present);
     records.value("has limit", has_limit);
     records.value("paper's limit at estimate", courant_at_estimate);
+    records.value("fraction of limit", limit_fraction).optional();
     records.value("step of look", step_of_check);
     records.value("steps to look", steps_to_check);
     records.value("paper's limit at look", courant_at_check);

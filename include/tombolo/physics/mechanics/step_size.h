@@ -106,6 +106,7 @@ namespace tombolo
     StepLimit present; // as estimated last
     bool has_limit = false;
     double courant_at_estimate = 0;
+    double limit_fraction = 1.; // that the cells have left of the limit since then
     /** Chooses when to check again, from the change over so many @p steps. */
     void adapt_interval(unsigned long steps, double courant);
     /** Doubles the time to the next estimate for renewed kernels while the last changed little from
