@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/contact/face_overlap.h>
 #include <tombolo/contact/pairing.h>
 
 #include <algorithm>
@@ -31,60 +33,89 @@ namespace tombolo
     {
       Tensor<1, dim> normal = slave.area;
       normal /= normal.norm();
+      FaceOverlap<dim> overlap(slave.corners);
+      const Heights heights(slave.corners, normal);
       for (const PairedFace<dim> &master : masters)
       {
         if (master.area * normal > largest_cosine * master.area.norm())
           continue;
         FacePair<dim> pair(slave, master);
         pair.set_normal(normal);
-        if (integrate(slave.corners, master.corners,
-                      this->reach() * std::min(slave.thickness, master.thickness), pair))
+        if (integrate(heights, master.corners,
+                      this->reach() * std::min(slave.thickness, master.thickness), overlap, pair))
           pairs.push_back(pair);
       }
     }
 
   private:
-    /** Returns whether there is a common part within the @p distance. */
-    bool integrate(const FaceCorners<dim> &slave, const FaceCorners<dim> &master,
-                   const double distance, FacePair<dim> &pair) const
+    static constexpr unsigned int n_corners = FacePair<dim>::n_corners;
+
+    /** Of corners along the normal of the slave face, relative to its first corner. */
+    struct Heights
     {
-      constexpr unsigned int n_corners = FacePair<dim>::n_corners;
-      const Tensor<1, dim> &normal = pair.normals[0];
-      Tensor<1, dim> middle;
-      for (const auto &corner : slave)
-        middle += corner / n_corners;
-      double nearest = std::numeric_limits<double>::max(), farthest = -nearest, warp = 0;
-      for (const auto &corner : master)
+      Heights(const FaceCorners<dim> &slave, const Tensor<1, dim> &normal)
+          : place(slave[0]), normal(normal)
       {
-        nearest = std::min(nearest, (corner - middle) * normal);
-        farthest = std::max(farthest, (corner - middle) * normal);
-      }
-      for (const auto &corner : slave)
-        warp = std::max(warp, std::abs((corner - middle) * normal));
-      if (nearest > distance + warp || farthest < -distance - warp)
-        return false;
-      find_overlap(slave, master, overlap);
-      bool is_empty = true;
-      for (const OverlapPoint<dim> &point : overlap)
-      {
-        Tensor<1, dim> gap;
         for (unsigned int k = 0; k < n_corners; ++k)
-          gap += point.of_master[k] * (master[k] - slave[0]) -
-                 point.of_slave[k] * (slave[k] - slave[0]);
-        if (!(std::abs(gap * normal) <= distance))
-          continue;
-        is_empty = false;
-        for (unsigned int i = 0; i < n_corners; ++i)
-          for (unsigned int j = 0; j < n_corners; ++j)
-          {
-            pair.of_slave[i][j] += point.weight * point.of_slave[i] * point.of_slave[j];
-            pair.of_master[i][j] += point.weight * point.of_slave[i] * point.of_master[j];
-          }
+        {
+          of_slave[k] = (slave[k] - place) * normal;
+          middle += of_slave[k] / n_corners;
+        }
+        for (const double height : of_slave)
+          warp = std::max(warp, std::abs(height - middle));
       }
+
+      Tensor<1, dim> place, normal;
+      double of_slave[n_corners];
+      double middle = 0, warp = 0;
+    };
+
+    /** Returns whether there is a common part within the @p distance. */
+    bool integrate(const Heights &heights, const FaceCorners<dim> &master, const double distance,
+                   FaceOverlap<dim> &overlap, FacePair<dim> &pair) const
+    {
+      double of_master[n_corners];
+      for (unsigned int k = 0; k < n_corners; ++k)
+        of_master[k] = (master[k] - heights.place) * heights.normal;
+      const auto [nearest, farthest] = std::minmax_element(of_master, of_master + n_corners);
+      if (*nearest - heights.middle > distance + heights.warp ||
+          *farthest - heights.middle < -distance - heights.warp)
+        return false;
+      overlap.find(master);
+      bool is_empty = true;
+      Lanes to_slave[n_corners][n_corners], to_master[n_corners][n_corners];
+      for (unsigned int i = 0; i < n_corners; ++i)
+        for (unsigned int j = 0; j < n_corners; ++j)
+          to_slave[i][j] = to_master[i][j] = 0.;
+      for (unsigned int q = 0; q < overlap.n_points(); q += n_lanes)
+      {
+        Lanes slave_shape[n_corners], master_shape[n_corners], gap = 0.;
+        for (unsigned int k = 0; k < n_corners; ++k)
+        {
+          slave_shape[k] = load_lanes(overlap.of_slave(k) + q);
+          master_shape[k] = load_lanes(overlap.of_master(k) + q);
+          gap += master_shape[k] * of_master[k] - slave_shape[k] * heights.of_slave[k];
+        }
+        Lanes weight = load_lanes(overlap.weights() + q);
+        where(!(abs(gap) <= distance), weight) = 0.;
+        is_empty = is_empty && !any_of(weight > 0.);
+        for (unsigned int i = 0; i < n_corners; ++i)
+        {
+          const Lanes weighted = weight * slave_shape[i];
+          for (unsigned int j = i; j < n_corners; ++j)
+            to_slave[i][j] += weighted * slave_shape[j];
+          for (unsigned int j = 0; j < n_corners; ++j)
+            to_master[i][j] += weighted * master_shape[j];
+        }
+      }
+      for (unsigned int i = 0; i < n_corners && !is_empty; ++i)
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          pair.of_slave[i][j] = j < i ? pair.of_slave[j][i] : reduce(to_slave[i][j]);
+          pair.of_master[i][j] = reduce(to_master[i][j]);
+        }
       return !is_empty;
     }
-
-    mutable std::vector<OverlapPoint<dim>> overlap; ///< a buffer
   };
 
   /** The same of the start, near by. */

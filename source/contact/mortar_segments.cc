@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_segments.h>
 
+#include <tombolo/base/simd/vectorization.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -97,14 +99,23 @@ namespace tombolo
   void MortarSegments<dim>::find_segments(const NodalVector &position)
   {
     segments.clear();
-    std::vector<PairedFace<dim>> near;
+    master_faces.clear();
+    master_boxes.clear();
+    for (unsigned int m = 0; m < exchange.masters().size(); ++m)
+    {
+      master_faces.push_back(master_face(m, values, n_values));
+      master_boxes.emplace_back(master_faces.back().corners, 0.);
+    }
     const auto &pairs = exchange.pairs();
     for (auto pair = pairs.begin(); pair != pairs.end();)
     {
-      const unsigned int slave = pair->slave;
-      for (near.clear(); pair != pairs.end() && pair->slave == slave; ++pair)
-        near.push_back(master_face(pair->master, values, n_values));
-      pairing.find(slave_face(slave, position), near, segments);
+      const PairedFace<dim> slave = slave_face(pair->slave, position);
+      const Box box(slave.corners, pairing.reach() * slave.thickness + pairing.radius());
+      for (near.clear(); pair != pairs.end() && pair->slave == slave.number; ++pair)
+        if (box.meets(master_boxes[pair->master]))
+          near.push_back(master_faces[pair->master]);
+      if (!near.empty())
+        pairing.find(slave, near, segments);
     }
   }
 
@@ -114,48 +125,76 @@ namespace tombolo
                                         const NodalVector *const thermal)
   {
     const auto &face = slaves.faces()[segment.slave];
-    const FaceCorners<dim> corners = slaves.corners(face, position);
     const double *const master = values.data() + segment.master * n_corners * n_values;
-    for (unsigned int i = 0; i < n_corners; ++i)
+    // Differences to a place near by: both sums of weights are equal only to round-off.
+    const double *const place = position.node(face.nodes[0]);
+    NodeLanes offset[2][n_corners], motion[2][n_corners]; // of the slave, of the master
+    for (unsigned int j = 0; j < n_corners; ++j)
     {
-      Tensor<1, dim> gap, motion;
-      std::array<double, node_stride> scalars{};
-      double effusivities[2] = {};
-      for (unsigned int j = 0; j < n_corners; ++j)
-      {
-        const double of_slave = segment.of_slave[i][j], of_master = segment.of_master[i][j];
-        const unsigned int node = face.nodes[j];
-        const double *const at_master = master + j * n_values;
-        // Differences to a place near by: both sums of weights are equal only to round-off.
-        gap += of_master * (vector_of<dim>(at_master) - corners[0]) -
-               of_slave * (corners[j] - corners[0]);
-        motion += of_slave * (corners[j] - vector_of<dim>(last_position.node(node))) -
-                  of_master * vector_of<dim>(at_master + dim);
-        scalars[area] += of_slave;
-        if (thermal == nullptr)
-          continue;
-        const double theta = thermal->node(node)[temperature], of_other = at_master[2 * dim];
-        scalars[temperature_difference] += of_master * of_other - of_slave * theta;
-        scalars[mean_temperature] += 0.5 * (of_master * of_other + of_slave * theta);
-        scalars[inverse_capacity] += of_slave * thermal->node(node)[MortarSegments::of_slave] +
-                                     of_master * at_master[2 * dim + 1];
-        if (!sums_effusivity)
-          continue;
-        effusivities[0] += of_slave * thermal->node(node)[effusivity];
-        effusivities[1] += of_master * at_master[2 * dim + 2];
-      }
-      const unsigned int node = face.nodes[i];
+      alignas(32) double of_slave[2][node_stride] = {}, of_other[2][node_stride] = {};
+      const double *const x = position.node(face.nodes[j]);
+      const double *const last_x = last_position.node(face.nodes[j]);
+      const double *const at_master = master + j * n_values;
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const double normal = segment.normals[i][d];
-        at_slaves.gap.node(node)[d] += gap[d] - pairing.radius() * scalars[area] * normal;
-        at_slaves.motion.node(node)[d] += motion[d];
-        at_slaves.normal.node(node)[d] += scalars[area] * normal;
+        of_slave[0][d] = x[d] - place[d];
+        of_slave[1][d] = x[d] - last_x[d];
+        of_other[0][d] = at_master[d] - place[d];
+        of_other[1][d] = at_master[dim + d];
       }
-      for (unsigned int s = 0; s < node_stride; ++s)
-        at_slaves.scalars.node(node)[s] += scalars[s];
-      for (unsigned int side = 0; side < 2 && sums_effusivity; ++side)
-        at_slaves.effusivity.node(node)[side] += effusivities[side];
+      offset[0][j] = load_node(of_slave[0]);
+      motion[0][j] = load_node(of_slave[1]);
+      offset[1][j] = load_node(of_other[0]);
+      motion[1][j] = load_node(of_other[1]);
+    }
+    for (unsigned int i = 0; i < n_corners; ++i)
+    {
+      NodeLanes gap = 0., moved = 0.;
+      double of_area = 0;
+      for (unsigned int j = 0; j < n_corners; ++j)
+      {
+        const double of_slave = segment.of_slave[i][j], of_other = segment.of_master[i][j];
+        gap += of_other * offset[1][j] - of_slave * offset[0][j];
+        moved += of_slave * motion[0][j] - of_other * motion[1][j];
+        of_area += of_slave;
+      }
+      const unsigned int node = face.nodes[i];
+      const auto add = [&](NodalVector &sum, const NodeLanes &value)
+      { store_node(load_node(sum.node(node)) + value, sum.node(node)); };
+      alignas(32) double normal[node_stride] = {};
+      for (unsigned int d = 0; d < dim; ++d)
+        normal[d] = of_area * segment.normals[i][d];
+      const NodeLanes weighted_normal = load_node(normal);
+      add(at_slaves.gap, gap - pairing.radius() * weighted_normal);
+      add(at_slaves.motion, moved);
+      add(at_slaves.normal, weighted_normal);
+      at_slaves.scalars.node(node)[area] += of_area;
+      if (thermal != nullptr)
+        add_thermal(segment, i, *thermal);
+    }
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::add_thermal(const Segment &segment, const unsigned int i,
+                                        const NodalVector &thermal)
+  {
+    const auto &face = slaves.faces()[segment.slave];
+    const double *const master = values.data() + segment.master * n_corners * n_values;
+    double *const scalars = at_slaves.scalars.node(face.nodes[i]);
+    for (unsigned int j = 0; j < n_corners; ++j)
+    {
+      const double of_slave = segment.of_slave[i][j], of_other = segment.of_master[i][j];
+      const double *const at_slave = thermal.node(face.nodes[j]);
+      const double *const at_master = master + j * n_values + 2 * dim;
+      const double theta = of_slave * at_slave[temperature], other = of_other * at_master[0];
+      scalars[temperature_difference] += other - theta;
+      scalars[mean_temperature] += 0.5 * (other + theta);
+      scalars[inverse_capacity] +=
+          of_slave * at_slave[MortarSegments::of_slave] + of_other * at_master[1];
+      if (!sums_effusivity)
+        continue;
+      at_slaves.effusivity.node(face.nodes[i])[0] += of_slave * at_slave[effusivity];
+      at_slaves.effusivity.node(face.nodes[i])[1] += of_other * at_master[2];
     }
   }
 
@@ -199,25 +238,27 @@ namespace tombolo
     {
       const auto &face = slaves.faces()[segment.slave];
       double *const at_master = values.data() + segment.master * n_corners * n_sums;
+      NodeLanes of_corner[n_corners];
       for (unsigned int i = 0; i < n_corners; ++i)
+        of_corner[i] = load_node(traction.node(face.nodes[i]));
+      for (unsigned int j = 0; j < n_corners; ++j)
       {
-        const double *const t = traction.node(face.nodes[i]);
-        const double conducted = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[0] : 0.;
-        const double friction = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[1] : 0.;
-        const double heat_fraction = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[2] : 0.;
-        for (unsigned int j = 0; j < n_corners; ++j)
+        NodeLanes to_slave = 0., to_master = 0.;
+        for (unsigned int i = 0; i < n_corners; ++i)
         {
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            loads.node(face.nodes[j])[d] += segment.of_slave[i][j] * t[d];
-            at_master[j * n_sums + d] -= segment.of_master[i][j] * t[d];
-          }
-          if (heat_flow == nullptr)
-            continue;
-          *heat->node(face.nodes[j]) +=
-              segment.of_slave[i][j] * (conducted + heat_fraction * friction);
+          to_slave += segment.of_slave[i][j] * of_corner[i];
+          to_master += segment.of_master[i][j] * of_corner[i];
+        }
+        double *const load = loads.node(face.nodes[j]);
+        store_node(load_node(load) + to_slave, load);
+        for (unsigned int d = 0; d < dim; ++d)
+          at_master[j * n_sums + d] -= to_master[d];
+        for (unsigned int i = 0; heat_flow != nullptr && i < n_corners; ++i)
+        {
+          const double *const flow = heat_flow->node(face.nodes[i]);
+          *heat->node(face.nodes[j]) += segment.of_slave[i][j] * (flow[0] + flow[2] * flow[1]);
           at_master[j * n_sums + dim] +=
-              segment.of_master[i][j] * ((1. - heat_fraction) * friction - conducted);
+              segment.of_master[i][j] * ((1. - flow[2]) * flow[1] - flow[0]);
         }
       }
     }

@@ -30,34 +30,6 @@ namespace tombolo
       return 0.5 * dealii::cross_product_3d(face[3] - face[0], face[2] - face[1]);
   }
 
-  /** A point of the common part of two faces. */
-  template <int dim>
-  struct OverlapPoint
-  {
-    double weight;                                  ///< of the quadrature [L^(dim-1)]
-    std::array<double, (1u << (dim - 1))> of_slave; ///< N of the slave face
-    std::array<double, (1u << (dim - 1))> of_master;
-  };
-
-  /**
-   * The common part of a slave face and a master face, both projected onto the plane through the
-   * centre of the slave face with the direction of its area (in two dimensions onto a line). The
-   * projected master face is clipped by the edges of the slave face (Sutherland and Hodgman), the
-   * polygon divided into triangles from its corner farthest from the centre of its area, and each
-   * gets 6 points of the rule of degree 4, so that the numbering of corners does not matter, and
-   * weights are exact where both faces are parallelograms; in two dimensions an interval
-   * gets 2 Gauss points. Both faces have their shape functions at the same
-   * points, so that Σ_J w^s_IJ = Σ_L w^m_IL for the weights of a mortar. Weights are areas on the
-   * plane.
-   *
-   * The slave face must be convex on the plane. Replaces @p points; none where the projections do
-   * not overlap.
-   */
-  void find_overlap(const FaceCorners<2> &slave, const FaceCorners<2> &master,
-                    std::vector<OverlapPoint<2>> &points);
-  void find_overlap(const FaceCorners<3> &slave, const FaceCorners<3> &master,
-                    std::vector<OverlapPoint<3>> &points);
-
   /**
    * The faces of one side of a contact between bodies: outer faces (Nodes::is_outer_face) of cells
    * of degree 1, and those below cells that are gone, each on the rank that owns its cell. Nodes

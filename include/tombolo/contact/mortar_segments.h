@@ -9,6 +9,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -120,6 +121,34 @@ namespace tombolo
     static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;
     using Segment = FacePair<dim>;
 
+    struct Box
+    {
+      /** Around the corners, @p by wider on all sides. */
+      Box(const FaceCorners<dim> &corners, const double by)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          low[d] = high[d] = corners[0][d];
+          for (unsigned int k = 1; k < n_corners; ++k)
+          {
+            low[d] = std::min(low[d], corners[k][d]);
+            high[d] = std::max(high[d], corners[k][d]);
+          }
+          low[d] -= by;
+          high[d] += by;
+        }
+      }
+      bool meets(const Box &other) const
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          if (low[d] > other.high[d] || other.low[d] > high[d])
+            return false;
+        return true;
+      }
+
+      double low[dim], high[dim];
+    };
+
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
     bool has_moved(const NodalVector &position) const
     {
@@ -147,12 +176,16 @@ namespace tombolo
                                 unsigned int n_of_corner) const;
     void add_segment(const Segment &segment, const NodalVector &position,
                      const NodalVector &last_position, const NodalVector *thermal);
+    /** The part of corner @p i of the slave in the sums of heat. */
+    void add_thermal(const Segment &segment, unsigned int i, const NodalVector &thermal);
 
     const ContactFaces<dim> &slaves, &masters;
     const Pairing<dim> &pairing;
     double margin;
     MPI_Comm communicator;
     FaceExchange<dim> exchange;
+    std::vector<PairedFace<dim>> master_faces, near; // of the exchange, in this step
+    std::vector<Box> master_boxes;
     std::vector<Segment> segments;
     Sums at_slaves;
     NodalVector position_of_pairs;   ///< where nodes were when the pairs were found

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/contact_faces.h>
+#include <tombolo/contact/face_overlap.h>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,32 @@ using dealii::Tensor;
 
 namespace
 {
+  template <int dim>
+  struct OverlapPoint
+  {
+    double weight;
+    std::array<double, (1u << (dim - 1))> of_slave, of_master;
+  };
+
+  template <int dim>
+  std::vector<OverlapPoint<dim>> common_points(const FaceCorners<dim> &slave,
+                                               const FaceCorners<dim> &master)
+  {
+    FaceOverlap<dim> overlap(slave);
+    overlap.find(master);
+    std::vector<OverlapPoint<dim>> points(overlap.n_points());
+    for (unsigned int q = 0; q < points.size(); ++q)
+    {
+      points[q].weight = overlap.weights()[q];
+      for (unsigned int k = 0; k < overlap.n_corners; ++k)
+      {
+        points[q].of_slave[k] = overlap.of_slave(k)[q];
+        points[q].of_master[k] = overlap.of_master(k)[q];
+      }
+    }
+    return points;
+  }
+
   /** A plane surface of faces at y (in three dimensions z) = @p height, turned by 30 degrees. */
   template <int dim>
   struct Surface
@@ -81,12 +107,9 @@ namespace
           of_slave(n_slave_nodes * n_slave_nodes, 0.),
           of_master(n_slave_nodes * n_master_nodes, 0.), area(n_slave_nodes, 0.)
     {
-      std::vector<OverlapPoint<dim>> overlap;
       for (std::size_t s = 0; s < slave.faces.size(); ++s)
         for (std::size_t m = 0; m < master.faces.size(); ++m)
-        {
-          find_overlap(slave.corners(s), master.corners(m), overlap);
-          for (const auto &point : overlap)
+          for (const auto &point : common_points<dim>(slave.corners(s), master.corners(m)))
             for (unsigned int i = 0; i < slave.n_corners; ++i)
               for (unsigned int j = 0; j < slave.n_corners; ++j)
               {
@@ -96,7 +119,6 @@ namespace
                 of_master[row * n_master_nodes + master.faces[m][j]] += weight * point.of_master[j];
                 area[row] += weight * point.of_slave[j];
               }
-        }
     }
 
     /** Mean gap of a slave node along the normal, over the true one, minus one. */
@@ -200,12 +222,10 @@ TEST(FaceOverlap, TheCommonPartOfTurnedSquaresIsAnOctagon)
                                Tensor<1, 3>({-.5, .5, 0.}), Tensor<1, 3>({.5, .5, 0.})}};
   const FaceCorners<3> turned{{Tensor<1, 3>({0., -r, .1}), Tensor<1, 3>({-r, 0., .1}),
                                Tensor<1, 3>({r, 0., .1}), Tensor<1, 3>({0., r, .1})}};
-  std::vector<OverlapPoint<3>> overlap;
-  find_overlap(square, turned, overlap);
   // The corners of the square beyond the lines |x| + |y| = r.
   const double cut = 1. - r;
   double area = 0;
-  for (const auto &point : overlap)
+  for (const auto &point : common_points<3>(square, turned))
   {
     area += point.weight;
     EXPECT_NEAR(std::accumulate(point.of_slave.begin(), point.of_slave.end(), 0.), 1., 1e-14);
@@ -241,10 +261,8 @@ TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
       numbered_slave[k] = slave[of_slave[k]];
       numbered_master[k] = master[of_master[k]];
     }
-    std::vector<OverlapPoint<3>> overlap;
-    find_overlap(numbered_slave, numbered_master, overlap);
     Weights result{};
-    for (const auto &point : overlap)
+    for (const auto &point : common_points<3>(numbered_slave, numbered_master))
       for (unsigned int i = 0; i < 4; ++i)
         for (unsigned int j = 0; j < 4; ++j)
         {
@@ -271,11 +289,9 @@ TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
 
 TEST(FaceOverlap, FacesBesideEachOtherHaveNothingInCommon)
 {
-  std::vector<OverlapPoint<2>> lines;
   const FaceCorners<2> line{{Tensor<1, 2>({0., 0.}), Tensor<1, 2>({1., 0.})}};
-  find_overlap(line, {{Tensor<1, 2>({1., .1}), Tensor<1, 2>({2., .1})}}, lines);
-  EXPECT_TRUE(lines.empty());
-  find_overlap(line, {{Tensor<1, 2>({.75, .1}), Tensor<1, 2>({2., .1})}}, lines);
+  EXPECT_TRUE(common_points<2>(line, {{Tensor<1, 2>({1., .1}), Tensor<1, 2>({2., .1})}}).empty());
+  const auto lines = common_points<2>(line, {{Tensor<1, 2>({.75, .1}), Tensor<1, 2>({2., .1})}});
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_NEAR(lines[0].weight + lines[1].weight, 0.25, 1e-15);
 }
