@@ -119,6 +119,7 @@ namespace tombolo
             state.position.node(i)[d] = to[d];
         }
         state.position.update_ghosts();
+        model->bridge->positions_have_changed();
       }
 
       void stretch(const double x, const double y)

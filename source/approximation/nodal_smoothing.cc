@@ -57,22 +57,20 @@ namespace tombolo
         throw RunError(message.str());
       }
 
-      /** Inverts F given by columns, and writes the rows of the inverse. */
+      /** Inverts F given by columns, and writes the rows of the inverse. Returns det F. */
       template <int dim>
-      TOMBOLO_ALWAYS_INLINE void store_inverse(const NodeLanes &a, const NodeLanes &b,
-                                               const NodeLanes &column_z, double *inverse,
-                                               const double *place)
+      TOMBOLO_ALWAYS_INLINE double store_inverse(const NodeLanes &a, const NodeLanes &b,
+                                                 const NodeLanes &column_z, double *inverse)
       {
         const NodeLanes c = dim == 3 ? column_z : node_of(0., 0., 1.);
         const NodeLanes bc = cross_product(b, c);
         const NodeLanes product = a * bc;
         const double det = product[0] + product[1] + product[2];
-        if (!(std::abs(det) > 1e-12))
-          throw_singular(place);
         const double factor = 1. / det;
         store_node(bc * factor, inverse);
         store_node(cross_product(c, a) * factor, inverse + node_stride);
         store_node(cross_product(a, b) * factor, inverse + 2 * node_stride);
+        return det;
       }
 
       /** F of one particle, by columns. */
@@ -113,25 +111,66 @@ namespace tombolo
       return sum;
     }
 
+    namespace
+    {
+      /** Fills the inverse deformation, and calls @p check(row, det F). */
+      template <int dim, typename Check>
+      void invert_deformation(const double *position, Stencils &shape, const Check &check)
+      {
+        shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
+        for (unsigned int row = 0; row < shape.n_particles(); ++row)
+        {
+          const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
+          // Two chains of sums hide the time that an addition takes.
+          Deformation f, odd;
+          const Stencils::Row of_row = shape.row(row);
+          const auto add = [&](const unsigned int k, Deformation &sum)
+          {
+            sum.add(load_node(node(position, of_row.neighbour[k])) - centre,
+                    of_row.gradient + k * Stencils::n_gradient);
+          };
+          unsigned int k = 0;
+          for (; k + 1 < of_row.size; k += 2)
+          {
+            add(k, f);
+            add(k + 1, odd);
+          }
+          if (k < of_row.size)
+            add(k, f);
+          f.x += odd.x;
+          f.y += odd.y;
+          f.z += odd.z;
+          if (shape.is_undeformed(row))
+            f.set_identity();
+          check(row, store_inverse<dim>(f.x, f.y, f.z,
+                                        shape.inverse_deformation.data() +
+                                            3 * node_stride * std::size_t(row)));
+        }
+      }
+    } // namespace
+
     template <int dim>
     void update_inverse_deformation(const double *position, Stencils &shape)
     {
-      shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
-      {
-        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
-        Deformation f;
-        const Stencils::Row of_row = shape.row(row);
-        for (unsigned int k = 0; k < of_row.size; ++k)
-          f.add(load_node(node(position, of_row.neighbour[k])) - centre,
-                of_row.gradient + k * Stencils::n_gradient);
-        if (shape.is_undeformed(row))
-          f.set_identity();
-        store_inverse<dim>(f.x, f.y, f.z,
-                           shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row),
-                           node(position, shape.particle_node[row]));
-      }
+      invert_deformation<dim>(position, shape,
+                              [&](const unsigned int row, const double det)
+                              {
+                                if (!(std::abs(det) > 1e-12))
+                                  throw_singular(node(position, shape.particle_node[row]));
+                              });
       shape.inverse_deformation_is_current = true;
+    }
+
+    template <int dim>
+    void try_inverse_deformation(const double *position, Stencils &shape)
+    {
+      if (shape.inverse_deformation_is_current)
+        return;
+      bool are_positive = true;
+      invert_deformation<dim>(position, shape,
+                              [&](const unsigned int, const double det)
+                              { are_positive = are_positive && det > 0.; });
+      shape.inverse_deformation_is_current = are_positive;
     }
 
     void scatter(const Stencils &shape, const double *row_mass, const double *velocity,
@@ -296,5 +335,7 @@ namespace tombolo
 
     template void update_inverse_deformation<2>(const double *, Stencils &);
     template void update_inverse_deformation<3>(const double *, Stencils &);
+    template void try_inverse_deformation<2>(const double *, Stencils &);
+    template void try_inverse_deformation<3>(const double *, Stencils &);
   } // namespace NodalSmoothing
 } // namespace tombolo

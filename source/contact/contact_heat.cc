@@ -181,7 +181,8 @@ namespace tombolo
   {
     if (!partner.has_temperature())
       return;
-    std::vector<double> temperatures, responses;
+    temperatures.clear();
+    responses.clear();
     for (const Touch &touch : touches)
       temperatures.push_back(nodal_heat.temperature_of(touch.node));
     if (conducts())

@@ -93,6 +93,7 @@ namespace tombolo
     {
       if (!this->begin_forces(state, clock, nodal_heat))
         return;
+      this->find_areas(state);
       sum_points(state.position, clock);
       double mass_in_contact = 0;
       for (const unsigned int node : this->candidates)

@@ -126,8 +126,14 @@ namespace tombolo
   }
 
   template <int dim>
-  void OutwardAreas<dim>::update(const NodalVector &position)
+  void OutwardAreas<dim>::update(const NodalVector &position,
+                                 const std::vector<unsigned int> *const nodes)
   {
+    // Whether a ghost is needed its owner knows.
+    is_needed.assign(position.partition()->n_local(), 1);
+    std::fill_n(is_needed.begin(), nodes == nullptr ? 0 : position.partition()->n_owned(), 0);
+    for (std::size_t k = 0; nodes != nullptr && k < nodes->size(); ++k)
+      is_needed[(*nodes)[k]] = 1;
     const auto add = [&](const Face &face, const unsigned int q)
     {
       const Tensor<1, dim> normal =
@@ -142,7 +148,9 @@ namespace tombolo
            {
              for (const Face &face : faces)
              {
-               if (!face.counts)
+               if (!face.counts ||
+                   std::none_of(face.nodes.begin(), face.nodes.end(),
+                                [&](const unsigned int node) { return is_needed[node] != 0; }))
                  continue;
                if (dim == 3 && shapes.n_nodes == 4)
                  add_bilinear(position, face.nodes, face.orientation, sums);

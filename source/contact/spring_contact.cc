@@ -177,28 +177,30 @@ namespace tombolo
       if (!this->begin_forces(state, clock, nodal_heat))
         return;
       double mass_behind = 0;
-      std::vector<std::size_t> in_contact;
+      in_contact.clear();
+      touching_nodes.clear();
       for (std::size_t k = 0; k < candidates.size(); ++k)
       {
         if (this->gap[k] < 0.)
           mass_behind += *state.mass.node(candidates[k]);
         if (this->gap[k] < this->touch_distance || this->springs[k].is_closed())
+        {
           in_contact.push_back(k);
+          touching_nodes.push_back(candidates[k]);
+        }
+        else
+          this->histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
       }
+      this->find_areas(state, &touching_nodes);
       const double ratio = this->mass_ratio(mass_behind);
       if (this->part)
         this->part->find_places(state, candidates, in_contact);
       auto &springs = this->springs;
-      for (std::size_t k = 0; k < candidates.size(); ++k)
+      for (const std::size_t k : in_contact)
       {
-        NodeHistory &history = this->histories[k];
+        const NodeHistory &history = this->histories[k];
         const auto x = vector_of<dim>(state.position.node(candidates[k]));
         const bool is_behind = this->gap[k] < this->touch_distance;
-        if (!is_behind && !springs[k].is_closed())
-        {
-          history.position = x;
-          continue;
-        }
         const bool has_eroded = *state.mass.node(candidates[k]) == 0.;
         if (has_eroded && !springs[k].is_closed())
           continue;
@@ -285,6 +287,10 @@ namespace tombolo
         of_node = -of_node;
       return result;
     }
+
+    // Of the step.
+    std::vector<std::size_t> in_contact; ///< candidates
+    std::vector<unsigned int> touching_nodes;
   };
 
   template <int dim>

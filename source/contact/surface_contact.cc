@@ -90,8 +90,6 @@ namespace tombolo
       forget_motion(state);
       return false;
     }
-    if (areas && !part)
-      areas->update(state.position);
     return true;
   }
 

@@ -50,9 +50,7 @@ namespace tombolo
   void StepWork::complete_step(const NodalForces &forces, const NodalVector &velocity,
                                const Clock &clock, double &work)
   {
-    NodalForces now;
-    now.nodes.reserve(previous.nodes.capacity());
-    now.forces.reserve(previous.forces.capacity());
+    now.clear();
     std::size_t before = 0;
     const auto add = [&](const unsigned int node, const Tensor<1, 3> &force, Tensor<1, 3> impulse)
     {
@@ -137,8 +135,8 @@ namespace tombolo
     }
     else
     {
-      const std::vector<unsigned int> nodes = of_nodes.nodes;
-      take_forces(buffer, nodes, of_nodes);
+      given_nodes.swap(of_nodes.nodes);
+      take_forces(buffer, given_nodes, of_nodes);
     }
     for (const unsigned int node : of_nodes.nodes)
       std::fill_n(buffer.node(node), node_stride, 0.);

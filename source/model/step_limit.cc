@@ -21,6 +21,8 @@ namespace tombolo
     for (const StepLimit &limit : limits)
       if (limit.time_step < smallest.time_step)
         smallest = limit;
+    if (Utilities::MPI::n_mpi_processes(communicator) == 1)
+      return smallest;
     // In the order of ranks, and only what is smaller replaces: the same on all.
     StepLimit result;
     for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/thermal_model.h>
 
+#include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/model/heat_transfer.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/state/dependent_nodes.h>
@@ -109,6 +110,20 @@ namespace tombolo
   {
     // A step that a checkpoint cut in two has found its field before it.
     field_is_of_state = has_field;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_conduction(const NodalVector &position, const NodalVector &field,
+                                         const NodalVector &smoothed, NodalVector &heat_of_nodes)
+  {
+    assembly.assemble(bridge, smoothed, heat_of_nodes,
+                      [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
+                      {
+                        if (part.particles != nullptr && part.particles->pairs() == nullptr)
+                          NodalSmoothing::try_inverse_deformation<dim>(position.data(),
+                                                                       part.particles->stencils());
+                        part.formulation->add_conduction(position, field, seen, result);
+                      });
   }
 
   template <int dim>

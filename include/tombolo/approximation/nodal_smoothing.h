@@ -35,6 +35,10 @@ namespace tombolo
      * singular. */
     template <int dim>
     void update_inverse_deformation(const double *position, Stencils &shape);
+    /** The same, unless it is current or a determinant is not positive: whoever needs it then finds
+     * the particle that is turned inside out. */
+    template <int dim>
+    void try_inverse_deformation(const double *position, Stencils &shape);
 
     /** momentum_J += Σ_I φ_J(x_I) m_I v_I: the numerator of eq. (12), Φᵀ M̂ v̂. */
     void scatter(const Stencils &shape, const double *row_mass, const double *velocity,

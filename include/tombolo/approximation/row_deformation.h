@@ -18,16 +18,21 @@ namespace tombolo
   dealii::Tensor<2, dim> row_deformation(const Stencils &shape, const unsigned int row,
                                          const NodalVector &position)
   {
-    dealii::Tensor<2, dim> deformation;
-    const double *const own = position.node(shape.particle_node[row]);
+    const NodeLanes own = load_node(position.node(shape.particle_node[row]));
     const Stencils::Row entries = shape.row(row);
+    NodeLanes columns[dim];
+    for (unsigned int b = 0; b < dim; ++b)
+      columns[b] = 0.;
     for (unsigned int k = 0; k < entries.size; ++k)
     {
-      const double *const other = position.node(entries.neighbour[k]);
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          deformation[a][b] += (other[a] - own[a]) * entries.gradient[k * Stencils::n_gradient + b];
+      const NodeLanes offset = load_node(position.node(entries.neighbour[k])) - own;
+      for (unsigned int b = 0; b < dim; ++b)
+        columns[b] += offset * entries.gradient[k * Stencils::n_gradient + b];
     }
+    dealii::Tensor<2, dim> deformation;
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        deformation[a][b] = columns[b][a];
     return deformation;
   }
 
@@ -66,5 +71,40 @@ namespace tombolo
         for (unsigned int c = 0; c < dim; ++c)
           squared += inverse[b][a] * inverse[c][a] * moment[b][c];
     return std::sqrt(squared);
+  }
+
+  /** √Σ_J |∇φ_J|² of @p row, by the gradients in the reference [1/L]. */
+  template <int dim>
+  double gradient_of_reference(const Stencils &shape, const unsigned int row)
+  {
+    const Stencils::Row of_row = shape.row(row);
+    double squared = 0;
+    for (unsigned int k = 0; k < of_row.size; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        squared += of_row.gradient[k * Stencils::n_gradient + d] *
+                   of_row.gradient[k * Stencils::n_gradient + d];
+    return std::sqrt(squared);
+  }
+
+  /** Whether present_gradient() of @p row is not at most @p largest. @p of_reference is
+   * gradient_of_reference() of it; F⁻¹ of the row is taken where it is current. */
+  template <int dim>
+  bool exceeds_gradient(const Stencils &shape, const unsigned int row, const NodalVector &position,
+                        const double of_reference, const double largest)
+  {
+    if (shape.inverse_deformation_is_current)
+    {
+      // √Σ |F⁻ᵀ∇φ|² is at most |F⁻¹| √Σ |∇φ|², which mostly tells; but not at the limit.
+      constexpr double margin = 0.99;
+      const double *const rows =
+          shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
+      dealii::Tensor<2, dim> inverse;
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          inverse[a][b] = rows[a * node_stride + b];
+      if (determinant(inverse) > 0. && inverse.norm() * of_reference <= margin * largest)
+        return false;
+    }
+    return !(present_gradient<dim>(shape, row, position) <= largest);
   }
 } // namespace tombolo

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deal.II/base/aligned_vector.h>
 #include <deal.II/base/index_set.h>
 
+#include <tombolo/base/simd/cross_product.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <vector>
@@ -99,9 +102,11 @@ namespace tombolo
     /** Translates node numbers to those of @p partition; areas are zero then. */
     void set_partition(const NodePartition &partition)
     {
-      std::vector<std::map<unsigned int, unsigned int>> place_of_node(groups.size());
       for (Group &group : groups)
+      {
         group.nodes.clear();
+        group.place_of_node.assign(partition.n_local(), dealii::numbers::invalid_unsigned_int);
+      }
       for (Face &face : faces)
       {
         face.nodes.clear();
@@ -110,12 +115,14 @@ namespace tombolo
         for (const dealii::types::global_dof_index global_node : face.global_nodes)
         {
           const unsigned int node = partition.local_index(global_node);
-          const auto [place, is_new] = place_of_node[face.group].try_emplace(
-              node, static_cast<unsigned int>(group.nodes.size()));
-          if (is_new)
+          unsigned int &place = group.place_of_node[node];
+          if (place == dealii::numbers::invalid_unsigned_int)
+          {
+            place = static_cast<unsigned int>(group.nodes.size());
             group.nodes.push_back(node);
+          }
           face.nodes.push_back(node);
-          face.places.push_back(place->second);
+          face.places.push_back(place);
         }
       }
       for (Group &group : groups)
@@ -139,23 +146,20 @@ namespace tombolo
         std::fill(group.areas.begin(), group.areas.end(), 0.);
         std::fill(group.outward_areas.begin(), group.outward_areas.end(), dealii::Tensor<1, dim>());
       }
+      const Face *last = nullptr;
       for (const Face &face : faces)
       {
-        const NodalVector &places = groups[face.group].is_initial ? initial_position : position;
-        std::vector<double> &areas = groups[face.group].areas;
-        std::vector<dealii::Tensor<1, dim>> &outward_areas = groups[face.group].outward_areas;
-        for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+        Group &group = groups[face.group];
+        // The groups of a face have it one after the other.
+        if (last == nullptr || last->nodes != face.nodes ||
+            groups[last->group].is_initial != group.is_initial)
+          find_areas(group.is_initial ? initial_position : position, face.nodes);
+        last = &face;
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
         {
-          const dealii::Tensor<1, dim> normal =
-              shapes.normal(q, [&](const unsigned int k) { return places.node(face.nodes[k]); });
-          const double area = shapes.weights[q] * normal.norm();
-          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          {
-            areas[face.places[k]] += area * shapes.value(q, k);
-            if (face.orientation != 0.)
-              outward_areas[face.places[k]] +=
-                  face.orientation * shapes.weights[q] * shapes.value(q, k) * normal;
-          }
+          group.areas[face.places[k]] += of_face[k][node_stride - 1];
+          for (unsigned int d = 0; face.orientation != 0. && d < dim; ++d)
+            group.outward_areas[face.places[k]][d] += face.orientation * of_face[k][d];
         }
       }
     }
@@ -202,13 +206,35 @@ namespace tombolo
     struct Group
     {
       std::vector<unsigned int> nodes;
+      std::vector<unsigned int> place_of_node; ///< of each local node in nodes; invalid: none
       std::vector<double> areas;
       std::vector<dealii::Tensor<1, dim>> outward_areas;
       bool is_initial = false; ///< areas are those of the initial positions
     };
 
+    /** ∫ N_k n dA and, in the last slot, ∫ N_k dA of a face with these nodes, for its nodes. */
+    void find_areas(const NodalVector &position, const std::vector<unsigned int> &nodes)
+    {
+      of_face.resize_fast(shapes.n_nodes);
+      of_face.fill(NodeLanes(0.));
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      {
+        NodeLanes tangents[2] = {0., 0.};
+        for (unsigned int d = 0; d < dim - 1; ++d)
+          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+            tangents[d] += load_node(position.node(nodes[k])) * shapes.derivative(q, d, k);
+        NodeLanes normal = dim == 2 ? node_of(tangents[0][1], -tangents[0][0], 0.)
+                                    : cross_product(tangents[0], tangents[1]);
+        const NodeLanes squares = normal * normal;
+        normal[node_stride - 1] = std::sqrt(squares[0] + squares[1] + squares[2]);
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          of_face[k] += normal * (shapes.weights[q] * shapes.value(q, k));
+      }
+    }
+
     std::vector<Face> faces;
     std::vector<Group> groups;
+    dealii::AlignedVector<NodeLanes> of_face; // of the last face
     dealii::IndexSet all_nodes;
     FaceShapes<dim> shapes;
   };

@@ -205,12 +205,13 @@ namespace tombolo
     PartSurface<dim> *surface; ///< null where the surface is that of no part
     HeatPartner partner;
     double tool_temperature;
-    std::vector<Touch> touches;       ///< of the step
-    std::vector<double> below;        ///< T_s of these
-    std::vector<double> effusivities; ///< of nodes of the part
-    std::vector<double> incoming;     ///< likewise, heat from this rank in this step
-    double conducted = 0;             ///< into the bodies, of this rank since the start
-    double friction_of_tool = 0;      ///< its share of the heat of friction in this step
-    double friction_of_bodies = 0;    ///< of this rank since the start, by effusivities
+    std::vector<Touch> touches;                  ///< of the step
+    std::vector<double> below;                   ///< T_s of these
+    std::vector<double> temperatures, responses; ///< buffers, of touches
+    std::vector<double> effusivities;            ///< of nodes of the part
+    std::vector<double> incoming;                ///< likewise, heat from this rank in this step
+    double conducted = 0;                        ///< into the bodies, of this rank since the start
+    double friction_of_tool = 0;                 ///< its share of the heat of friction in this step
+    double friction_of_bodies = 0;               ///< of this rank since the start, by effusivities
   };
 } // namespace tombolo

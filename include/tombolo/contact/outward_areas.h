@@ -9,6 +9,7 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <set>
@@ -41,8 +42,9 @@ namespace tombolo
      * nodes. Collective. */
     void set_isolated_nodes(const std::vector<unsigned int> &nodes);
 
-    /** Finds the areas in these positions (ghosts current). Collective. */
-    void update(const NodalVector &position);
+    /** Finds the areas in these positions (ghosts current), if @p nodes are given only those of
+     * these owned nodes. Collective. */
+    void update(const NodalVector &position, const std::vector<unsigned int> *nodes = nullptr);
 
     /** S of an owned node [L^(dim-1)]. */
     dealii::Tensor<1, dim> area(const unsigned int node) const
@@ -72,5 +74,7 @@ namespace tombolo
     FaceShapes<dim> shapes;
     NodalVector sums;
     std::vector<bool> is_on_face; ///< of owned nodes
+    /** Buffer of update(): whether the areas of local nodes are needed. */
+    std::vector<std::uint8_t> is_needed;
   };
 } // namespace tombolo

@@ -397,6 +397,13 @@ namespace tombolo
         part->find_sides(state.position, candidates);
       }
     }
+    /** Finds areas after begin_forces(), if @p nodes are given only those of these owned nodes.
+     * Collective. */
+    void find_areas(const NodalState &state, const std::vector<unsigned int> *const nodes = nullptr)
+    {
+      if (areas && !part)
+        areas->update(state.position, nodes);
+    }
     /** Coulomb's coefficient at a candidate, with the heat that it has got. */
     double friction_coefficient(const std::size_t candidate, const NodalHeat &nodal_heat) const
     {

@@ -124,24 +124,30 @@ namespace tombolo
     {
       const Stencils::Row row = stencils.row(number);
       const unsigned int own = stencils.particle_node[number];
+      const bool is_current = stencils.inverse_deformation_is_current;
       NodeLanes gradient = 0.;
       NodeLanes columns[3] = {0., 0., 0.};
-      add_row(row, position.data(), load_node(position.node(own)), columns);
+      if (!is_current)
+        add_row(row, position.data(), load_node(position.node(own)), columns);
       for (unsigned int k = 0; k < row.size; ++k)
         gradient += load_node(row.gradient + k * Stencils::n_gradient) *
                     (*temperature.node(row.neighbour[k]) - *temperature.node(own));
-      dealii::Tensor<2, dim> deformation;
+      dealii::Tensor<2, dim> inverse_deformation;
       dealii::Tensor<1, dim> of_reference;
       for (unsigned int a = 0; a < dim; ++a)
       {
         of_reference[a] = gradient[a];
         for (unsigned int b = 0; b < dim; ++b)
-          deformation[a][b] = is_undeformed ? (a == b ? 1. : 0.) : columns[b][a];
+          inverse_deformation[a][b] =
+              is_current      ? node(stencils.inverse_deformation.data(), 3 * number + a)[b]
+              : is_undeformed ? (a == b ? 1. : 0.)
+                              : columns[b][a];
       }
+      if (!is_current)
+        inverse_deformation = invert(inverse_deformation);
       // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
-      const dealii::Tensor<2, dim> inverse_deformation = invert(deformation);
       const dealii::Tensor<1, dim> flux =
-          factor(determinant(deformation)) *
+          factor(1. / determinant(inverse_deformation)) *
           (inverse_deformation * (transpose(inverse_deformation) * of_reference));
       NodeLanes padded = 0.;
       for (unsigned int a = 0; a < dim; ++a)

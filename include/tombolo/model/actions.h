@@ -55,6 +55,7 @@ namespace tombolo
 
   private:
     NodalForces previous; ///< Δt_{n-1} f_{n-1}
+    NodalForces now;      ///< buffer
   };
 
   /** Where forces act. */
@@ -147,6 +148,7 @@ namespace tombolo
     EnergyKind kind = EnergyKind::external;
     bool is_from_outside = false, is_late = false;
     NodalForces of_nodes;
+    std::vector<unsigned int> given_nodes; ///< buffer
     StepWork work_of_steps;
     double sum_of_work = 0;
   };

@@ -83,6 +83,11 @@ namespace tombolo
 
     /** The last field that was found has become that of the state, and nothing has moved since. */
     void keep_field_of_state();
+    /** Rows or temperatures can change. */
+    void forget_field_of_state()
+    {
+      field_is_of_state = false;
+    }
 
     /** The heat per unit time that comes to nodes by conduction, surfaces and sources: dH/dt of
      * owned nodes (scalar), from the last field of find_field(). At constrained nodes it is what
@@ -144,12 +149,7 @@ namespace tombolo
     void add_transposed_smoothing(NodalVector &heat, NodalVector &rate);
 
     void add_conduction(const NodalVector &position, const NodalVector &field,
-                        const NodalVector &smoothed, NodalVector &heat_of_nodes)
-    {
-      assembly.assemble(bridge, smoothed, heat_of_nodes,
-                        [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
-                        { part.formulation->add_conduction(position, field, seen, result); });
-    }
+                        const NodalVector &smoothed, NodalVector &heat_of_nodes);
 
     /** Adds @p factor times what comes to nodes from the heat at surfaces in `loads`, of which it
      * takes ghosts and images, to `heat`. Collective. */

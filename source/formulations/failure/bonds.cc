@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/failure/bonds.h>
 
+#include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/state/records.h>
 
@@ -57,6 +58,7 @@ namespace tombolo
   template <int dim>
   void Bonds<dim>::prepare_change()
   {
+    reference_gradient.clear();
     if (before_change)
       before_change();
     if (is_broken_anywhere)
@@ -71,17 +73,11 @@ namespace tombolo
       if (!broken[i].empty())
         continue;
       const Stencils::Row row = shape.row(i);
-      double squared = 0;
       n_initial_bonds[i] = 0;
       for (unsigned int k = 0; k < row.size; ++k)
-      {
         if (row.is_within_support(k) && row.neighbour[k] != shape.particle_node[i])
           ++n_initial_bonds[i];
-        for (unsigned int d = 0; d < dim; ++d)
-          squared += row.gradient[k * Stencils::n_gradient + d] *
-                     row.gradient[k * Stencils::n_gradient + d];
-      }
-      initial_gradient[i] = std::sqrt(squared);
+      initial_gradient[i] = gradient_of_reference<dim>(shape, i);
     }
   }
 
@@ -127,11 +123,15 @@ namespace tombolo
     // What one loses, others lose too; each time there is one particle less that can.
     for (; can_isolate(); has_changed = true)
     {
+      NodalSmoothing::try_inverse_deformation<dim>(position.data(), rows.stencils());
+      for (auto i = static_cast<unsigned int>(reference_gradient.size()); i < shape.n_particles();
+           ++i)
+        reference_gradient.push_back(gradient_of_reference<dim>(shape, i));
       std::vector<unsigned int> distorted;
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
         if ((check->isolates_all() || !broken[i].empty()) && !shape.is_undeformed(i) &&
-            !(present_gradient<dim>(shape, i, position) / initial_gradient[i] <=
-              largest_gradient_growth))
+            exceeds_gradient<dim>(shape, i, position, reference_gradient[i],
+                                  largest_gradient_growth * initial_gradient[i]))
           distorted.push_back(shape.particle_node[i]);
       if (Utilities::MPI::max(distorted.empty() ? 0 : 1, particles.communicator()) == 0)
         break;
@@ -259,6 +259,7 @@ namespace tombolo
   void Bonds<dim>::finish_search()
   {
     partners.forget();
+    reference_gradient.clear();
     if (is_broken_anywhere)
     {
       const auto partition = rows.partition(particles);
@@ -398,6 +399,7 @@ namespace tombolo
   template <int dim>
   bool Bonds<dim>::complete_reading(const std::shared_ptr<const NodePartition> &partition)
   {
+    reference_gradient.clear();
     if (is_broken_anywhere)
       remove_broken(partition);
     return is_broken_anywhere;

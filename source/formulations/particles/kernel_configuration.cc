@@ -208,10 +208,11 @@ namespace tombolo
                                                              const Stencils &shape,
                                                              const NodalVector &position) const
   {
-    Tensor<2, dim> since_reference = row_deformation<dim>(shape, i, position);
     if (shape.is_undeformed(i))
-      since_reference = unit_symmetric_tensor<dim>();
-    return since_reference * reference_deformation[i];
+      return reference_deformation[i];
+    return (shape.inverse_deformation_is_current ? deformation_since_reference(i, shape)
+                                                 : row_deformation<dim>(shape, i, position)) *
+           reference_deformation[i];
   }
 
   template <int dim>

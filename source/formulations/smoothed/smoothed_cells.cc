@@ -11,6 +11,8 @@
 #include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace tombolo
 {
@@ -138,8 +140,23 @@ namespace tombolo
     const auto is_distorted = [&](const unsigned int point)
     {
       const Tensor<2, dim> f = row_deformation<dim>(rows.stencils(), point, position);
-      const auto squares = eigenvalues(symmetrize(transpose(f) * f)); // falling
-      return determinant(f) <= smallest_ratio || squares[0] > limit * squares[dim - 1];
+      if (determinant(f) <= smallest_ratio)
+        return true;
+      const SymmetricTensor<2, dim> squared = symmetrize(transpose(f) * f);
+      // Gershgorin's bounds of the eigenvalues mostly tell.
+      double lower = std::numeric_limits<double>::max(), upper = 0;
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        double radius = 0;
+        for (unsigned int b = 0; b < dim; ++b)
+          radius += b == a ? 0. : std::abs(squared[a][b]);
+        lower = std::min(lower, squared[a][a] - radius);
+        upper = std::max(upper, squared[a][a] + radius);
+      }
+      if (upper <= limit * lower)
+        return false;
+      const auto squares = eigenvalues(squared); // falling
+      return squares[0] > limit * squares[dim - 1];
     };
     std::vector<unsigned int> result;
     for (unsigned int cell = 0; cell < this->n_cells(); ++cell)

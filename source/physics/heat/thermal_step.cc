@@ -85,6 +85,7 @@ namespace tombolo
       heat.add_pending_heat();
     heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
     heat.find_field(state.unsmoothed_temperature, state.temperature);
+    heat.keep_field_of_state();
   }
 
   template <int dim>
@@ -108,6 +109,8 @@ namespace tombolo
         break;
     }
     present_time = time;
+    if (model.has_mechanics)
+      model.heat->forget_field_of_state(); // bodies move, and others change temperatures
     ThermalState &state = model.heat->state;
     const double s = fraction();
     const std::size_t n =

@@ -72,6 +72,7 @@ namespace tombolo
     }
     for (NodalVector *const buffer : {&smoothed, &field, &loads, &heat, &adjoint})
       buffer->fit_to(partition, Quantity::scalars);
+    unit_heat.fit_to(partition, Quantity::scalar);
   }
 
   template <int dim>
@@ -91,7 +92,7 @@ namespace tombolo
     constexpr double tolerance = 1e-3;
     ThermalModel<dim> &of_heat = *model.heat;
     const double end = end_of_friction(member.contact->friction());
-    std::vector<unsigned int> hot;
+    heated.clear();
     loads.set_zero();
     for (unsigned int i = 0; i < loads.partition()->n_owned(); ++i)
     {
@@ -100,15 +101,16 @@ namespace tombolo
       if (!(excess > 0.) || !(range > 0.) || *of_heat.bridge.mass().node(i) == 0.)
         continue;
       *loads.node(i) = excess / (tolerance * range);
-      hot.push_back(i);
+      heated.push_back(i);
     }
-    if (Utilities::MPI::max(hot.empty() ? 0 : 1, model.communicator) == 0)
+    if (Utilities::MPI::max(heated.empty() ? 0 : 1, model.communicator) == 0)
       return;
-    add_up({&heat}, [&] { of_heat.bridge.load_transfer().add_force_of_loads(hot, loads, heat); });
-    NodalVector raised(of_heat.state.enthalpy.partition(), Quantity::scalar);
-    add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, raised);
+    add_up({&heat},
+           [&] { of_heat.bridge.load_transfer().add_force_of_loads(heated, loads, heat); });
+    unit_heat.set_zero();
+    add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
     member.friction->weight.fill([&](const unsigned int i, double *const weight)
-                                 { *weight *= 1. - std::clamp(*raised.node(i), 0., 1.); });
+                                 { *weight *= 1. - std::clamp(*unit_heat.node(i), 0., 1.); });
   }
 
   template <int dim>
@@ -118,31 +120,44 @@ namespace tombolo
       return;
     ThermalModel<dim> &of_heat = *model.heat;
     set_partition(model.state.partition());
-    for (const Member &member : members)
+    for (Member &member : members)
     {
       SpreadFriction &friction = *member.friction;
       if (!std::exchange(friction.is_outdated, false))
         continue;
       const TemperatureTable &table = member.contact->friction();
       const bool are_dependent = model.state.partition()->has_dependent_nodes();
+      const unsigned int n_owned = friction.weight.partition()->n_owned();
+      hottest.resize(n_owned);
+      explicit_weights.resize(n_owned);
+      // The field can be hotter than what it is made of.
+      const auto excess_of = [&](const unsigned int i)
+      {
+        return std::max(0., *of_heat.state.temperature.node(i) -
+                                *of_heat.state.unsmoothed_temperature.node(i));
+      };
+      for (unsigned int i = 0; i < n_owned; ++i)
+        hottest[i] = *of_heat.state.unsmoothed_temperature.node(i) + excess_of(i);
+      table.evaluate(n_owned, hottest.data(), explicit_weights.data());
       friction.weight.fill(
           [&](const unsigned int i, double *const weight)
           {
-            // The field can be hotter than what it is made of.
-            const double own = *of_heat.state.unsmoothed_temperature.node(i);
-            const double excess = std::max(0., *of_heat.state.temperature.node(i) - own);
-            const double enthalpy = *of_heat.state.enthalpy.node(i);
+            *weight = explicit_weights[i];
             const double expected = *friction.unit_heat.node(i);
-            const auto heated = [&](const double coefficient) {
+            if (!(expected > 0.))
+              return;
+            const double enthalpy = *of_heat.state.enthalpy.node(i), excess = excess_of(i);
+            const auto with_heat = [&](const double coefficient) {
               return of_heat.nodal_enthalpy.temperature(i, enthalpy + coefficient * expected) +
                      excess;
             };
-            *weight = expected > 0. ? implicit_coefficient(table, own + excess, heated)
-                                    : table.value(own + excess);
+            *weight = implicit_coefficient(table, hottest[i], with_heat);
           });
       limit_weights(model, member);
       if (!are_dependent)
         find_coefficients(model, member, friction.coefficient);
+      member.is_current = !are_dependent;
+      revision_of_rows = model.revisions.stencils;
       for (const unsigned int node : member.contact->candidate_nodes())
       {
         double &of_node = *friction.coefficient.node(node);
@@ -150,6 +165,13 @@ namespace tombolo
                                 : std::max(0., of_node);
       }
     }
+  }
+
+  template <int dim>
+  void HeatedFriction<dim>::forget_coefficients()
+  {
+    for (Member &member : members)
+      member.is_current = false;
   }
 
   template <int dim>
@@ -182,14 +204,18 @@ namespace tombolo
     SpreadFriction &friction = *member.friction;
     ThermalModel<dim> &of_heat = *model.heat;
     ThermalState &state = of_heat.state;
-    find_coefficients(model, member, field);
+    // Those of the forces, if nothing has changed since, but for negative ones, which count alike.
+    const bool are_current = member.is_current && revision_of_rows == model.revisions.stencils;
+    if (!are_current)
+      find_coefficients(model, member, field);
+    const NodalVector &coefficients = are_current ? friction.coefficient : field;
     const double smallest = smallest_share * member.contact->friction().largest();
     loads.set_zero();
-    std::vector<unsigned int> heated;
+    heated.clear();
     for (const unsigned int node : member.contact->candidate_nodes())
     {
       const double of_node = std::exchange(*friction.heat.node(node), 0.);
-      const double coefficient = *field.node(node);
+      const double coefficient = *coefficients.node(node);
       if (of_node == 0. || !(coefficient > smallest) || *of_heat.bridge.mass().node(node) == 0.)
         continue; // it waits with other heat
       *loads.node(node) = of_node / coefficient;
@@ -198,7 +224,7 @@ namespace tombolo
     }
     add_up({&heat},
            [&] { of_heat.bridge.load_transfer().add_force_at_positions(heated, loads, heat); });
-    NodalVector unit_heat(state.enthalpy.partition(), Quantity::scalar);
+    unit_heat.set_zero();
     add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
     for (unsigned int i = 0; i < unit_heat.partition()->n_owned(); ++i)
     {

@@ -227,7 +227,8 @@ namespace tombolo
     void end_step(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat,
                   NodalVector &loads, std::vector<unsigned int> &loaded_nodes)
     {
-      this->begin_forces(state, clock, nodal_heat);
+      if (this->begin_forces(state, clock, nodal_heat))
+        this->find_areas(state);
       measure_depths(state, clock.time);
       const double begin = clock.time - clock.previous_step;
       if (clock.step > 0)

@@ -453,6 +453,7 @@ namespace tombolo
     ContactNodes<dim>(model).take_faces_of_full_cells(members);
     for (const auto &contact : members)
       contact->set_partition(model.state.partition());
+    heated_friction->forget_coefficients();
     revision_of_stencils = model.revisions.stencils;
     ContactNodes<dim>(model).find_isolated_nodes(members);
   }

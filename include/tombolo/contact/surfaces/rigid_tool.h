@@ -10,6 +10,7 @@
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace tombolo
@@ -26,9 +27,11 @@ namespace tombolo
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, const double from,
                                   const double to) const override
     {
-      const dealii::Tensor<1, dim> arm = point - origin(to);
-      const double half = 0.5 * (angle(to) - angle(from));
-      return origin(to) - origin(from) + turned(arm, half) - turned(arm, -half);
+      // All nodes of a step ask for the same times; a mass moves by what else it is asked for.
+      if (from != last.from || to != last.to || rigid_translation.has_mass())
+        last = {from, to, origin(to), origin(to) - origin(from), 0.5 * (angle(to) - angle(from))};
+      const dealii::Tensor<1, dim> arm = point - last.origin;
+      return last.translation + turned(arm, last.half) - turned(arm, -last.half);
     }
 
     dealii::Tensor<1, dim> reference_point(const double time) const override
@@ -64,7 +67,10 @@ namespace tombolo
     /** [L] */
     dealii::Tensor<1, dim> origin(const double time) const
     {
-      return initial_origin + rigid_translation.displacement(time);
+      if (time != time_of_origin || rigid_translation.has_mass())
+        last_origin = initial_origin + rigid_translation.displacement(time);
+      time_of_origin = time;
+      return last_origin;
     }
 
     /** [rad] */
@@ -91,6 +97,18 @@ namespace tombolo
     }
 
   private:
+    /** Between two times. */
+    struct Motion
+    {
+      double from = std::numeric_limits<double>::quiet_NaN(), to = from;
+      dealii::Tensor<1, dim> origin;      ///< at the end
+      dealii::Tensor<1, dim> translation; ///< of the origin
+      double half = 0;                    ///< of the turn [rad]
+    };
+    mutable Motion last;
+    mutable double time_of_origin = std::numeric_limits<double>::quiet_NaN();
+    mutable dealii::Tensor<1, dim> last_origin;
+
     dealii::Tensor<1, dim> turning_axis;
     dealii::Tensor<1, dim> initial_origin;
     RigidTranslation<dim> rigid_translation;

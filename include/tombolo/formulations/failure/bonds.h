@@ -183,7 +183,8 @@ namespace tombolo
     // By particle.
     std::vector<std::uint64_t> own_ids;
     std::vector<unsigned int> n_initial_bonds;
-    std::vector<double> initial_gradient; // √Σ_J |∇φ_J|² [1/L]
+    std::vector<double> initial_gradient;   // √Σ_J |∇φ_J|² [1/L]
+    std::vector<double> reference_gradient; // the same of the rows as they are; empty: not found
     PartnerLists broken;
     PartnerLists refused;               // found by the last search, but never to be bonded
     PartnerLists previous;              // of bonds with a damaged end, only during a search

@@ -40,6 +40,9 @@ namespace tombolo
     /** Before forces of contacts: finds coefficients where a thermal step has ended. Collective. */
     void update(const Model<dim> &model);
 
+    /** The model has changed, other than its rows alone. */
+    void forget_coefficients();
+
     /** At the end of a thermal step: nodes get the heat of friction, which waits no longer.
      * Collective. */
     void give_heat(const Model<dim> &model);
@@ -49,6 +52,7 @@ namespace tombolo
     {
       const SurfaceContact<dim> *contact;
       SpreadFriction *friction;
+      bool is_current = false; ///< whether its coefficients are those of its weights
     };
 
     /** Collective. */
@@ -61,7 +65,10 @@ namespace tombolo
     void give_heat(const Model<dim> &model, const Member &member);
 
     std::vector<Member> members;
-    NodalVector smoothed, field, loads, heat, adjoint; // buffers
-    std::vector<double> kept;                          // likewise
+    unsigned long revision_of_rows = 0; // of the coefficients
+    // Buffers.
+    NodalVector smoothed, field, loads, heat, adjoint, unit_heat;
+    std::vector<double> kept, hottest, explicit_weights;
+    std::vector<unsigned int> heated;
   };
 } // namespace tombolo

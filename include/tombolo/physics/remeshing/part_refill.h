@@ -339,6 +339,7 @@ namespace tombolo
       if (settings.fills_cells)
         settle(model, after);
       state.position.copy_from(after);
+      model.bridge->positions_have_changed();
       reference = after.copy();
       model.renew_partition(); // owned nodes keep their local numbers
       moved.erase(std::remove_if(moved.begin(), moved.end(),
