@@ -152,7 +152,7 @@ namespace tombolo
       const double viscous = viscous_part(model, last, eigenvalue);
       const double elastic = eigenvalue - 2. * viscous / last;
       time_step = 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
-      if (std::abs(time_step - last) < 0.03 * time_step)
+      if (std::abs(time_step - last) < 1e-4 * time_step)
         break;
     }
 

@@ -16,8 +16,8 @@ namespace tombolo
 {
   namespace
   {
-    /** By what the smallest length over wave speed falls before the limit follows. */
-    constexpr double smallest_change = 0.01;
+    /** What may change between two checks, or two estimates for renewed kernels. */
+    constexpr double allowed_change = 0.005;
 
     /** Supports stay as they are where a particle loses neighbours; its gradients grow. */
     template <int dim>
@@ -121,10 +121,9 @@ namespace tombolo
                   "estimated anew; more often while cells or supports change fast.");
     e.alias("Check interval", "Look interval");
     reestimation_threshold =
-        e.number("Re-estimation threshold", "0.05", between(0., 1.), "",
-                 "The estimate is repeated when the smallest length over wave speed, or that of a "
-                 "cell or particle, has changed by this fraction since the last one. Until then "
-                 "the limit falls as the smallest length over wave speed does, in steps of 0.01.");
+        e.number("Re-estimation threshold", "0.03", between(0., 1.), "",
+                 "The estimate is repeated when the smallest length over wave speed has changed by "
+                 "this fraction since the last one, or that of a cell or particle by 5/3 of it.");
     e.alias("Re-estimation threshold", "Change that matters");
     longest_estimate_interval =
         e.integer("Estimate interval", "40", between(1, 1000000),
@@ -151,25 +150,23 @@ namespace tombolo
         const double courant = tombolo::courant_limit(model).time_step;
         adapt_interval(clock.step - step_of_check, courant);
         step_of_check = clock.step;
-        // By steps, since energy is lost or gained where the time step changes.
-        if (courant < (limit_fraction - smallest_change) * courant_at_estimate)
-          limit_fraction = courant / courant_at_estimate;
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
         // In an impact one cell shortens by tenths while the shortest stays as it is.
+        constexpr double local_over_global = 5. / 3.;
         const bool has_shortened =
-            has_limit && !has_changed && shortening.exceeds(model, reestimation_threshold);
+            has_limit && !has_changed &&
+            shortening.exceeds(model, local_over_global * reestimation_threshold);
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
         if (!has_limit || has_changed || has_shortened || estimate_is_due)
         {
           is_renewed = false;
-          const double last = limit().time_step;
+          const double last = present.time_step;
           present = estimator->estimate(model, has_limit ? last : 0.);
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
-          limit_fraction = 1.;
           shortening.remember(model);
           has_limit = true;
           ++count;
@@ -178,7 +175,7 @@ namespace tombolo
     }
     if (fixed == 0.)
       for (const auto &process : model.processes)
-        process->observed.step_limits(limit().time_step, stable_fraction);
+        process->observed.step_limits(present.time_step, stable_fraction);
     double step = allowed();
     // Where the step grows from Δt to Δt' central differences take ¼ (Δt' - Δt) f²/m Δt: of pieces
     // that oscillate fast it must not grow at once.
@@ -205,17 +202,9 @@ namespace tombolo
   }
 
   template <int dim>
-  StepLimit StepSize<dim>::limit() const
-  {
-    StepLimit result = present;
-    result.time_step *= limit_fraction;
-    return result;
-  }
-
-  template <int dim>
   double StepSize<dim>::stable() const
   {
-    return fixed > 0. ? fixed : round_down(limit().time_step);
+    return fixed > 0. ? fixed : round_down(present.time_step);
   }
 
   template <int dim>
@@ -223,20 +212,20 @@ namespace tombolo
   {
     if (fixed > 0.)
       return fixed;
-    const double step = round_down(std::min(safety_factor, stable_fraction) * limit().time_step);
+    const double step = round_down(std::min(safety_factor, stable_fraction) * present.time_step);
     return maximum > 0. ? std::min(step, maximum) : step;
   }
 
   template <int dim>
   void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
   {
-    // In an impact cells shrink by tenths within few steps: the next check comes before the limit
-    // has fallen, as far as the last one tells.
+    // In an impact cells shrink by tenths within few steps: the next check comes before the
+    // threshold is reached, as far as the last one tells.
     const double change =
         std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
     const double most = std::min(2. * steps_to_check, double(check_interval));
     const double wanted =
-        courant_at_check > 0. ? smallest_change / std::max(change, 1e-12) * double(steps) : 1.;
+        courant_at_check > 0. ? 2. * allowed_change / std::max(change, 1e-12) * double(steps) : 1.;
     steps_to_check = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
     courant_at_check = courant;
   }
@@ -245,8 +234,7 @@ namespace tombolo
   void StepSize<dim>::adapt_estimate_interval(const unsigned long steps, const double last)
   {
     const double change = std::abs(present.time_step - last) / present.time_step;
-    const double wanted =
-        has_limit ? 0.5 * reestimation_threshold / std::max(change, 1e-12) * double(steps) : 1.;
+    const double wanted = has_limit ? allowed_change / std::max(change, 1e-12) * double(steps) : 1.;
     steps_to_estimate = static_cast<unsigned int>(std::min(
         std::max(double(shortest_estimate_interval), std::min(wanted, 2. * steps_to_estimate)),
         double(longest_estimate_interval)));
@@ -258,7 +246,6 @@ namespace tombolo
     tombolo::list(records, present);
     records.value("has limit", has_limit);
     records.value("paper's limit at estimate", courant_at_estimate);
-    records.value("fraction of limit", limit_fraction).optional();
     records.value("step of look", step_of_check);
     records.value("steps to look", steps_to_check);
     records.value("paper's limit at look", courant_at_check);

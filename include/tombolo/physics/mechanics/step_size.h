@@ -56,9 +56,11 @@ namespace tombolo
     /** The mesh is another one: the next limit is estimated as the first was. */
     void mesh_has_changed(const Parameters &parameters);
 
-    /** The limit before the safety factor, and what limits it: the one estimated last, less what
-     * the smallest length over wave speed has lost since. */
-    StepLimit limit() const;
+    /** The limit found last, before the safety factor, and what limits it. */
+    const StepLimit &limit() const
+    {
+      return present;
+    }
 
     /** The next step is taken from a new estimate: cells have been removed, and what is left alone
      * of a body can move faster than the whole. */
@@ -103,10 +105,9 @@ namespace tombolo
     unsigned int check_interval;
     double reestimation_threshold;
 
-    StepLimit present; // as estimated last
+    StepLimit present;
     bool has_limit = false;
     double courant_at_estimate = 0;
-    double limit_fraction = 1.; // that the cells have left of the limit since then
     /** Chooses when to check again, from the change over so many @p steps. */
     void adapt_interval(unsigned long steps, double courant);
     /** Doubles the time to the next estimate for renewed kernels while the last changed little from
