@@ -90,6 +90,12 @@ class Setup(Case):
             self.assertIn("libdeal.ii-dev", last)
             self.assertEqual("python3-vtk9" in last, draws, last)
 
+    def test_packages_to_compare_with_come_on_request(self):
+        for options, compares in (((), False), (("--peers",), True)):
+            self.with_apt()
+            self.setup(*options)
+            self.assertEqual("lammps calculix-ccx" in self.calls()[-1], compares, self.calls()[-1])
+
     def test_what_hinders_apt_is_said_with_what_is_missing(self):
         for says, sentence in (
                 ("E: Failed to fetch x Could not resolve y", "is there a network, and does the mirror"),
