@@ -109,6 +109,12 @@ namespace tombolo
       return radial_kernel;
     }
 
+    /** By row of the last call, the entry of the particle itself. */
+    const std::size_t *own_entries() const
+    {
+      return own_entry.data();
+    }
+
     /** Neighbours are nearer than this: 2h less a small share of it, since on a lattice particles
      * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */
     double reach() const

@@ -105,8 +105,12 @@ namespace tombolo
       }
       // Properties that depend on the temperature change the spectrum without changing lengths.
       constexpr unsigned int look_interval = 20;
-      const bool has_changed =
-          std::abs(paper.time_step - paper_limit_at_estimate) > 0.01 * paper_limit_at_estimate;
+      // What stays far above `Maximum` need not be known to a hundredth.
+      const bool counts = !(maximum * paper_limit_at_estimate <
+                            0.5 * safety_factor * present.time_step * paper.time_step) ||
+                          maximum == 0.;
+      const bool has_changed = counts && std::abs(paper.time_step - paper_limit_at_estimate) >
+                                             0.01 * paper_limit_at_estimate;
       if (n_calls > 0 && !has_changed && !heat.limit_is_outdated &&
           (heat.is_linear() || steps_since_look < look_interval))
         return;
