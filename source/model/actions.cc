@@ -50,9 +50,7 @@ namespace tombolo
   void StepWork::complete_step(const NodalForces &forces, const NodalVector &velocity,
                                const Clock &clock, double &work)
   {
-    NodalForces now;
-    now.nodes.reserve(previous.nodes.capacity());
-    now.forces.reserve(previous.forces.capacity());
+    now.clear();
     std::size_t before = 0;
     const auto add = [&](const unsigned int node, const Tensor<1, 3> &force, Tensor<1, 3> impulse)
     {

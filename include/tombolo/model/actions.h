@@ -55,6 +55,7 @@ namespace tombolo
 
   private:
     NodalForces previous; ///< Δt_{n-1} f_{n-1}
+    NodalForces now;      ///< a buffer
   };
 
   /** Where forces act. */

@@ -208,6 +208,8 @@ namespace tombolo
                                                              const Stencils &shape,
                                                              const NodalVector &position) const
   {
+    if (shape.inverse_deformation_is_current)
+      return deformation_since_reference(i, shape) * reference_deformation[i];
     Tensor<2, dim> since_reference = row_deformation<dim>(shape, i, position);
     if (shape.is_undeformed(i))
       since_reference = unit_symmetric_tensor<dim>();

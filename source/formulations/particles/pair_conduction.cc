@@ -67,7 +67,7 @@ namespace tombolo
     {
       Lanes squares = 0., sum = 0., of_other[2];
       for_pairs_of_row<dim>(rows, row, position,
-                            [&](const RowPairs<dim> &pairs)
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                             {
                               squares += pairs.of_row * pairs.squared;
                               sum += pairs.of_row;
@@ -108,7 +108,7 @@ namespace tombolo
     {
       const double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
       for_pairs_of_row<dim>(rows, row, position,
-                            [&](const RowPairs<dim> &pairs)
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                             {
                               gather_nodes(of_nodes.data(), pairs.node, other);
                               const Lanes sum = own[1] + other[1];

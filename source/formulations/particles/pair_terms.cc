@@ -34,7 +34,8 @@ namespace tombolo
       if constexpr (dim == 2)
       {
         const double mean = 0.5 * (sigma[0][0] + sigma[1][1]);
-        const double radius = std::hypot(0.5 * (sigma[0][0] - sigma[1][1]), sigma[0][1]);
+        const double half = 0.5 * (sigma[0][0] - sigma[1][1]);
+        const double radius = std::sqrt(half * half + sigma[0][1] * sigma[0][1]);
         if (mean >= radius)
           return sigma;
         if (mean + radius > 0.)
@@ -233,21 +234,17 @@ namespace tombolo
     };
     const Stencils &shape = *rows.shape;
     Lanes own_velocity[dim], other_velocity[dim], own_tensor[n_of_tensor], tensor[n_of_tensor];
-    unsigned int own_nodes[n_lanes];
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int particle = shape.particle_node[row];
       const double half_density = 0.5 * inertia_ratio * shape.mass[row] / rows.initial_volume[row];
       spread_node(velocity, particle, own_velocity);
-      if (is_tensile)
-      {
-        std::fill_n(own_nodes, n_lanes, particle);
-        gather_tensile(own_nodes, own_tensor);
-      }
+      for (unsigned int k = 0; is_tensile && k < n_of_tensor; ++k)
+        own_tensor[k] = tensile[k / 3][std::size_t(particle) * node_stride + k % 3];
       Lanes action[dim], viscous[dim] = {}, of_stress[dim] = {}, taken = 0.;
       for_pairs_of_row<dim>(
           rows, row, position,
-          [&](const RowPairs<dim> &pairs)
+          [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
           {
             if (has_viscosity())
             {
@@ -315,7 +312,7 @@ namespace tombolo
       spread_node(velocity, shape.particle_node[row], own_velocity);
       std::size_t place = dampers.start[row];
       for_pairs_of_row<dim>(rows, row, position,
-                            [&](const RowPairs<dim> &pairs)
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                             {
                               find_differences(velocity, pairs.node, own_velocity, other);
                               const Lanes distance = pairs.squared + least;
@@ -344,7 +341,7 @@ namespace tombolo
       spread_node(velocity, shape.particle_node[row], own_velocity);
       Lanes sum[dim] = {};
       for_pairs_of_row<dim>(rows, row, position,
-                            [&](const RowPairs<dim> &pairs)
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                             {
                               const Lanes strength =
                                   scale * pairs.volumes * kernel_value(pairs.distance);

@@ -154,13 +154,11 @@ namespace tombolo
     {
       return is_current;
     }
-    void set_present_volumes(const std::vector<double> &volumes) override
+    void set_present_volumes(const double *const volumes) override
     {
-      if (!is_current)
-        return;
-      present_volumes = volumes;
+      present_volumes.resize(is_current ? copies.size() : 0);
       for (std::size_t i = 0; i < present_volumes.size(); ++i)
-        present_volumes[i] *= copies[i];
+        present_volumes[i] = copies[i] * volumes[i];
     }
 
     bool are_corrected() const

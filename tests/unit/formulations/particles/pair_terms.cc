@@ -272,30 +272,36 @@ namespace
                            cloud.velocity.data(), nullptr, nullptr, force.data());
     return force;
   }
+
+  template <int dim>
+  void expect_tensile_principal_stresses()
+  {
+    PairTermsCloud<dim> cloud("set Artificial stress = true\nset Artificial stress exponent = 0");
+    // With the exponent zero it is -ε times the internal force of the tensile part, but for the
+    // part of the row at the particle itself.
+    const double s = 0.3, tension = 2., compression = -1.;
+    const double c2 = std::cos(s) * std::cos(s), s2 = std::sin(s) * std::sin(s),
+                 cs = std::cos(s) * std::sin(s);
+    const std::vector<double> all =
+        artificial_stress(cloud, {{tension * c2 + compression * s2, tension * s2 + compression * c2,
+                                   compression, 0., 0., (tension - compression) * cs}});
+    const std::vector<double> tensile =
+        artificial_stress(cloud, {{tension * c2, tension * s2, 0., 0., 0., tension * cs}});
+    const std::array<double, 7> sums = cloud.sums(all);
+    ASSERT_GT(sums[6], 0.1);
+    for (unsigned int d = 0; d < 3; ++d)
+      EXPECT_LT(std::abs(sums[d]), 1e-13 * sums[6]);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      EXPECT_NEAR(all[i], tensile[i], 1e-12);
+    for (const double component : artificial_stress(cloud, {{-1., -2., -1., 0.3, 0., 0.4}}))
+      EXPECT_EQ(component, 0.);
+  }
 } // namespace
 
 TEST(PairTerms, artificial_stress_takes_tensile_principal_stresses_only)
 {
-  const std::string entries = "set Artificial stress = true\nset Artificial stress exponent = 0";
-  PairTermsCloud<3> cloud(entries);
-  // With the exponent zero it is -ε times the internal force of the tensile part, but for the part
-  // of the row at the particle itself.
-  const double s = 0.3, tension = 2., compression = -1.;
-  const double c2 = std::cos(s) * std::cos(s), s2 = std::sin(s) * std::sin(s),
-               cs = std::cos(s) * std::sin(s);
-  const std::vector<double> all =
-      artificial_stress(cloud, {{tension * c2 + compression * s2, tension * s2 + compression * c2,
-                                 compression, 0., 0., (tension - compression) * cs}});
-  const std::vector<double> tensile =
-      artificial_stress(cloud, {{tension * c2, tension * s2, 0., 0., 0., tension * cs}});
-  const std::array<double, 7> sums = cloud.sums(all);
-  ASSERT_GT(sums[6], 0.1);
-  for (unsigned int d = 0; d < 3; ++d)
-    EXPECT_LT(std::abs(sums[d]), 1e-13 * sums[6]);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    EXPECT_NEAR(all[i], tensile[i], 1e-12);
-  for (const double component : artificial_stress(cloud, {{-1., -2., -1., 0.3, 0., 0.4}}))
-    EXPECT_EQ(component, 0.);
+  expect_tensile_principal_stresses<2>();
+  expect_tensile_principal_stresses<3>();
 }
 
 TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
