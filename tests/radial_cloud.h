@@ -44,8 +44,13 @@ namespace tombolo
     RadialPairs(const ParticleCloud &cloud, const unsigned int n_rows,
                 const HyperbolicKernel<dim> &kernel, const double mass = 1.)
         : slope(2. * kernel.h, [&](const double r) { return kernel.slope(r); }),
-          node_volume(cloud.size(), 1.), volume(n_rows, 1.)
+          node_volumes(cloud.size() * node_stride, 0.), volume(n_rows, 1.)
     {
+      for (unsigned int i = 0; i < cloud.size(); ++i)
+      {
+        node_volumes[i * node_stride] = 1.;
+        node_volumes[i * node_stride + 1] = i < n_rows ? 1. : 0.;
+      }
       shape.row_start = {0};
       for (unsigned int i = 0; i < n_rows; ++i)
       {
@@ -57,6 +62,8 @@ namespace tombolo
           double squared = 0;
           for (unsigned int d = 0; d < 3; ++d)
             squared += std::pow(cloud.x(j)[d] - cloud.x(i)[d], 2);
+          if (j == i)
+            own_entry.push_back(shape.neighbour.size());
           if (squared < 4. * kernel.h * kernel.h)
             shape.neighbour.push_back(j);
         }
@@ -66,11 +73,17 @@ namespace tombolo
 
     PairRows rows() const
     {
-      return {&shape, node_volume.data(), volume.data(), volume.data(), &slope};
+      return {&shape,
+              own_entry.data(),
+              node_volumes.size() / node_stride,
+              node_volumes.data(),
+              volume.data(),
+              &slope};
     }
 
     Stencils shape;
     RadialTable slope;
-    std::vector<double> node_volume, volume;
+    std::vector<std::size_t> own_entry;
+    std::vector<double> node_volumes, volume;
   };
 } // namespace tombolo

@@ -362,16 +362,15 @@ namespace tombolo
   template <int dim>
   void RadialRows<dim>::write_values(Stencils &shape)
   {
-    // φ of an entry changes only where rows have got other entries: seldom, and it is long.
-    if (last_values == shape.value.data() && last_own_entry == own_entry &&
-        last_start == shape.row_start)
-      return;
-    std::fill(shape.value.begin(), shape.value.end(), 0.);
+    if (last_values == shape.value.data())
+      for (const std::size_t entry : last_own_entry)
+        shape.value[entry] = 0.;
+    else
+      std::fill(shape.value.begin(), shape.value.end(), 0.);
     for (const std::size_t entry : own_entry)
       shape.value[entry] = 1.;
     last_values = shape.value.data();
     last_own_entry = own_entry;
-    last_start = shape.row_start;
   }
 
   template <int dim>

@@ -4,7 +4,7 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <tuple>
+#include <string>
 
 namespace tombolo
 {
@@ -21,18 +21,19 @@ namespace tombolo
     for (const StepLimit &limit : limits)
       if (limit.time_step < smallest.time_step)
         smallest = limit;
-    if (Utilities::MPI::n_mpi_processes(communicator) == 1)
-      return smallest;
-    // In the order of ranks, and only what is smaller replaces: the same on all.
-    StepLimit result;
-    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
-             communicator, std::make_tuple(smallest.time_step, smallest.entity, smallest.place)))
-      if (time_step < result.time_step)
-      {
-        result.time_step = time_step;
-        result.entity = entity;
-        result.place = place;
-      }
-    return result;
+    struct
+    {
+      double time_step;
+      int rank;
+    } own = {smallest.time_step, static_cast<int>(Utilities::MPI::this_mpi_process(communicator))},
+      least;
+    MPI_Allreduce(&own, &least, 1, MPI_DOUBLE_INT, MPI_MINLOC, communicator);
+    smallest.time_step = least.time_step;
+    auto length = static_cast<int>(smallest.entity.size());
+    MPI_Bcast(&length, 1, MPI_INT, least.rank, communicator);
+    smallest.entity.resize(static_cast<std::size_t>(length));
+    MPI_Bcast(smallest.entity.data(), length, MPI_CHAR, least.rank, communicator);
+    MPI_Bcast(smallest.place.begin_raw(), 3, MPI_DOUBLE, least.rank, communicator);
+    return smallest;
   }
 } // namespace tombolo

@@ -109,6 +109,12 @@ namespace tombolo
       return radial_kernel;
     }
 
+    /** By row of the last call, the entry of the particle itself. */
+    const std::size_t *own_entries() const
+    {
+      return own_entry.data();
+    }
+
     /** Neighbours are nearer than this: 2h less a small share of it, since on a lattice particles
      * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */
     double reach() const
@@ -148,7 +154,7 @@ namespace tombolo
     /** Writes the row from the buffers. */
     void write_row(unsigned int row, const Entries &entries,
                    const dealii::SymmetricTensor<2, dim> &correction, Stencils &shape) const;
-    /** φ of rows whose entries are others than those of the last call. */
+    /** φ of the rows. */
     void write_values(Stencils &shape);
 
     RadialKernel<dim> radial_kernel;
@@ -161,8 +167,8 @@ namespace tombolo
     std::vector<Entries> of_block;
     std::vector<std::size_t> own_candidate; // by row, where it was last
     std::vector<std::size_t> own_entry;     // by row of shape
-    /** Of the last call: the entries with φ = 1, where rows began, and the values. */
-    std::vector<std::size_t> last_own_entry, last_start;
+    /** Of the last call: the entries with φ = 1, and the values. */
+    std::vector<std::size_t> last_own_entry;
     const double *last_values = nullptr;
   };
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/aligned_vector.h>
 
+#include <tombolo/base/simd/unroll.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <algorithm>
@@ -83,7 +84,7 @@ namespace tombolo
       }
     };
 
-    Row row(const unsigned int i) const
+    TOMBOLO_ALWAYS_INLINE Row row(const unsigned int i) const
     {
       const std::size_t begin = row_start[i], coefficients = coefficient_start[i];
       return {static_cast<unsigned int>(row_start[i + 1] - begin), neighbour.data() + begin,

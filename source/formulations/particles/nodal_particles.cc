@@ -59,7 +59,8 @@ namespace tombolo
   void NodalParticles<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
   {
     using namespace ParticleBlock;
-    const Stencils &shape = this->stencils();
+    Stencils &shape = this->stencils();
+    shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
     const std::vector<double> &initial_volume = set.initial_volumes();
     const unsigned int n_particles = shape.n_particles();
     BlockMatrices h, f;
@@ -78,6 +79,9 @@ namespace tombolo
       const double *const inverse_f =
           find_motion<dim>(shape, first, last, input.position->data(), input.velocity->data(), h, f,
                            control != nullptr ? &residual : nullptr);
+      if (!shape.inverse_deformation_is_current)
+        std::copy_n(inverse_f, 3 * node_stride * std::size_t(last - first),
+                    &shape.inverse_deformation[3 * node_stride * std::size_t(first)]);
       follow_motion(h, inverse_f, first, last, input.time_increment,
                     kernel.deformation_of_motion());
       sweep.begin(first, n);
@@ -117,6 +121,7 @@ namespace tombolo
         control->advance(part_points.points(), first, last, spins, residual[0]);
       scatter_force(shape, first, last, h, control != nullptr ? &residual : nullptr, force.data());
     }
+    shape.inverse_deformation_is_current = true;
     if (dilatation != nullptr)
       dilatation->add_force(force);
   }

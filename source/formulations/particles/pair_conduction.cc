@@ -57,47 +57,66 @@ namespace tombolo
   }
 
   template <int dim>
-  double PairConduction<dim>::factor(const PairRows &rows, const unsigned int row,
-                                     const double *position) const
+  void PairConduction<dim>::find_factors(const PairRows &rows, const double *position) const
   {
-    if (method == Method::paper)
-      return 1.;
-    Lanes sum = 0.;
-    for_pairs_of_row<dim>(rows, row, position,
-                          [&](const RowPairs<dim> &pairs) { sum += pairs.weight * pairs.squared; });
-    const double trace = sum_of_lanes(sum);
-    return trace * largest_factor > dim ? dim / trace : largest_factor;
+    // Sums of the rows: of the squared distances, and of one, times V⁰ of the row.
+    of_nodes.resize_fast(rows.n_nodes * node_stride);
+    of_nodes.fill(0.);
+    const Stencils &shape = *rows.shape;
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    {
+      Lanes squares = 0., sum = 0., of_other[2];
+      for_pairs_of_row<dim>(rows, row, position,
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
+                            {
+                              squares += pairs.of_row * pairs.squared;
+                              sum += pairs.of_row;
+                              of_other[0] = pairs.of_other * pairs.squared;
+                              of_other[1] = pairs.of_other;
+                              add_to_nodes(of_other, pairs.node, pairs.n, of_nodes.data());
+                            });
+      double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
+      own[0] += reduce(squares);
+      own[1] += reduce(sum);
+    }
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    {
+      double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
+      const double moment = own[0] / rows.initial_volume[row];
+      own[0] = rows.volume_ratio(row) * (method == Method::paper         ? 1.
+                                         : moment * largest_factor > dim ? dim / moment
+                                                                         : largest_factor);
+      own[1] /= rows.initial_volume[row];
+    }
   }
 
   template <int dim>
-  template <typename AnyVisitor>
+  template <typename Use>
   void PairConduction<dim>::visit_pairs(const PairRows &rows, const TemperatureTable &conductivity,
                                         const double *position, const double *of_conductivity,
-                                        const AnyVisitor &visit) const
+                                        const Use &use) const
   {
-    const auto conductivity_at = [&](const unsigned int node)
+    if (conductivity.largest() == 0.)
+      return;
+    find_factors(rows, position);
+    for (std::size_t slot = 0; slot < rows.n_nodes * node_stride; slot += node_stride)
+      of_nodes[slot + 1] = conductivity.is_constant() ? conductivity.largest()
+                                                      : conductivity.value(of_conductivity[slot]);
+    const Stencils &shape = *rows.shape;
+    Lanes other[2];
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      return conductivity.is_constant()
-                 ? conductivity.largest()
-                 : conductivity.value(of_conductivity[std::size_t(node) * node_stride]);
-    };
-    for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
-    {
-      const unsigned int particle = rows.shape->particle_node[row];
-      const double own_conductivity = conductivity_at(particle);
-      const double scale = 2. * rows.volume[row] * factor(rows, row, position) * own_conductivity;
-      if (scale == 0.)
-        continue;
+      const double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
       for_pairs_of_row<dim>(rows, row, position,
-                            [&](const RowPairs<dim> &pairs)
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                             {
-                              for (unsigned int lane = 0; lane < pairs.n; ++lane)
-                                if (const double weight = pairs.weight[lane]; weight > 0.)
-                                {
-                                  const double other = conductivity_at(pairs.node[lane]);
-                                  visit(particle, pairs.node[lane],
-                                        scale * weight * other / (own_conductivity + other));
-                                }
+                              gather_nodes(of_nodes.data(), pairs.node, other);
+                              const Lanes sum = own[1] + other[1];
+                              Lanes conductance =
+                                  2. * own[1] * other[1] *
+                                  (own[0] * pairs.of_row + other[0] * pairs.of_other) / sum;
+                              where(!(sum > 0.), conductance) = 0.;
+                              use(shape.particle_node[row], pairs, conductance);
                             });
     }
   }
@@ -109,13 +128,13 @@ namespace tombolo
                                            const double *temperature, double *heat_rate) const
   {
     visit_pairs(rows, conductivity, position, of_conductivity,
-                [&](const unsigned int i, const unsigned int j, const double conductance)
+                [&](const unsigned int i, const RowPairs<dim> &pairs, const Lanes &conductance)
                 {
-                  const std::size_t own = std::size_t(i) * node_stride,
-                                    other = std::size_t(j) * node_stride;
-                  const double heat = conductance * (temperature[other] - temperature[own]);
-                  heat_rate[own] += heat;
-                  heat_rate[other] -= heat;
+                  Lanes heat[1];
+                  gather_nodes(temperature, pairs.node, heat);
+                  heat[0] = conductance * (temperature[std::size_t(i) * node_stride] - heat[0]);
+                  add_to_nodes(heat, pairs.node, pairs.n, heat_rate);
+                  heat_rate[std::size_t(i) * node_stride] -= reduce(heat[0]);
                 });
   }
 
@@ -125,17 +144,27 @@ namespace tombolo
                                           const double *position, const double *of_conductivity,
                                           const Visitor &visit) const
   {
-    visit_pairs(rows, conductivity, position, of_conductivity, visit);
+    visit_pairs(rows, conductivity, position, of_conductivity,
+                [&](const unsigned int i, const RowPairs<dim> &pairs, const Lanes &conductance)
+                {
+                  for (unsigned int lane = 0; lane < pairs.n; ++lane)
+                    if (conductance[lane] > 0.)
+                      visit(i, pairs.node[lane], conductance[lane]);
+                });
   }
 
   template <int dim>
-  double PairConduction<dim>::decay(const PairRows &rows, const unsigned int row,
-                                    const double *position) const
+  void
+  PairConduction<dim>::for_each_decay(const PairRows &rows, const double *position,
+                                      const std::function<void(unsigned int, double)> &use) const
   {
-    Lanes sum = 0.;
-    for_pairs_of_row<dim>(rows, row, position,
-                          [&](const RowPairs<dim> &pairs) { sum += pairs.weight; });
-    return factor(rows, row, position) * sum_of_lanes(sum);
+    find_factors(rows, position);
+    for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
+    {
+      const double *const own =
+          &of_nodes[std::size_t(rows.shape->particle_node[row]) * node_stride];
+      use(row, own[0] / rows.volume_ratio(row) * own[1]);
+    }
   }
 
   template class PairConduction<2>;

@@ -16,73 +16,113 @@ namespace tombolo
     const char *const stress_entry = "Artificial stress";
     const char *const xsph_entry = "XSPH";
 
-    /** Σ max(σ_p, 0) e_p ⊗ e_p of the stress in the plane of the kernel. Returns whether there is
-     * tension. */
+    /** Σ max(σ_p, 0) e_p ⊗ e_p of the stress in the plane of the kernel. */
     template <int dim>
-    bool find_tensile_part(const double *const (&stress)[6], const unsigned int point,
-                           double (&tensile)[dim][dim])
+    SymmetricTensor<2, dim> tensile_part(const SymmetricTensor<2, dim> &sigma)
     {
-      constexpr unsigned int component[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-      SymmetricTensor<2, dim> sigma;
       double bound = 0;
       for (unsigned int a = 0; a < dim; ++a)
       {
-        double row = stress[a][point];
+        double row = sigma[a][a];
         for (unsigned int b = 0; b < dim; ++b)
-        {
-          sigma[a][b] = stress[component[a][b]][point];
           row += a == b ? 0. : std::abs(sigma[a][b]);
-        }
         bound = std::max(bound, row);
       }
-      if (!(bound > 0.))
-        return false;
-      bool is_tensile = false;
       SymmetricTensor<2, dim> sum;
-      for (const auto &[value, direction] :
-           eigenvectors(sigma, SymmetricTensorEigenvectorMethod::jacobi))
-        if (value > 0.)
-        {
-          is_tensile = true;
-          sum += value * symmetrize(outer_product(direction, direction));
-        }
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          tensile[a][b] = sum[a][b];
-      return is_tensile;
+      if (!(bound > 0.))
+        return sum;
+      if constexpr (dim == 2)
+      {
+        const double mean = 0.5 * (sigma[0][0] + sigma[1][1]);
+        const double half = 0.5 * (sigma[0][0] - sigma[1][1]);
+        const double radius = std::sqrt(half * half + sigma[0][1] * sigma[0][1]);
+        if (mean >= radius)
+          return sigma;
+        if (mean + radius > 0.)
+          sum = (mean + radius) / (2. * radius) *
+                (sigma - (mean - radius) * unit_symmetric_tensor<dim>());
+      }
+      else
+        for (const auto &[value, direction] :
+             eigenvectors(sigma, SymmetricTensorEigenvectorMethod::jacobi))
+          if (value > 0.)
+            sum += value * symmetrize(outer_product(direction, direction));
+      return sum;
     }
 
-    /** For all pairs of a row: set_action(pairs, action) sets what acts on the neighbours, which is
-     * added to @p target, and the opposite to the particle. */
-    template <int dim, typename SetAction>
-    TOMBOLO_ALWAYS_INLINE void add_actions(const PairRows &rows, const unsigned int row,
-                                           const double *position, double *target,
-                                           const SetAction &set_action)
+    /** T · a of symmetric T with the components of PairTerms::tensile, as Lanes. */
+    TOMBOLO_ALWAYS_INLINE void multiply_packed(const Lanes (&t)[3], const Lanes (&a)[2],
+                                               Lanes (&result)[2])
     {
-      Lanes action[dim], sum[dim] = {};
-      for_pairs_of_row<dim>(rows, row, position,
-                            [&](const RowPairs<dim> &pairs)
-                            {
-                              set_action(pairs, action);
-                              for (unsigned int d = 0; d < dim; ++d)
-                                sum[d] += action[d];
-                              add_to_nodes(action, pairs.node, pairs.n, target);
-                            });
-      double *const own = target + std::size_t(rows.shape->particle_node[row]) * node_stride;
+      result[0] = t[0] * a[0] + t[2] * a[1];
+      result[1] = t[2] * a[0] + t[1] * a[1];
+    }
+
+    TOMBOLO_ALWAYS_INLINE void multiply_packed(const Lanes (&t)[6], const Lanes (&a)[3],
+                                               Lanes (&result)[3])
+    {
+      result[0] = t[0] * a[0] + t[5] * a[1] + t[4] * a[2];
+      result[1] = t[5] * a[0] + t[1] * a[1] + t[3] * a[2];
+      result[2] = t[4] * a[0] + t[3] * a[1] + t[2] * a[2];
+    }
+
+    /** Adds what acts on the neighbours to @p target, and to @p sum. */
+    template <int dim>
+    TOMBOLO_ALWAYS_INLINE void act(const Lanes (&action)[dim], const unsigned int *node,
+                                   const unsigned int n, Lanes (&sum)[dim], double *target)
+    {
       for (unsigned int d = 0; d < dim; ++d)
-        own[d] -= sum_of_lanes(sum[d]);
+        sum[d] += action[d];
+      add_to_nodes(action, node, n, target);
+    }
+
+    /** The opposite of what acts on its neighbours acts on a particle. */
+    template <int dim>
+    TOMBOLO_ALWAYS_INLINE void act_back(const Lanes (&sum)[dim], const unsigned int particle,
+                                        double *target)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        target[std::size_t(particle) * node_stride + d] -= reduce(sum[d]);
     }
 
     /** The values of a field at neighbours less those of the particle of the row. */
     template <int dim>
-    TOMBOLO_ALWAYS_INLINE void find_differences(const double *field, const RowPairs<dim> &pairs,
+    TOMBOLO_ALWAYS_INLINE void find_differences(const double *field, const unsigned int *node,
                                                 const Lanes (&own)[dim], Lanes (&result)[dim])
     {
-      gather_nodes(field, pairs.node, result);
+      gather_nodes(field, node, result);
       for (unsigned int d = 0; d < dim; ++d)
         result[d] -= own[d];
     }
   } // namespace
+
+  template <int dim>
+  void PairDampers<dim>::apply(const double *direction, const double factor, double *force) const
+  {
+    Lanes own[dim], difference[dim], e[dim];
+    for (std::size_t row = 0; row < particle.size(); ++row)
+    {
+      spread_node(direction, particle[row], own);
+      Lanes sum[dim] = {};
+      for (std::size_t k = start[row]; k < start[row + 1]; k += n_lanes)
+      {
+        find_differences(direction, &node[k], own, difference);
+        Lanes strength = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          e[d] = load_lanes(&way[d][k]);
+          strength += e[d] * difference[d];
+        }
+        for (unsigned int d = 0; d < dim; ++d)
+          e[d] *= factor * strength;
+        act(e, &node[k], n_lanes, sum, force);
+      }
+      act_back(sum, particle[row], force);
+    }
+  }
+
+  template class PairDampers<2>;
+  template class PairDampers<3>;
 
   template <int dim>
   PairTerms<dim>::PairTerms(const Entries &e)
@@ -142,88 +182,150 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairTerms<dim>::add_viscous_force(const PairRows &rows, const double *position,
-                                         const double *velocity, double *force, double *power) const
+  bool PairTerms<dim>::find_tensile_parts(const PairRows &rows, const MaterialPoints &points) const
   {
-    const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
-    Lanes own_velocity[dim], other_velocity[dim];
-    const Stencils &shape = *rows.shape;
-    for (unsigned int row = 0; row < shape.n_particles(); ++row)
-    {
-      const double half_mass = 0.5 * inertia_ratio * shape.mass[row];
-      spread_node(velocity, shape.particle_node[row], own_velocity);
-      Lanes taken = 0.;
-      add_actions<dim>(rows, row, position, force,
-                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
-                       {
-                         find_differences(velocity, pairs, own_velocity, other_velocity);
-                         const Lanes approach = min(pairs.along_offset(other_velocity), Lanes(0.));
-                         const Lanes mu = h * approach / (pairs.squared + least);
-                         const Lanes strength =
-                             half_mass * pairs.weight * (mu * (quadratic * mu - alpha_c));
-                         for (unsigned int d = 0; d < dim; ++d)
-                           action[d] = strength * pairs.offset[d];
-                         taken -= strength * approach;
-                       });
-      power[row] += sum_of_lanes(taken);
-    }
-  }
-
-  template <int dim>
-  void PairTerms<dim>::apply_viscosity(const PairRows &rows, const double *position,
-                                       const double *velocity, const double *direction,
-                                       const double factor, double *force) const
-  {
-    const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
-    Lanes own_velocity[dim], own_direction[dim], other[dim];
-    const Stencils &shape = *rows.shape;
-    for (unsigned int row = 0; row < shape.n_particles(); ++row)
-    {
-      const double scale = 0.5 * inertia_ratio * shape.mass[row] * factor * h;
-      spread_node(velocity, shape.particle_node[row], own_velocity);
-      spread_node(direction, shape.particle_node[row], own_direction);
-      add_actions<dim>(rows, row, position, force,
-                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
-                       {
-                         find_differences(velocity, pairs, own_velocity, other);
-                         const Lanes distance = pairs.squared + least;
-                         const Lanes mu = h * min(pairs.along_offset(other), Lanes(0.)) / distance;
-                         find_differences(direction, pairs, own_direction, other);
-                         const Lanes strength = scale * pairs.weight *
-                                                (alpha_c - 2. * quadratic * mu) *
-                                                pairs.along_offset(other) / distance;
-                         for (unsigned int d = 0; d < dim; ++d)
-                           action[d] = strength * pairs.offset[d];
-                       });
-    }
-  }
-
-  template <int dim>
-  void PairTerms<dim>::add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
-                                             const double *position, double *force) const
-  {
+    constexpr unsigned int component[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
     const double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = points.component(MaterialPoints::stress, c);
-    double tensile[dim][dim];
+    for (auto &values : tensile)
+    {
+      values.resize_fast(rows.n_nodes * node_stride);
+      values.fill(0.);
+    }
+    bool is_tensile = false;
     for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
     {
-      if (!find_tensile_part<dim>(stress, row, tensile))
-        continue;
-      const double scale = stress_factor * rows.volume[row];
-      add_actions<dim>(rows, row, position, force,
-                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
-                       {
-                         const Lanes strength =
-                             scale * stress_weight(pairs.distance) * pairs.weight;
-                         for (unsigned int a = 0; a < dim; ++a)
-                         {
-                           Lanes traction = tensile[a][0] * pairs.offset[0];
-                           for (unsigned int b = 1; b < dim; ++b)
-                             traction += tensile[a][b] * pairs.offset[b];
-                           action[a] = strength * traction;
-                         }
-                       });
+      SymmetricTensor<2, dim> sigma;
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b <= a; ++b)
+          sigma[a][b] = stress[component[a][b]][row];
+      const SymmetricTensor<2, dim> part =
+          stress_factor * rows.volume_ratio(row) * tensile_part(sigma);
+      is_tensile = is_tensile || trace(part) > 0.;
+      const std::size_t slot = std::size_t(rows.shape->particle_node[row]) * node_stride;
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        tensile[0][slot + a] = part[a][a];
+        tensile[dim - 2][slot + (dim == 2 ? 2 : a)] = part[(a + 1) % dim][(a + 2) % dim];
+      }
+    }
+    return is_tensile;
+  }
+
+  template <int dim>
+  void PairTerms<dim>::add_forces(const PairRows &rows, const MaterialPoints &points,
+                                  const double *position, const double *velocity,
+                                  double *viscous_force, double *power, double *stress_force) const
+  {
+    constexpr unsigned int n_of_tensor = SymmetricTensor<2, dim>::n_independent_components;
+    const bool is_tensile = has_artificial_stress() && find_tensile_parts(rows, points);
+    if (!has_viscosity() && !is_tensile)
+      return;
+    const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
+    const auto gather_tensile = [&](const unsigned int *node, Lanes(&result)[n_of_tensor])
+    {
+      Lanes part[3];
+      for (unsigned int k = 0; k < n_of_tensor; k += 3)
+      {
+        gather_nodes(tensile[k / 3].data(), node, part);
+        std::copy_n(part, 3, result + k);
+      }
+    };
+    const Stencils &shape = *rows.shape;
+    Lanes own_velocity[dim], other_velocity[dim], own_tensor[n_of_tensor], tensor[n_of_tensor];
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    {
+      const unsigned int particle = shape.particle_node[row];
+      const double half_density = 0.5 * inertia_ratio * shape.mass[row] / rows.initial_volume[row];
+      spread_node(velocity, particle, own_velocity);
+      for (unsigned int k = 0; is_tensile && k < n_of_tensor; ++k)
+        own_tensor[k] = tensile[k / 3][std::size_t(particle) * node_stride + k % 3];
+      Lanes action[dim], viscous[dim] = {}, of_stress[dim] = {}, taken = 0.;
+      for_pairs_of_row<dim>(
+          rows, row, position,
+          [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
+          {
+            if (has_viscosity())
+            {
+              find_differences(velocity, pairs.node, own_velocity, other_velocity);
+              const Lanes approach = min(pairs.along_offset(other_velocity), Lanes(0.));
+              const Lanes mu = h * approach / (pairs.squared + least);
+              const Lanes strength = half_density * (mu * (quadratic * mu - alpha_c));
+              const Lanes of_both = strength * (pairs.of_row + pairs.of_other);
+              for (unsigned int d = 0; d < dim; ++d)
+                action[d] = of_both * pairs.offset[d];
+              act(action, pairs.node, pairs.n, viscous, viscous_force);
+              if (power != nullptr)
+              {
+                taken -= strength * pairs.of_row * approach;
+                const Lanes of_other = strength * pairs.of_other * approach;
+                for (unsigned int lane = 0; lane < pairs.n; ++lane)
+                  power[pairs.node[lane]] -= of_other[lane];
+              }
+            }
+            if (!is_tensile)
+              return;
+            gather_tensile(pairs.node, tensor);
+            Lanes size = 0.;
+            for (unsigned int k = 0; k < n_of_tensor; ++k)
+            {
+              tensor[k] = tensor[k] * pairs.of_other + own_tensor[k] * pairs.of_row;
+              size += k < dim ? tensor[k] : Lanes(0.);
+            }
+            if (none_of(size > 0.))
+              return;
+            multiply_packed(tensor, pairs.offset, action);
+            const Lanes weight = stress_weight(pairs.distance);
+            for (unsigned int d = 0; d < dim; ++d)
+              action[d] *= weight;
+            act(action, pairs.node, pairs.n, of_stress, stress_force);
+          });
+      if (has_viscosity())
+        act_back(viscous, particle, viscous_force);
+      if (is_tensile)
+        act_back(of_stress, particle, stress_force);
+      if (power != nullptr)
+        power[particle] += reduce(taken);
+    }
+  }
+
+  template <int dim>
+  void PairTerms<dim>::linearize_viscosity(const PairRows &rows, const double *position,
+                                           const double *velocity, PairDampers<dim> &dampers) const
+  {
+    const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
+    const Stencils &shape = *rows.shape;
+    dampers.particle = shape.particle_node;
+    dampers.start.assign(1, 0);
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      dampers.start.push_back(dampers.start.back() +
+                              padded_to_lanes(static_cast<unsigned int>(shape.row_start[row + 1] -
+                                                                        rows.own_entry[row] - 1)));
+    dampers.node.resize(dampers.start.back());
+    for (auto &component : dampers.way)
+      component.resize_fast(dampers.start.back());
+    Lanes own_velocity[dim], other[dim];
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    {
+      const double scale = 0.5 * inertia_ratio * h * shape.mass[row] / rows.initial_volume[row];
+      spread_node(velocity, shape.particle_node[row], own_velocity);
+      std::size_t place = dampers.start[row];
+      for_pairs_of_row<dim>(rows, row, position,
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
+                            {
+                              find_differences(velocity, pairs.node, own_velocity, other);
+                              const Lanes distance = pairs.squared + least;
+                              const Lanes mu =
+                                  h * min(pairs.along_offset(other), Lanes(0.)) / distance;
+                              const Lanes strength =
+                                  square_root(scale * (pairs.of_row + pairs.of_other) *
+                                              (alpha_c - 2. * quadratic * mu) / distance);
+                              std::copy_n(pairs.node, n_lanes, &dampers.node[place]);
+                              for (unsigned int d = 0; d < dim; ++d)
+                                store_lanes(strength * pairs.offset[d], &dampers.way[d][place]);
+                              place += n_lanes;
+                            });
     }
   }
 
@@ -231,21 +333,24 @@ namespace tombolo
   void PairTerms<dim>::add_exchanged_momentum(const PairRows &rows, const double *position,
                                               const double *velocity, double *momentum) const
   {
-    Lanes own_velocity[dim];
+    Lanes own_velocity[dim], action[dim];
     const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      const double scale = 0.5 * xsph_factor * shape.mass[row];
+      const double scale = -0.5 * xsph_factor * shape.mass[row] / rows.initial_volume[row];
       spread_node(velocity, shape.particle_node[row], own_velocity);
-      add_actions<dim>(rows, row, position, momentum,
-                       [&](const RowPairs<dim> &pairs, Lanes(&action)[dim])
-                       {
-                         const Lanes strength = scale * pairs.of_row * pairs.other_volume *
-                                                kernel_value(pairs.distance);
-                         gather_nodes(velocity, pairs.node, action);
-                         for (unsigned int d = 0; d < dim; ++d)
-                           action[d] = strength * (own_velocity[d] - action[d]);
-                       });
+      Lanes sum[dim] = {};
+      for_pairs_of_row<dim>(rows, row, position,
+                            [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
+                            {
+                              const Lanes strength =
+                                  scale * pairs.volumes * kernel_value(pairs.distance);
+                              find_differences(velocity, pairs.node, own_velocity, action);
+                              for (unsigned int d = 0; d < dim; ++d)
+                                action[d] *= strength;
+                              act(action, pairs.node, pairs.n, sum, momentum);
+                            });
+      act_back(sum, shape.particle_node[row], momentum);
     }
   }
 

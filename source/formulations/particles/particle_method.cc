@@ -248,11 +248,9 @@ namespace tombolo
   {
     if (!rows->depend_on_volumes())
       return;
-    std::vector<double> volumes = set.initial_volumes();
-    if (this->points().size() > 0)
-      std::copy_n(this->points().component(MaterialPoints::volume, 0), volumes.size(),
-                  volumes.begin());
-    rows->set_present_volumes(volumes);
+    rows->set_present_volumes(this->points().size() > 0
+                                  ? this->points().component(MaterialPoints::volume, 0)
+                                  : set.initial_volumes().data());
   }
 
   template <int dim>

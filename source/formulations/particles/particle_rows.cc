@@ -7,6 +7,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 
 namespace tombolo
 {
@@ -110,11 +111,11 @@ namespace tombolo
   {
     if (!are_undeformed_when_new())
       return;
-    constexpr std::size_t n_of_row = 3 * node_stride;
-    const std::size_t n_entries = n_of_row * shape.n_particles();
-    shape.inverse_deformation.resize_fast(n_entries);
-    for (std::size_t entry = 0; entry < n_entries; ++entry)
-      shape.inverse_deformation[entry] = entry % n_of_row % (node_stride + 1) == 0 ? 1. : 0.;
+    constexpr std::array<double, 3 *node_stride> identity = {1., 0., 0., 0., 0., 1.,
+                                                             0., 0., 0., 0., 1., 0.};
+    shape.inverse_deformation.resize_fast(identity.size() * shape.n_particles());
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy(identity.begin(), identity.end(), &shape.inverse_deformation[i * identity.size()]);
     shape.inverse_deformation_is_current = true;
   }
 

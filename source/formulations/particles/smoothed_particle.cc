@@ -154,13 +154,11 @@ namespace tombolo
     {
       return is_current;
     }
-    void set_present_volumes(const std::vector<double> &volumes) override
+    void set_present_volumes(const double *const volumes) override
     {
-      if (!is_current)
-        return;
-      present_volumes = volumes;
+      present_volumes.resize(is_current ? copies.size() : 0);
       for (std::size_t i = 0; i < present_volumes.size(); ++i)
-        present_volumes[i] *= copies[i];
+        present_volumes[i] = copies[i] * volumes[i];
     }
 
     bool are_corrected() const
@@ -170,6 +168,10 @@ namespace tombolo
     const RadialKernel<dim> &radial_kernel() const
     {
       return radial_rows->kernel();
+    }
+    const std::size_t *own_entries() const
+    {
+      return radial_rows ? radial_rows->own_entries() : nullptr;
     }
 
   private:
@@ -348,9 +350,9 @@ namespace tombolo
       ParticleMethod<dim>::set_partition(partition);
       const Neighbourhoods<dim> &found = this->rows->neighbourhoods();
       const std::vector<double> &supports = found.support_at_search();
-      node_volumes.assign(partition.n_local(), 0.);
+      volumes.assign(std::size_t(partition.n_local()) * node_stride, 0.);
       for (std::size_t place = 0; place < found.nodes().size(); ++place)
-        node_volumes[found.nodes()[place]] =
+        volumes[std::size_t(found.nodes()[place]) * node_stride] =
             supports[place * node_stride + RadialRows<dim>::volume_slot];
     }
 
@@ -374,15 +376,16 @@ namespace tombolo
       if (diffusivity == 0.)
         return limit;
       const PairRows rows = pair_rows();
-      for (unsigned int i = 0; i < rows.shape->n_particles(); ++i)
-      {
-        const double step = 1. / (2. * diffusivity * conduction.decay(rows, i, position.data()));
-        if (!(step < limit.time_step))
-          continue;
-        limit.time_step = step;
-        for (unsigned int d = 0; d < dim; ++d)
-          limit.place[d] = position.node(rows.shape->particle_node[i])[d];
-      }
+      conduction.for_each_decay(rows, position.data(),
+                                [&](const unsigned int i, const double decay)
+                                {
+                                  const double step = 1. / (2. * diffusivity * decay);
+                                  if (!(step < limit.time_step))
+                                    return;
+                                  limit.time_step = step;
+                                  for (unsigned int d = 0; d < dim; ++d)
+                                    limit.place[d] = position.node(rows.shape->particle_node[i])[d];
+                                });
       return limit;
     }
 
@@ -400,8 +403,16 @@ namespace tombolo
     {
       const MaterialPoints &points = this->points();
       const double *const initial = this->set.initial_volumes().data();
-      return {&this->stencils(), node_volumes.data(), initial,
-              points.size() > 0 ? points.component(MaterialPoints::volume, 0) : initial,
+      const double *const present =
+          points.size() > 0 ? points.component(MaterialPoints::volume, 0) : initial;
+      const Stencils &shape = this->stencils();
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        volumes[std::size_t(shape.particle_node[i]) * node_stride + 1] = present[i];
+      return {&shape,
+              static_cast<const SmoothedRows<dim> &>(*this->rows).own_entries(),
+              volumes.size() / node_stride,
+              volumes.data(),
+              initial,
               &kernel_slope};
     }
 
@@ -419,7 +430,7 @@ namespace tombolo
     PairTerms<dim> terms;
     PairConduction<dim> conduction;
     RadialTable kernel_slope;                      // |dW/dr|
-    std::vector<double> node_volumes;              // V⁰ by local node, ghosts and images too
+    mutable std::vector<double> volumes;           // of PairRows; V is set when they are asked for
     std::shared_ptr<const ThermalProperties> heat; // null: a scene without heat
   };
 

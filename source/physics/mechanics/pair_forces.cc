@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -42,7 +43,7 @@ namespace tombolo
   {
   public:
     explicit PairForces(const Model<dim> &model)
-        : model(model), power(model.particle_parts().size())
+        : model(model), dampers(model.particle_parts().size())
     {
       this->roles.rest = ProcessRole::is_idle;
       const auto add = [&](const std::string &name)
@@ -71,32 +72,25 @@ namespace tombolo
     void add_forces(const Model<dim> &, const Clock &, const NodalVector &) override
     {
       const NodalState &state = model.state;
-      if (viscosity != nullptr)
-      {
-        double *const force = viscosity->at_all_nodes().data();
-        for_parts_with_pairs(
-            model,
-            [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t number)
-            {
-              power[number].assign(particles.particle_nodes().size(), 0.);
-              if (!pairs.pair_terms().has_viscosity())
-                return;
-              pairs.pair_terms().add_viscous_force(pairs.pair_rows(), state.position.data(),
-                                                   state.velocity.data(), force,
-                                                   power[number].data());
-            });
-      }
-      if (stress == nullptr)
-        return;
-      double *const force = stress->at_all_nodes().data();
+      are_linearized = false;
+      if (heat != nullptr)
+        power.assign(state.partition()->n_local(), 0.);
+      const auto force_of = [](Action *const action)
+      { return action != nullptr ? action->at_all_nodes().data() : nullptr; };
+      double *const viscous_force = force_of(viscosity), *const stress_force = force_of(stress);
       for_parts_with_pairs(
           model,
           [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t)
           {
-            if (pairs.pair_terms().has_artificial_stress())
-              pairs.pair_terms().add_artificial_stress(pairs.pair_rows(), particles.points(),
-                                                       state.position.data(), force);
+            pairs.pair_terms().add_forces(
+                pairs.pair_rows(), particles.points(), state.position.data(), state.velocity.data(),
+                viscous_force, heat != nullptr ? power.data() : nullptr, stress_force);
           });
+    }
+
+    void model_changed(const Model<dim> &) override
+    {
+      are_linearized = false;
     }
 
     void linearize(const Model<dim> &, const Clock &, Tangent<dim> &tangent) override
@@ -105,14 +99,21 @@ namespace tombolo
         return;
       const NodalState &state = model.state;
       applied.fit_to(state.partition());
-      const auto apply = [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
-      {
-        if (pairs.pair_terms().has_viscosity())
-          pairs.pair_terms().apply_viscosity(pairs.pair_rows(), state.position.data(),
-                                             state.velocity.data(), tangent.velocity->data(),
-                                             tangent.factor, applied.data());
-      };
-      add_up({&applied}, [&] { for_parts_with_pairs(model, apply); });
+      if (!std::exchange(are_linearized, true))
+        for_parts_with_pairs(
+            model,
+            [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t number)
+            {
+              if (pairs.pair_terms().has_viscosity())
+                pairs.pair_terms().linearize_viscosity(pairs.pair_rows(), state.position.data(),
+                                                       state.velocity.data(), dampers[number]);
+            });
+      add_up({&applied},
+             [&]
+             {
+               for (const PairDampers<dim> &of_part : dampers)
+                 of_part.apply(tangent.velocity->data(), tangent.factor, applied.data());
+             });
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         store_node(load_node(tangent.force->node(i)) + load_node(applied.node(i)),
                    tangent.force->node(i));
@@ -122,14 +123,9 @@ namespace tombolo
     {
       if (heat == nullptr)
         return;
-      for_parts_with_pairs(
-          model,
-          [&](const PairInteractions<dim> &, const auto &particles, const std::size_t k)
-          {
-            const std::vector<unsigned int> &nodes = particles.particle_nodes();
-            for (std::size_t row = 0; row < nodes.size(); ++row)
-              heat->add_heat(nodes[row], clock.velocity_step() * power[k][row]);
-          });
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        if (power[i] > 0.)
+          heat->add_heat(i, clock.velocity_step() * power[i]);
     }
 
   private:
@@ -161,7 +157,9 @@ namespace tombolo
     const Model<dim> &model;
     Action *viscosity = nullptr, *stress = nullptr; // null: no part has it
     HeatAction *heat = nullptr;                     // null where nothing heats
-    std::vector<std::vector<double>> power;         // of the viscosity, by particle part and row
+    std::vector<double> power;                      // of the viscosity, by local node
+    std::vector<PairDampers<dim>> dampers;          // by particle part
+    bool are_linearized = false;                    // dampers, at the present state
     NodalVector applied;                            // buffer of linearize()
   };
 

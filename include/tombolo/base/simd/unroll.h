@@ -2,11 +2,14 @@
 #pragma once
 
 /** For small functions of Lanes. Their arguments stay in registers only where the functions are
- * inlined, which the compiler decides by their size alone. */
+ * inlined, which the compiler decides by their size alone. The second is for lambdas, after their
+ * parameters. */
 #if defined(__GNUC__)
 #  define TOMBOLO_ALWAYS_INLINE [[gnu::always_inline]] inline
+#  define TOMBOLO_INLINE_LAMBDA __attribute__((always_inline))
 #else
 #  define TOMBOLO_ALWAYS_INLINE inline
+#  define TOMBOLO_INLINE_LAMBDA
 #endif
 
 /** Before a loop with a small constant number of passes over Lanes: unrolls it. Otherwise the

@@ -59,14 +59,25 @@ namespace tombolo
     return load_node(components);
   }
 
-  /** √ of each lane. The one of std::simd makes GCC 12 warn of its own headers. */
-  inline Lanes square_root(const Lanes &value)
+  /** √ of each lane. The one of std::simd makes GCC 12 warn of its own headers, and by halves of a
+   * register, as GCC has the loop, the root comes back late. */
+  TOMBOLO_ALWAYS_INLINE Lanes square_root(const Lanes &value)
   {
+#if defined(__AVX512F__)
+    __m512d root;
+    static_assert(sizeof(root) == sizeof(value), "Lanes are packed doubles.");
+    std::memcpy(&root, static_cast<const void *>(&value), sizeof root);
+    root = _mm512_maskz_sqrt_pd(0xFF, root);
+    Lanes result;
+    std::memcpy(static_cast<void *>(&result), &root, sizeof root);
+    return result;
+#else
     alignas(64) double entries[n_lanes];
     store_lanes(value, entries);
     for (double &entry : entries)
       entry = std::sqrt(entry);
     return load_lanes(entries);
+#endif
   }
 
   /** Appends those of the first @p n (at most n_lanes) @p numbers whose lane of @p mask is set to

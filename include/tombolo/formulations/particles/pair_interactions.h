@@ -3,10 +3,13 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/simd/interpolation.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/materials/temperature_table.h>
+
+#include <deal.II/base/aligned_vector.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -31,21 +34,9 @@ namespace tombolo
         values[k] = function(static_cast<double>(k) / intervals_per_length);
     }
 
-    double operator()(const double distance) const
-    {
-      const double place = std::min(distance * intervals_per_length, double(n_intervals));
-      const auto interval = static_cast<std::size_t>(place);
-      const double fraction = place - static_cast<double>(interval);
-      return values[interval] + fraction * (values[interval + 1] - values[interval]);
-    }
-
     Lanes operator()(const Lanes &distance) const
     {
-      alignas(64) double entries[n_lanes];
-      store_lanes(distance, entries);
-      for (double &entry : entries)
-        entry = (*this)(entry);
-      return load_lanes(entries);
+      return interpolate_lanes(values.data(), distance * intervals_per_length, n_intervals);
     }
 
   private:
@@ -60,34 +51,49 @@ namespace tombolo
   struct PairRows
   {
     const Stencils *shape;
-    const double *node_volume; ///< V⁰ by local node as others see it, ghosts and images too
-    const double
-        *initial_volume;      ///< V⁰ of each row: on planes of symmetry, of its part in the body
-    const double *volume;     ///< V of each row
-    const RadialTable *slope; ///< |dW/dr| over the distance
+    /** The entry of the particle itself in each row. Particles of this rank with smaller numbers
+     * stand before it, those with larger numbers and ghosts behind. */
+    const std::size_t *own_entry;
+    std::size_t n_nodes; ///< local ones, with ghosts and images
+    /** By local node, node_stride each: V⁰ as others see it, and the present V of particles that
+     * have a row, zero of ghosts and images. On planes of symmetry V is of the part in the body. */
+    const double *volumes;
+    const double *initial_volume; ///< V⁰ of each row, as V
+    const RadialTable *slope;     ///< |dW/dr| over the distance
+
+    /** V_i and V_i/V⁰_i of a row. */
+    double volume(const unsigned int row) const
+    {
+      return volumes[std::size_t(shape->particle_node[row]) * node_stride + 1];
+    }
+    double volume_ratio(const unsigned int row) const
+    {
+      return volume(row) / initial_volume[row];
+    }
   };
 
   /**
-   * n_lanes pairs of the particle i of a row with its neighbours j, at the present positions. Each
-   * pair of particles stands in the rows of both: what acts between them is the sum of a half from
-   * either row, which goes to both ends with opposite signs, so that no rank needs more of the
-   * particles of another than where they are and how large they were.
+   * n_lanes pairs of the particle i of a row with particles j behind it, at the present positions.
+   * Each pair of two particles of this rank stands in the rows of both, and is treated once: what
+   * acts between them is the sum of a half from either row. A ghost has its row on another rank,
+   * so that its half is zero here, and no rank needs more of the particles of another than where
+   * they are and how large they were.
    */
   template <int dim>
   struct RowPairs
   {
-    /** Those from neighbour @p first of @p row on, whose particle @p particle is at @p own. Lanes
-     * beyond the end of the row are pairs of the particle with itself, without weight. */
-    RowPairs(const PairRows &rows, const unsigned int row, const unsigned int first,
-             const unsigned int particle, const Lanes (&own)[dim], const double *position)
-        : n(std::min(n_lanes, rows.shape->row(row).size - first))
+    /** Those of @p n neighbours, whose particle @p particle is at @p own. Lanes beyond are pairs of
+     * the particle with itself, without weight. */
+    TOMBOLO_ALWAYS_INLINE RowPairs(const PairRows &rows, const unsigned int *neighbour,
+                                   const unsigned int n, const unsigned int particle,
+                                   const Lanes (&own)[dim], const double *position)
+        : n(n), node(neighbour)
     {
-      const unsigned int *const neighbour = rows.shape->row(row).neighbour + first;
-      alignas(64) double volume[n_lanes];
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      if (n < n_lanes)
       {
-        node[lane] = lane < n ? neighbour[lane] : particle;
-        volume[lane] = rows.node_volume[node[lane]];
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          last[lane] = lane < n ? neighbour[lane] : particle;
+        node = last;
       }
       gather_nodes(position, node, offset);
       squared = 0.;
@@ -99,11 +105,19 @@ namespace tombolo
       const LaneMask is_pair = squared > 0.;
       where(!is_pair, squared) = 1.;
       distance = square_root(squared);
-      of_row = rows.volume[row] / rows.initial_volume[row];
-      other_volume = load_lanes(volume);
-      where(!is_pair, other_volume) = 0.;
-      weight = of_row * other_volume * (*rows.slope)(distance) / distance;
+      const Lanes inverse = 1. / distance; // divides while the table is read
+      Lanes slope = (*rows.slope)(distance)*inverse;
+      where(!is_pair, slope) = 0.;
+      const double *const own_volumes = rows.volumes + std::size_t(particle) * node_stride;
+      Lanes other[2];
+      gather_nodes(rows.volumes, node, other);
+      volumes = other[0] * own_volumes[1];
+      of_row = slope * volumes;
+      of_other = slope * other[1] * own_volumes[0];
+      volumes += other[1] * own_volumes[0];
     }
+    RowPairs(const RowPairs &) = delete;
+    RowPairs &operator=(const RowPairs &) = delete;
 
     /** Σ_d a_d (x_j - x_i)_d */
     Lanes along_offset(const Lanes (&a)[dim]) const
@@ -114,15 +128,17 @@ namespace tombolo
       return sum;
     }
 
-    unsigned int n; ///< pairs of the row among the lanes
-    unsigned int node[n_lanes];
-    Lanes offset[dim];  ///< x_j - x_i
-    Lanes squared;      ///< its square; 1 for a particle with itself
-    Lanes distance;     ///< its root
-    double of_row;      ///< V_i/V⁰_i
-    Lanes other_volume; ///< V⁰_j; 0 for a particle with itself
-    /** m_j/ρ_i |dW/dr|/r, the size of ∇φ_j over the distance; 0 for a particle with itself. */
-    Lanes weight;
+    unsigned int n; ///< pairs among the lanes
+    const unsigned int *node;
+    unsigned int last[n_lanes];
+    Lanes offset[dim]; ///< x_j - x_i
+    Lanes squared;     ///< its square; 1 for a particle with itself
+    Lanes distance;    ///< its root
+    /** V_i V⁰_j |dW/dr|/r: V⁰_i times the size of ∇φ_j of row i over the distance. Zero for a
+     * particle with itself. */
+    Lanes of_row;
+    Lanes of_other; ///< the same of row j
+    Lanes volumes;  ///< V_i V⁰_j + V_j V⁰_i, also of a particle with itself
   };
 
   /** A nodal value of one particle in all lanes. */
@@ -134,27 +150,39 @@ namespace tombolo
       components[d] = field[static_cast<std::size_t>(local) * NodeLanes::size() + d];
   }
 
-  /** The sum of the lanes. */
-  TOMBOLO_ALWAYS_INLINE double sum_of_lanes(const Lanes &value)
-  {
-    double sum = value[0];
-    for (unsigned int lane = 1; lane < n_lanes; ++lane)
-      sum += value[lane];
-    return sum;
-  }
-
-  /** Calls @p use with all pairs of a row, n_lanes at a time. */
+  /** Calls @p use with the pairs of a row that stand behind its particle, n_lanes at a time. */
   template <int dim, typename Use>
   TOMBOLO_ALWAYS_INLINE void for_pairs_of_row(const PairRows &rows, const unsigned int row,
                                               const double *position, const Use &use)
   {
     const unsigned int particle = rows.shape->particle_node[row];
-    const unsigned int n_neighbours = rows.shape->row(row).size;
     Lanes own[dim];
     spread_node(position, particle, own);
-    for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
-      use(RowPairs<dim>(rows, row, first, particle, own, position));
+    const std::size_t end = rows.shape->row_start[row + 1];
+    for (std::size_t entry = rows.own_entry[row] + 1; entry < end; entry += n_lanes)
+      use(RowPairs<dim>(rows, rows.shape->neighbour.data() + entry,
+                        static_cast<unsigned int>(std::min<std::size_t>(n_lanes, end - entry)),
+                        particle, own, position));
   }
+
+  /** The viscosity of all pairs of a part for small changes of the velocity: C = Σ e eᵀ, where a
+   * vector e of each pair takes differences of velocities. */
+  template <int dim>
+  class PairDampers
+  {
+  public:
+    /** Adds @p factor C @p direction. */
+    void apply(const double *direction, double factor, double *force) const;
+
+  private:
+    template <int>
+    friend class PairTerms;
+
+    std::vector<unsigned int> particle;     // of each row
+    std::vector<std::size_t> start;         // of rows, whole Lanes each
+    std::vector<unsigned int> node;         // the other of each pair; that of the row without one
+    dealii::AlignedVector<double> way[dim]; // e
+  };
 
   /**
    * What acts between pairs of particles with radial kernels beyond their stresses
@@ -209,25 +237,26 @@ namespace tombolo
       return has_viscosity() || has_artificial_stress() || has_xsph();
     }
 
-    /** Adds the viscous forces of the rows, and to @p power by row what they take per
-     * unit time, which is not negative. */
-    void add_viscous_force(const PairRows &rows, const double *position, const double *velocity,
-                           double *force, double *power) const;
+    /** Adds the forces of the viscosity and of the artificial stress, where they are on, and unless
+     * @p power is null what the viscosity takes per unit time, which is not negative, by local
+     * node. @p points have the stresses of the rows. */
+    void add_forces(const PairRows &rows, const MaterialPoints &points, const double *position,
+                    const double *velocity, double *viscous_force, double *power,
+                    double *stress_force) const;
 
-    /** Adds @p factor C @p direction, where -C v is the force of small @p velocity differences of
+    /** Sets C of @p dampers, where -C v is the viscous force of small @p velocity differences of
      * all pairs, those that separate too. */
-    void apply_viscosity(const PairRows &rows, const double *position, const double *velocity,
-                         const double *direction, double factor, double *force) const;
-
-    /** Adds the forces of the artificial stress. @p points have the stresses of the rows. */
-    void add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
-                               const double *position, double *force) const;
+    void linearize_viscosity(const PairRows &rows, const double *position, const double *velocity,
+                             PairDampers<dim> &dampers) const;
 
     /** Adds the momenta ½ ε m_i m_j W/ρ_i (v_j - v_i) that XSPH exchanges. */
     void add_exchanged_momentum(const PairRows &rows, const double *position,
                                 const double *velocity, double *momentum) const;
 
   private:
+    /** ε V_i/V⁰_i σ_i⁺ of the rows, for their pairs. Returns whether there is tension. */
+    bool find_tensile_parts(const PairRows &rows, const MaterialPoints &points) const;
+
     double linear = 0., quadratic = 0.;
     double stress_factor = 0., stress_exponent = 0.;
     double xsph_factor = 0.;
@@ -236,6 +265,8 @@ namespace tombolo
     double inertia_ratio = 1.; // inertial over true density
     RadialTable stress_weight; // (W/W(dp))^n
     RadialTable kernel_value;  // W
+    /** By local node: xx, yy, xy in the plane; xx, yy, zz and yz, zx, xy in space. A buffer. */
+    mutable dealii::AlignedVector<double> tensile[dim - 1];
   };
 
   /**
@@ -277,7 +308,7 @@ namespace tombolo
       return largest_factor;
     }
 
-    /** The local numbers i, j of a pair of a row, and the conductance K that the row gives it
+    /** The local numbers i, j of a pair, and the conductance K of the rows of this rank
      * [M L^2/(T^3 K)]. */
     using Visitor = std::function<void(unsigned int, unsigned int, double)>;
 
@@ -294,9 +325,10 @@ namespace tombolo
                         const double *position, const double *of_conductivity,
                         const double *temperature, double *heat_rate) const;
 
-    /** Σ_j c_i |∇φ_j|/|x_ij| of a row [1/L^2]. With the diffusivity D, 1/(2 D) over the largest sum
-     * bounds the stable explicit step. */
-    double decay(const PairRows &rows, unsigned int row, const double *position) const;
+    /** Calls @p use with each row and its Σ_j c_i |∇φ_j|/|x_ij| [1/L^2]. With the diffusivity D,
+     * 1/(2 D) over the largest sum bounds the stable explicit step. */
+    void for_each_decay(const PairRows &rows, const double *position,
+                        const std::function<void(unsigned int, double)> &use) const;
 
   private:
     enum class Method
@@ -306,16 +338,17 @@ namespace tombolo
       paper
     };
 
-    template <typename AnyVisitor>
+    /** Calls use(particle, pairs, conductances). */
+    template <typename Use>
     void visit_pairs(const PairRows &rows, const TemperatureTable &conductivity,
-                     const double *position, const double *of_conductivity,
-                     const AnyVisitor &visit) const;
+                     const double *position, const double *of_conductivity, const Use &use) const;
 
-    /** c_i. */
-    double factor(const PairRows &rows, unsigned int row, const double *position) const;
+    /** Sets of_nodes of the rows to c_i V_i/V⁰_i and Σ_j |∇φ_j|/|x_ij|. */
+    void find_factors(const PairRows &rows, const double *position) const;
 
     Method method = Method::gradients;
     double largest_factor = 1.;
+    mutable dealii::AlignedVector<double> of_nodes; // node_stride each: a buffer
   };
 
   /** What particle formulations have whose particles act on each other in pairs, beside what their

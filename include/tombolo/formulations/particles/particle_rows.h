@@ -100,7 +100,7 @@ namespace tombolo
       return false;
     }
     /** The present volumes of the particles of this rank, before the next rows are computed. */
-    virtual void set_present_volumes(const std::vector<double> & /*volumes*/) {}
+    virtual void set_present_volumes(const double * /*volumes*/) {}
 
     /** How far the rows at the start fail the patch test. @p smooths tells whether velocities are
      * smoothed by them, @p position are initial ones with current ghosts. Collective. */

@@ -84,13 +84,13 @@ namespace
                                       double *taken = nullptr) const
     {
       std::vector<double> force = zero(), power(cloud.size(), 0.);
-      terms.add_viscous_force(pairs.rows(), cloud.position.data(), of_velocity.data(), force.data(),
-                              power.data());
-      for (const double of_row : power)
+      terms.add_forces(pairs.rows(), points, cloud.position.data(), of_velocity.data(),
+                       force.data(), power.data(), nullptr);
+      for (const double of_node : power)
       {
-        EXPECT_GE(of_row, 0.);
+        EXPECT_GE(of_node, 0.);
         if (taken != nullptr)
-          *taken += of_row;
+          *taken += of_node;
       }
       return force;
     }
@@ -196,8 +196,10 @@ namespace
     std::vector<double> of_a = cloud.zero(), of_b = cloud.zero();
     const auto apply = [&](const std::vector<double> &direction, std::vector<double> &result)
     {
-      cloud.terms.apply_viscosity(cloud.pairs.rows(), cloud.cloud.position.data(),
-                                  cloud.velocity.data(), direction.data(), 3., result.data());
+      PairDampers<dim> dampers;
+      cloud.terms.linearize_viscosity(cloud.pairs.rows(), cloud.cloud.position.data(),
+                                      cloud.velocity.data(), dampers);
+      dampers.apply(direction.data(), 3., result.data());
     };
     apply(a, of_a);
     apply(b, of_b);
@@ -214,8 +216,10 @@ namespace
       more[i] += step * a[i];
     const std::vector<double> before = cloud.viscous_force(contraction),
                               after = cloud.viscous_force(more);
-    cloud.terms.apply_viscosity(cloud.pairs.rows(), cloud.cloud.position.data(), contraction.data(),
-                                a.data(), 1., image.data());
+    PairDampers<dim> dampers;
+    cloud.terms.linearize_viscosity(cloud.pairs.rows(), cloud.cloud.position.data(),
+                                    contraction.data(), dampers);
+    dampers.apply(a.data(), 1., image.data());
     for (std::size_t i = 0; i < image.size(); ++i)
       EXPECT_NEAR((before[i] - after[i]) / step, image[i], 1e-4);
   }
@@ -264,34 +268,40 @@ namespace
     for (unsigned int c = 0; c < 6; ++c)
       std::fill_n(cloud.points.component(MaterialPoints::stress, c), cloud.cloud.size(), stress[c]);
     std::vector<double> force = cloud.zero();
-    cloud.terms.add_artificial_stress(cloud.pairs.rows(), cloud.points, cloud.cloud.position.data(),
-                                      force.data());
+    cloud.terms.add_forces(cloud.pairs.rows(), cloud.points, cloud.cloud.position.data(),
+                           cloud.velocity.data(), nullptr, nullptr, force.data());
     return force;
+  }
+
+  template <int dim>
+  void expect_tensile_principal_stresses()
+  {
+    PairTermsCloud<dim> cloud("set Artificial stress = true\nset Artificial stress exponent = 0");
+    // With the exponent zero it is -ε times the internal force of the tensile part, but for the
+    // part of the row at the particle itself.
+    const double s = 0.3, tension = 2., compression = -1.;
+    const double c2 = std::cos(s) * std::cos(s), s2 = std::sin(s) * std::sin(s),
+                 cs = std::cos(s) * std::sin(s);
+    const std::vector<double> all =
+        artificial_stress(cloud, {{tension * c2 + compression * s2, tension * s2 + compression * c2,
+                                   compression, 0., 0., (tension - compression) * cs}});
+    const std::vector<double> tensile =
+        artificial_stress(cloud, {{tension * c2, tension * s2, 0., 0., 0., tension * cs}});
+    const std::array<double, 7> sums = cloud.sums(all);
+    ASSERT_GT(sums[6], 0.1);
+    for (unsigned int d = 0; d < 3; ++d)
+      EXPECT_LT(std::abs(sums[d]), 1e-13 * sums[6]);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      EXPECT_NEAR(all[i], tensile[i], 1e-12);
+    for (const double component : artificial_stress(cloud, {{-1., -2., -1., 0.3, 0., 0.4}}))
+      EXPECT_EQ(component, 0.);
   }
 } // namespace
 
 TEST(PairTerms, artificial_stress_takes_tensile_principal_stresses_only)
 {
-  const std::string entries = "set Artificial stress = true\nset Artificial stress exponent = 0";
-  PairTermsCloud<3> cloud(entries);
-  // With the exponent zero it is -ε times the internal force of the tensile part, but for the part
-  // of the row at the particle itself.
-  const double s = 0.3, tension = 2., compression = -1.;
-  const double c2 = std::cos(s) * std::cos(s), s2 = std::sin(s) * std::sin(s),
-               cs = std::cos(s) * std::sin(s);
-  const std::vector<double> all =
-      artificial_stress(cloud, {{tension * c2 + compression * s2, tension * s2 + compression * c2,
-                                 compression, 0., 0., (tension - compression) * cs}});
-  const std::vector<double> tensile =
-      artificial_stress(cloud, {{tension * c2, tension * s2, 0., 0., 0., tension * cs}});
-  const std::array<double, 7> sums = cloud.sums(all);
-  ASSERT_GT(sums[6], 0.1);
-  for (unsigned int d = 0; d < 3; ++d)
-    EXPECT_LT(std::abs(sums[d]), 1e-13 * sums[6]);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    EXPECT_NEAR(all[i], tensile[i], 1e-12);
-  for (const double component : artificial_stress(cloud, {{-1., -2., -1., 0.3, 0., 0.4}}))
-    EXPECT_EQ(component, 0.);
+  expect_tensile_principal_stresses<2>();
+  expect_tensile_principal_stresses<3>();
 }
 
 TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
@@ -307,7 +317,9 @@ TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
   std::fill_n(points.component(MaterialPoints::volume, 0), 2, 1.);
   std::fill_n(points.component(MaterialPoints::stress, 0), 2, 2.);
   std::vector<double> force(8, 0.);
-  cloud.terms.add_artificial_stress(pairs.rows(), points, pair.position.data(), force.data());
+  const std::vector<double> velocity(8, 0.);
+  cloud.terms.add_forces(pairs.rows(), points, pair.position.data(), velocity.data(), nullptr,
+                         nullptr, force.data());
   const double ratio = cloud.kernel.value(0.8) / cloud.kernel.value(1.);
   // m² (W/W(dp))⁴ (R_i + R_j) |W'|, of two particles of volume one
   const double expected = 2. * 0.3 * 2. * std::pow(ratio, 4) * cloud.kernel.slope(0.8);

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/simd/vectorization.h>
+
+namespace tombolo
+{
+  /** What straight lines between @p values of 0, 1, ... give at @p place, which is not negative;
+   * from
+   * @p end on values[end]. There are values[0] ... values[end + 1]. */
+  TOMBOLO_ALWAYS_INLINE Lanes interpolate_lanes(const double *values, const Lanes &place,
+                                                const unsigned int end)
+  {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+    __m512d at;
+    std::memcpy(&at, static_cast<const void *>(&place), sizeof at);
+    at = _mm512_min_pd(at, _mm512_set1_pd(end)); // the end, too, of what is no number
+    const __m256i index = _mm512_cvttpd_epi32(at);
+    const __m512d low = _mm512_i32gather_pd(index, values, 8);
+    const __m512d high = _mm512_i32gather_pd(index, values + 1, 8);
+    at = _mm512_fmadd_pd(_mm512_sub_pd(at, _mm512_cvtepi32_pd(index)), _mm512_sub_pd(high, low),
+                         low);
+    Lanes result;
+    std::memcpy(static_cast<void *>(&result), &at, sizeof at);
+    return result;
+#else
+    alignas(64) double entries[n_lanes];
+    store_lanes(place, entries);
+    for (double &entry : entries)
+    {
+      entry = entry < end ? entry : end;
+      const auto interval = static_cast<unsigned int>(entry);
+      entry = values[interval] + (entry - interval) * (values[interval + 1] - values[interval]);
+    }
+    return load_lanes(entries);
+#endif
+  }
+} // namespace tombolo
