@@ -9,10 +9,21 @@
 #include <limits>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** Makes a list 0, 1, ..., @p n - 1. */
+    void count_up(std::vector<unsigned int> &list, const std::size_t n)
+    {
+      list.resize(n);
+      std::iota(list.begin(), list.end(), 0u);
+    }
+  } // namespace
 
   template <int dim>
   Neighbourhoods<dim>::Neighbourhoods(const double skin) : skin(skin)
@@ -68,16 +79,14 @@ namespace tombolo
     all_supports = support;
     all_positions.insert(all_positions.end(), remote.position.begin(), remote.position.end());
     all_supports.insert(all_supports.end(), remote.support.begin(), remote.support.end());
-    rows.resize(n_own);
-    std::iota(rows.begin(), rows.end(), 0u);
+    count_up(rows, n_own);
     all_images.clear();
     image_source.clear();
     if (!images_of_body->empty())
       add_images(remote);
     const auto n_places = static_cast<unsigned int>(all_positions.size() / node_stride);
     const unsigned int n_received = n_own + static_cast<unsigned int>(remote.node.size());
-    columns.resize(n_places);
-    std::iota(columns.begin(), columns.end(), 0u);
+    count_up(columns, n_places);
     finder.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
                 neighbour_place);
     if (skin == 0.) // the next search is not near
@@ -129,8 +138,7 @@ namespace tombolo
           j = place[j - n_own];
     if (is_ordered_by_offset)
       sort_by_offset(shape.row_start);
-    numbers_in_use.resize(all_nodes.size() + n_images);
-    std::iota(numbers_in_use.begin(), numbers_in_use.end(), 0u);
+    count_up(numbers_in_use, all_nodes.size() + n_images);
     shape.particle_node = rows;
     shape.neighbour = neighbour_place;
   }
