@@ -119,10 +119,19 @@ namespace tombolo
     assembly.assemble(bridge, smoothed, heat_of_nodes,
                       [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
                       {
-                        if (part.particles != nullptr && part.particles->pairs() == nullptr)
-                          NodalSmoothing::try_inverse_deformation<dim>(position.data(),
-                                                                       part.particles->stencils());
+                        Stencils *const rows =
+                            part.particles != nullptr && part.particles->pairs() == nullptr
+                                ? &part.particles->stencils()
+                                : nullptr;
+                        const bool is_current =
+                            rows == nullptr || rows->inverse_deformation_is_current;
+                        if (!is_current)
+                          NodalSmoothing::try_inverse_deformation<dim>(position.data(), *rows);
                         part.formulation->add_conduction(position, field, seen, result);
+                        // Heat that nothing feels changes no bit of the forces, which find their
+                        // own.
+                        if (!is_current)
+                          rows->inverse_deformation_is_current = false;
                       });
   }
 

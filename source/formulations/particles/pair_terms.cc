@@ -233,7 +233,7 @@ namespace tombolo
       }
     };
     const Stencils &shape = *rows.shape;
-    Lanes own_velocity[dim], other_velocity[dim], own_tensor[n_of_tensor], tensor[n_of_tensor];
+    Lanes own_velocity[dim], other_velocity[dim], own_tensor[n_of_tensor] = {}, tensor[n_of_tensor];
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int particle = shape.particle_node[row];

@@ -111,8 +111,8 @@ namespace tombolo
   {
     if (!are_undeformed_when_new())
       return;
-    constexpr std::array<double, 3 *node_stride> identity = {1., 0., 0., 0., 0., 1.,
-                                                             0., 0., 0., 0., 1., 0.};
+    constexpr std::array<double, 3 * node_stride> identity{
+        {1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.}};
     shape.inverse_deformation.resize_fast(identity.size() * shape.n_particles());
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
       std::copy(identity.begin(), identity.end(), &shape.inverse_deformation[i * identity.size()]);

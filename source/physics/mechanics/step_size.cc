@@ -16,9 +16,6 @@ namespace tombolo
 {
   namespace
   {
-    /** What may change between two checks, or two estimates for renewed kernels. */
-    constexpr double allowed_change = 0.005;
-
     /** Supports stay as they are where a particle loses neighbours; its gradients grow. */
     template <int dim>
     std::vector<double> times_of_rows(const Part<dim> &part, const NodalVector &position)
@@ -120,10 +117,9 @@ namespace tombolo
                   "At the latest every so many steps the check is made whether the limit must be "
                   "estimated anew; more often while cells or supports change fast.");
     e.alias("Check interval", "Look interval");
-    reestimation_threshold =
-        e.number("Re-estimation threshold", "0.03", between(0., 1.), "",
-                 "The estimate is repeated when the smallest length over wave speed has changed by "
-                 "this fraction since the last one, or that of a cell or particle by 5/3 of it.");
+    reestimation_threshold = e.number("Re-estimation threshold", "0.01", between(0., 1.), "",
+                                      "The estimate is repeated when the smallest length over wave "
+                                      "speed has changed by this fraction since the last one.");
     e.alias("Re-estimation threshold", "Change that matters");
     longest_estimate_interval =
         e.integer("Estimate interval", "40", between(1, 1000000),
@@ -153,7 +149,7 @@ namespace tombolo
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
         // In an impact one cell shortens by tenths while the shortest stays as it is.
-        constexpr double local_over_global = 5. / 3.;
+        constexpr double local_over_global = 5.;
         const bool has_shortened =
             has_limit && !has_changed &&
             shortening.exceeds(model, local_over_global * reestimation_threshold);
@@ -224,8 +220,9 @@ namespace tombolo
     const double change =
         std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
     const double most = std::min(2. * steps_to_check, double(check_interval));
-    const double wanted =
-        courant_at_check > 0. ? 2. * allowed_change / std::max(change, 1e-12) * double(steps) : 1.;
+    const double wanted = courant_at_check > 0. ? 0.5 * reestimation_threshold /
+                                                      std::max(change, 1e-12) * double(steps)
+                                                : 1.;
     steps_to_check = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
     courant_at_check = courant;
   }
@@ -234,7 +231,8 @@ namespace tombolo
   void StepSize<dim>::adapt_estimate_interval(const unsigned long steps, const double last)
   {
     const double change = std::abs(present.time_step - last) / present.time_step;
-    const double wanted = has_limit ? allowed_change / std::max(change, 1e-12) * double(steps) : 1.;
+    const double wanted =
+        has_limit ? 0.5 * reestimation_threshold / std::max(change, 1e-12) * double(steps) : 1.;
     steps_to_estimate = static_cast<unsigned int>(std::min(
         std::max(double(shortest_estimate_interval), std::min(wanted, 2. * steps_to_estimate)),
         double(longest_estimate_interval)));

@@ -5,21 +5,23 @@
 
 namespace tombolo
 {
-  /** What straight lines between @p values of 0, 1, ... give at @p place, which is not negative;
-   * from
-   * @p end on values[end]. There are values[0] ... values[end + 1]. */
+  /** Straight lines between @p values at 0, 1, ...: their value at @p place, which is not
+   * negative, and values[end] from @p end on. There are values[0] ... values[end + 1]. */
   TOMBOLO_ALWAYS_INLINE Lanes interpolate_lanes(const double *values, const Lanes &place,
                                                 const unsigned int end)
   {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
     __m512d at;
     std::memcpy(&at, static_cast<const void *>(&place), sizeof at);
-    at = _mm512_min_pd(at, _mm512_set1_pd(end)); // the end, too, of what is no number
-    const __m256i index = _mm512_cvttpd_epi32(at);
-    const __m512d low = _mm512_i32gather_pd(index, values, 8);
-    const __m512d high = _mm512_i32gather_pd(index, values + 1, 8);
-    at = _mm512_fmadd_pd(_mm512_sub_pd(at, _mm512_cvtepi32_pd(index)), _mm512_sub_pd(high, low),
-                         low);
+    // By masks, since GCC 12 warns of what its own functions without a mask leave undefined.
+    constexpr __mmask8 all = 0xFF;
+    const __m512d zero = _mm512_setzero_pd();
+    at = _mm512_maskz_min_pd(all, at, _mm512_set1_pd(end)); // the end, too, of what is no number
+    const __m256i index = _mm512_maskz_cvttpd_epi32(all, at);
+    const __m512d low = _mm512_mask_i32gather_pd(zero, all, index, values, 8);
+    const __m512d high = _mm512_mask_i32gather_pd(zero, all, index, values + 1, 8);
+    at = _mm512_fmadd_pd(_mm512_sub_pd(at, _mm512_maskz_cvtepi32_pd(all, index)),
+                         _mm512_sub_pd(high, low), low);
     Lanes result;
     std::memcpy(static_cast<void *>(&result), &at, sizeof at);
     return result;
