@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/registry.h>
 #include <tombolo/contact/face_overlap.h>
+#include <tombolo/contact/pairing.h>
 
 #include <gtest/gtest.h>
 
@@ -294,4 +297,31 @@ TEST(FaceOverlap, FacesBesideEachOtherHaveNothingInCommon)
   const auto lines = common_points<2>(line, {{Tensor<1, 2>({.75, .1}), Tensor<1, 2>({2., .1})}});
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_NEAR(lines[0].weight + lines[1].weight, 0.25, 1e-15);
+}
+
+TEST(MortarPairing, FacesTouchWhereTheyAreNear)
+{
+  const Parameters parameters(MPI_COMM_SELF);
+  const auto pairing =
+      Registry<Pairing<3>>::instance().create("touching", parameters.section("contact"));
+  const FaceCorners<3> flat{{Tensor<1, 3>({0., 0., 0.}), Tensor<1, 3>({1., 0., 0.}),
+                             Tensor<1, 3>({0., 1., 0.}), Tensor<1, 3>({1., 1., 0.})}};
+  FaceCorners<3> inclined = flat;
+  for (auto &corner : inclined)
+    corner[2] = 2. * corner[0];
+  const PairedFace<3> slave{0, 1., flat, area_vector<3>(flat)};
+  const std::vector<PairedFace<3>> masters{{0, 1., inclined, -1. * area_vector<3>(inclined)}};
+  std::vector<FacePair<3>> pairs;
+  pairing->find(slave, masters, pairs);
+  ASSERT_EQ(pairs.size(), 1u);
+  double area = 0, of_master = 0;
+  for (unsigned int i = 0; i < 4; ++i)
+    for (unsigned int j = 0; j < 4; ++j)
+    {
+      area += pairs[0].of_slave[i][j];
+      of_master += pairs[0].of_master[i][j];
+    }
+  // As far as the distance is at most reach(): up to the nearest points of the quadrature.
+  EXPECT_NEAR(area, pairing->reach() / 2., 0.2);
+  EXPECT_NEAR(of_master, area, 1e-15);
 }
