@@ -73,6 +73,19 @@ namespace tombolo
     return std::sqrt(squared);
   }
 
+  /** F⁻¹ of @p row, where it is current. */
+  template <int dim>
+  dealii::Tensor<2, dim> inverse_row_deformation(const Stencils &shape, const unsigned int row)
+  {
+    const double *const rows =
+        shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
+    dealii::Tensor<2, dim> inverse;
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        inverse[a][b] = rows[a * node_stride + b];
+    return inverse;
+  }
+
   /** √Σ_J |∇φ_J|² of @p row, by the gradients in the reference [1/L]. */
   template <int dim>
   double gradient_of_reference(const Stencils &shape, const unsigned int row)
@@ -96,12 +109,7 @@ namespace tombolo
     {
       // √Σ |F⁻ᵀ∇φ|² is at most |F⁻¹| √Σ |∇φ|², which mostly tells; but not at the limit.
       constexpr double margin = 0.99;
-      const double *const rows =
-          shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
-      dealii::Tensor<2, dim> inverse;
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          inverse[a][b] = rows[a * node_stride + b];
+      const dealii::Tensor<2, dim> inverse = inverse_row_deformation<dim>(shape, row);
       if (determinant(inverse) > 0. && inverse.norm() * of_reference <= margin * largest)
         return false;
     }

@@ -5,11 +5,11 @@
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/pairing.h>
+#include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
 
-#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -124,16 +124,12 @@ namespace tombolo
     struct Box
     {
       /** Around the corners, @p by wider on all sides. */
-      Box(const FaceCorners<dim> &corners, const double by)
+      Box(const FaceCorners<dim> &corners, const double by) : low(corners[0]), high(corners[0])
       {
+        for (const dealii::Tensor<1, dim> &corner : corners)
+          widen_box(low, high, corner);
         for (unsigned int d = 0; d < dim; ++d)
         {
-          low[d] = high[d] = corners[0][d];
-          for (unsigned int k = 1; k < n_corners; ++k)
-          {
-            low[d] = std::min(low[d], corners[k][d]);
-            high[d] = std::max(high[d], corners[k][d]);
-          }
           low[d] -= by;
           high[d] += by;
         }
@@ -146,7 +142,7 @@ namespace tombolo
         return true;
       }
 
-      double low[dim], high[dim];
+      dealii::Tensor<1, dim> low, high;
     };
 
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */

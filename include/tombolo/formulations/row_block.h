@@ -2,12 +2,14 @@
 #pragma once
 
 #include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/approximation/row_deformation.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/kinematics.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
 
 #include <cstddef>
@@ -124,27 +126,18 @@ namespace tombolo
     {
       const Stencils::Row row = stencils.row(number);
       const unsigned int own = stencils.particle_node[number];
-      const bool is_current = stencils.inverse_deformation_is_current;
       NodeLanes gradient = 0.;
-      NodeLanes columns[3] = {0., 0., 0.};
-      if (!is_current)
-        add_row(row, position.data(), load_node(position.node(own)), columns);
       for (unsigned int k = 0; k < row.size; ++k)
         gradient += load_node(row.gradient + k * Stencils::n_gradient) *
                     (*temperature.node(row.neighbour[k]) - *temperature.node(own));
-      dealii::Tensor<2, dim> inverse_deformation;
       dealii::Tensor<1, dim> of_reference;
       for (unsigned int a = 0; a < dim; ++a)
-      {
         of_reference[a] = gradient[a];
-        for (unsigned int b = 0; b < dim; ++b)
-          inverse_deformation[a][b] =
-              is_current      ? node(stencils.inverse_deformation.data(), 3 * number + a)[b]
-              : is_undeformed ? (a == b ? 1. : 0.)
-                              : columns[b][a];
-      }
-      if (!is_current)
-        inverse_deformation = invert(inverse_deformation);
+      dealii::Tensor<2, dim> inverse_deformation = dealii::unit_symmetric_tensor<dim>();
+      if (stencils.inverse_deformation_is_current)
+        inverse_deformation = inverse_row_deformation<dim>(stencils, number);
+      else if (!is_undeformed)
+        inverse_deformation = invert(row_deformation<dim>(stencils, number, position));
       // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
       const dealii::Tensor<1, dim> flux =
           factor(1. / determinant(inverse_deformation)) *

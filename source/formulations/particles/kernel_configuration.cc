@@ -179,12 +179,7 @@ namespace tombolo
   Tensor<2, dim> KernelConfiguration<dim>::deformation_since_reference(const unsigned int i,
                                                                        const Stencils &shape) const
   {
-    Tensor<2, dim> inverse_deformation;
-    const double *const rows = shape.inverse_deformation.data() + 3 * node_stride * std::size_t(i);
-    for (unsigned int a = 0; a < dim; ++a)
-      for (unsigned int b = 0; b < dim; ++b)
-        inverse_deformation[a][b] = rows[a * node_stride + b];
-    return invert(inverse_deformation);
+    return invert(inverse_row_deformation<dim>(shape, i));
   }
 
   template <int dim>

@@ -44,12 +44,7 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE EightDoubles root_of(const EightDoubles &value)
   {
 #if defined(__AVX512F__)
-    __m512d root;
-    std::memcpy(&root, static_cast<const void *>(&value), sizeof root);
-    root = _mm512_maskz_sqrt_pd(0xFF, root);
-    EightDoubles result;
-    std::memcpy(static_cast<void *>(&result), &root, sizeof result);
-    return result;
+    return square_root(value);
 #else
     return sqrt(value);
 #endif
