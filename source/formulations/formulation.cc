@@ -40,7 +40,8 @@ namespace tombolo
 
   template <int dim>
   StepLimit Formulation<dim>::courant_limit(const NodalVector &position,
-                                            const std::vector<double> &inertia) const
+                                            const std::vector<double> &inertia,
+                                            const std::vector<unsigned int> &step_ratios) const
   {
     std::vector<double> time_steps;
     courant_limits(position, time_steps);
@@ -48,7 +49,8 @@ namespace tombolo
     limit.entity = particle_nodes().empty() ? "cell" : "particle";
     unsigned int shortest = 0;
     for (unsigned int i = 0; i < time_steps.size(); ++i)
-      if (const double step = time_steps[i] * std::sqrt(inertia.empty() ? 1. : inertia[i]);
+      if (const double step = time_steps[i] * std::sqrt(inertia.empty() ? 1. : inertia[i]) /
+                              (step_ratios.empty() ? 1 : step_ratios[i]);
           step < limit.time_step)
       {
         limit.time_step = step;

@@ -36,7 +36,6 @@ namespace tombolo
       archive.set_rows(ids);
 
       std::vector<double> values;
-      const auto n_rows = static_cast<unsigned int>(ids.size());
       for (unsigned int f = 0; f < points.fields().size(); ++f)
       {
         const FieldDescription &field = points.fields()[f];
@@ -53,7 +52,7 @@ namespace tombolo
           for (unsigned int c = 0; c < field.n_components; ++c)
             points.component(f, c)[places[k]] = values[k * field.n_components + c];
         if (!is_of_particles && f != MaterialPoints::volume)
-          fill_unused_lanes(formulation, n_rows, f);
+          formulation.fill_unused_lanes(f);
       }
       Records beside_points;
       formulation.list(beside_points);
@@ -144,22 +143,6 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void fill_unused_lanes(Formulation<dim> &formulation, const unsigned int n_cells,
-                         const unsigned int field)
-  {
-    const unsigned int n_points = formulation.n_points_per_cell();
-    MaterialPoints &points = formulation.points();
-    if (n_cells == 0)
-      return;
-    for (unsigned int cell = n_cells; formulation.point_of_cell(cell, n_points - 1) < points.size();
-         ++cell)
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
-          points.component(field, c)[formulation.point_of_cell(cell, q)] =
-              points.component(field, c)[formulation.point_of_cell(n_cells - 1, q)];
-  }
-
-  template <int dim>
   void serialize_model(Model<dim> &model, StateArchive &archive,
                        const MeshTransfer<dim> *const transfer)
   {
@@ -201,8 +184,6 @@ namespace tombolo
     refuse_other_mesh(built, model, archive);
   }
 
-  template void fill_unused_lanes(Formulation<2> &, unsigned int, unsigned int);
-  template void fill_unused_lanes(Formulation<3> &, unsigned int, unsigned int);
   template void serialize_model(Model<2> &, StateArchive &, const MeshTransfer<2> *);
   template void serialize_model(Model<3> &, StateArchive &, const MeshTransfer<3> *);
   template void read_initial_state(Model<2> &, StateArchive &);

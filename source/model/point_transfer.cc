@@ -214,7 +214,7 @@ namespace tombolo
       if (f == MaterialPoints::stress)
         add_gradient_of_stress(model);
       if (f != MaterialPoints::volume)
-        fill_unused_lanes(formulation, n_rows, f);
+        formulation.fill_unused_lanes(f);
     }
     // The volume of a new point is that of its part of the cell, with the compression that it has.
     for (unsigned int row = 0; row < n_rows; ++row)
@@ -271,7 +271,7 @@ namespace tombolo
         });
     for (unsigned int f = 0; f < points.fields().size(); ++f)
       if (points.fields()[f].on_division == OnDivision::held)
-        fill_unused_lanes(formulation, static_cast<unsigned int>(cells.size()), f);
+        formulation.fill_unused_lanes(f);
   }
 
   template <int dim>

@@ -17,6 +17,11 @@ namespace tombolo
       slots.push_back(std::move(slot));
     }
 
+    bool is_connected() const
+    {
+      return !slots.empty();
+    }
+
     void operator()(Arguments... arguments) const
     {
       for (const auto &slot : slots)

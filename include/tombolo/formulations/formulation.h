@@ -212,9 +212,9 @@ namespace tombolo
     virtual void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const;
 
     /** The smallest of courant_limits(), each times the root of its factor among @p inertia
-     * (Part::inertia). */
-    StepLimit courant_limit(const NodalVector &position,
-                            const std::vector<double> &inertia = {}) const;
+     * (Part::inertia), over its ratio (Part::step_ratios). */
+    StepLimit courant_limit(const NodalVector &position, const std::vector<double> &inertia = {},
+                            const std::vector<unsigned int> &step_ratios = {}) const;
 
     /** Adds, as add_mass() does, what is more than the mass where each cell, in the order of
      * courant_limits(), has its factor among @p inertia times it. Elements only: the masses of
@@ -317,6 +317,10 @@ namespace tombolo
     {
       return cell * n_points_per_cell() + q;
     }
+
+    /** Gives points that stand for no cell what those of a cell have in a field of points(), where
+     * values of cells have been set. */
+    virtual void fill_unused_lanes(const unsigned int /*field*/) {}
 
     /** Writes to a checkpoint, or reads from it, what the part remembers beyond points(). Rows of
      * the archive are the part's: a row per cell, or per particle. After reading, required_nodes()

@@ -250,6 +250,15 @@ namespace tombolo
     /** Books the step that ends at t_n. */
     void complete_step(const NodalState &state, const Clock &clock, ImpulseAccount &impulses);
 
+    /** Calls @p use with each owned node that has a force of one of them now. */
+    template <typename Use>
+    void for_touched_nodes(const Use &use) const
+    {
+      for (const Action &action : all)
+        for (const unsigned int node : action.of_nodes.nodes)
+          use(node);
+    }
+
     void account(EnergyAccounts &accounts) const;
     void account_heat(EnergyAccounts &accounts) const;
 

@@ -11,6 +11,7 @@
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
+#include <tombolo/model/step_groups.h>
 #include <tombolo/model/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
 
@@ -173,6 +174,7 @@ namespace tombolo
     std::unique_ptr<ThermalModel<dim>> heat;              ///< null where no material has heat
     std::vector<std::unique_ptr<Process<dim>>> processes; ///< in their order in a step
     ImpulseAccount impulses;                              ///< of all forces from outside
+    StepGroups<dim> step_groups; ///< of cells that do not take each step; none by default
     Revisions revisions;
     /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
      * the step remembers it until it is estimated anew. */

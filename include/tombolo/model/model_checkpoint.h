@@ -19,11 +19,6 @@ namespace tombolo
   void serialize_model(Model<dim> &model, StateArchive &archive,
                        const MeshTransfer<dim> *transfer = nullptr);
 
-  /** Unused lanes of the last batch of the first @p n_cells cells repeat its last cell in a field
-   * of the points. */
-  template <int dim>
-  void fill_unused_lanes(Formulation<dim> &formulation, unsigned int n_cells, unsigned int field);
-
   /** Reads from the checkpoint of another run what nodes and material points are, and nothing of
    * its processes (Records::continue_from()): positions, velocities, stresses, internal variables,
    * temperatures. Where that run had no heat, temperatures stay as they are. Throws InputError

@@ -23,6 +23,9 @@ namespace tombolo
     /** The inertia of each cell or particle over that of its inertial density, in the order of
      * Formulation::courant_limits(); empty: one. */
     std::vector<double> inertia;
+    /** How many of the shortest steps each cell takes in one (StepGroups), in the same order;
+     * empty: one. */
+    std::vector<unsigned int> step_ratios;
   };
 
   /** Whether velocities are smoothed in the particle parts among @p parts, in their order: what

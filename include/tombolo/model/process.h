@@ -259,7 +259,7 @@ namespace tombolo
   {
     constexpr int damping = -10, sections = -5, prescribed_motion = 0, loads = 10, erosion = 20,
                   conversion = 30, bond_failure = 40, renewal = 50, mass_scaling = 60, contact = 70,
-                  fragment_contact = 80, named = 100;
+                  fragment_contact = 80, named = 100, subcycling = 200;
   } // namespace process_order
 
   /** All kinds, by order. */

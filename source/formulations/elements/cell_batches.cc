@@ -4,6 +4,8 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 
+#include <map>
+
 namespace tombolo
 {
   namespace
@@ -137,11 +139,17 @@ namespace tombolo
 
   template <int dim>
   void CellBatches<dim>::reinit(const PartSetup<dim> &setup, const unsigned int degree,
-                                const MassLumping lumping, const bool can_remove)
+                                const MassLumping lumping, const bool can_change,
+                                const unsigned int most_groups)
   {
     const auto cells = cells_of(setup);
     all_cell_count = cell_count = static_cast<unsigned int>(cells.size());
-    this->can_remove = can_remove;
+    this->can_change = can_change;
+    this->most_groups = most_groups;
+    valid_lanes.assign(padded_to_lanes(cell_count) / n_lanes, n_lanes);
+    if (cell_count % n_lanes != 0)
+      valid_lanes.back() = cell_count % n_lanes;
+    all_groups = {{1, 0, n_batches()}};
     nodes_of_cells.clear();
     places.clear();
     present_cells.clear();
@@ -181,7 +189,7 @@ namespace tombolo
         const unsigned int node = number_in_set(cell, k);
         const double mass = setup.material->density() * volumes[k];
         node_mass[node] += mass;
-        if (can_remove)
+        if (can_change)
           nodes_of_cells.push_back(node);
         cell_mass.push_back(mass);
       }
@@ -191,33 +199,82 @@ namespace tombolo
   template <int dim>
   void CellBatches<dim>::remove(const std::vector<bool> &is_removed)
   {
-    Assert(can_remove && is_removed.size() == all_cell_count, ExcInternalError());
-    present_cells.clear();
+    Assert(is_removed.size() == all_cell_count, ExcInternalError());
+    std::vector<unsigned int> present;
     for (unsigned int cell = 0; cell < all_cell_count; ++cell)
       if (!is_removed[cell])
-        present_cells.push_back(cell);
-    cell_count = static_cast<unsigned int>(present_cells.size());
-    places.resize(all_cell_count);
-    unsigned int next_removed = padded_to_lanes(cell_count);
-    for (unsigned int cell = 0, next = 0; cell < all_cell_count; ++cell)
-      places[cell] = is_removed[cell] ? next_removed++ : next++;
+        present.push_back(cell);
+    arrange({present});
+    all_groups = {{1, 0, n_batches()}};
 
-    set_nodes.resize(std::size_t(node_count) * padded_to_lanes(cell_count));
     std::fill(node_mass.begin(), node_mass.end(), 0.);
-    for (unsigned int c = 0; c < padded_to_lanes(cell_count); ++c)
+    for (const unsigned int cell : present)
+      add_mass_of_cell(cell);
+  }
+
+  template <int dim>
+  void CellBatches<dim>::group(const std::vector<unsigned int> &group_of_cells)
+  {
+    Assert(group_of_cells.size() == all_cell_count && cell_count == all_cell_count,
+           ExcInternalError());
+    std::map<unsigned int, std::vector<unsigned int>> cells_of_groups;
+    for (unsigned int cell = 0; cell < all_cell_count; ++cell)
+      cells_of_groups[group_of_cells[cell]].push_back(cell);
+    Assert(cells_of_groups.size() <= most_groups, ExcInternalError());
+    std::vector<std::vector<unsigned int>> lists;
+    all_groups.clear();
+    unsigned int next = 0;
+    for (const auto &[number, cells] : cells_of_groups)
     {
-      const std::size_t first =
-          std::size_t(present_cells[std::min(c, cell_count - 1)]) * node_count;
-      for (unsigned int k = 0; k < node_count; ++k)
-      {
-        set_nodes[(std::size_t(c / n_lanes) * node_count + k) * n_lanes + c % n_lanes] =
-            nodes_of_cells[first + k];
-        if (c < cell_count)
-          node_mass[nodes_of_cells[first + k]] += cell_mass[first + k];
-      }
+      const unsigned int first = next;
+      next += padded_to_lanes(static_cast<unsigned int>(cells.size())) / n_lanes;
+      all_groups.push_back({number, first, next});
+      lists.push_back(cells);
     }
+    arrange(lists);
+  }
+
+  template <int dim>
+  void CellBatches<dim>::arrange(const std::vector<std::vector<unsigned int>> &lists)
+  {
+    Assert(can_change, ExcInternalError());
+    present_cells.clear();
+    valid_lanes.clear();
+    constexpr unsigned int none = numbers::invalid_unsigned_int;
+    places.assign(all_cell_count, none);
+    cell_count = 0;
+    for (const std::vector<unsigned int> &cells : lists)
+    {
+      for (const unsigned int cell : cells)
+      {
+        places[cell] = static_cast<unsigned int>(present_cells.size());
+        present_cells.push_back(cell);
+      }
+      cell_count += static_cast<unsigned int>(cells.size());
+      for (unsigned int i = 0; i < cells.size(); i += n_lanes)
+        valid_lanes.push_back(std::min(n_lanes, static_cast<unsigned int>(cells.size()) - i));
+      present_cells.resize(n_batches() * n_lanes, cells.empty() ? 0 : cells.back());
+    }
+    unsigned int next = n_batches() * n_lanes;
+    for (unsigned int &place : places)
+      if (place == none)
+        place = next++;
+
+    set_nodes.resize(std::size_t(node_count) * present_cells.size());
+    for (unsigned int c = 0; c < present_cells.size(); ++c)
+      for (unsigned int k = 0; k < node_count; ++k)
+        set_nodes[(std::size_t(c / n_lanes) * node_count + k) * n_lanes + c % n_lanes] =
+            nodes_of_cells[std::size_t(present_cells[c]) * node_count + k];
     if (!set_to_local.empty())
       find_local_nodes();
+  }
+
+  template <int dim>
+  void CellBatches<dim>::add_mass_of_cell(const unsigned int cell)
+  {
+    const std::size_t first = std::size_t(cell) * node_count;
+    for (unsigned int k = 0; k < node_count; ++k)
+      node_mass[nodes_of_cells[first + k]] += cell_mass[first + k];
   }
 
   template <int dim>
@@ -234,15 +291,12 @@ namespace tombolo
   template <int dim>
   void CellBatches<dim>::set_masses(const std::vector<double> &of_cells)
   {
-    Assert(can_remove && of_cells.size() == cell_mass.size(), ExcInternalError());
+    Assert(can_change && of_cells.size() == cell_mass.size(), ExcInternalError());
     cell_mass = of_cells;
     std::fill(node_mass.begin(), node_mass.end(), 0.);
-    for (unsigned int c = 0; c < cell_count; ++c)
-    {
-      const std::size_t first = std::size_t(cell_at(c)) * node_count;
-      for (unsigned int k = 0; k < node_count; ++k)
-        node_mass[nodes_of_cells[first + k]] += cell_mass[first + k];
-    }
+    for (unsigned int batch = 0; batch < n_batches(); ++batch)
+      for (unsigned int lane = 0; lane < n_valid(batch); ++lane)
+        add_mass_of_cell(cell_at(batch * n_lanes + lane));
   }
 
   template <int dim>
@@ -276,14 +330,14 @@ namespace tombolo
   {
     Assert(mass.n_slots_per_node() == 1, ExcInternalError());
     AssertDimension(cell_mass.size(), std::size_t(all_cell_count) * node_count);
-    for (unsigned int place = 0; place < cell_count; ++place)
-    {
-      const unsigned int cell = cell_at(place);
-      const unsigned int *const of_batch = nodes(place / n_lanes);
-      for (unsigned int k = 0; k < node_count; ++k)
-        *mass.node(of_batch[k * n_lanes + place % n_lanes]) +=
-            (factors[cell] - 1.) * cell_mass[std::size_t(cell) * node_count + k];
-    }
+    for (unsigned int batch = 0; batch < n_batches(); ++batch)
+      for (unsigned int lane = 0; lane < n_valid(batch); ++lane)
+      {
+        const unsigned int cell = cell_at(batch * n_lanes + lane);
+        for (unsigned int k = 0; k < node_count; ++k)
+          *mass.node(nodes(batch)[k * n_lanes + lane]) +=
+              (factors[cell] - 1.) * cell_mass[std::size_t(cell) * node_count + k];
+      }
   }
 
   template std::vector<double> lagrange_values<2>(unsigned int, const Point<2> &);

@@ -21,9 +21,10 @@ namespace tombolo
 
   template <int dim>
   void PointsInCells<dim>::take_cells(const PartSetup<dim> &setup, const unsigned int degree,
-                                      const MassLumping lumping, const bool can_lose_cells)
+                                      const MassLumping lumping, const bool can_change,
+                                      const unsigned int most_groups)
   {
-    batches.reinit(setup, degree, lumping, can_lose_cells);
+    batches.reinit(setup, degree, lumping, can_change, most_groups);
     initial_points.clear();
     shape_values.clear();
   }
@@ -52,39 +53,74 @@ namespace tombolo
   template <int dim>
   void PointsInCells<dim>::remove(const std::vector<bool> &is_removed, MaterialPoints &points)
   {
+    rearrange(points, [&] { batches.remove(is_removed); });
+  }
+
+  template <int dim>
+  void PointsInCells<dim>::group(const std::vector<unsigned int> &group_of_cells,
+                                 MaterialPoints &points)
+  {
+    rearrange(points, [&] { batches.group(group_of_cells); });
+  }
+
+  template <int dim>
+  template <typename Change>
+  void PointsInCells<dim>::rearrange(MaterialPoints &points, const Change &change)
+  {
     const unsigned int n_points = n_points_per_cell();
     const unsigned int n_places = batches.n_batches_of_places() * n_lanes;
     std::vector<unsigned int> from(n_places, 0), old_place(batches.n_cells());
     for (unsigned int cell = 0; cell < batches.n_cells(); ++cell)
       old_place[cell] = batches.place(cell);
-    batches.remove(is_removed);
+    change();
     for (unsigned int cell = 0; cell < batches.n_cells(); ++cell)
       from[batches.place(cell)] = old_place[cell];
-    const unsigned int n_present = batches.n_present_cells();
-    for (unsigned int place = n_present; place < padded_to_lanes(n_present); ++place)
-      from[place] = from[n_present - 1];
+    std::vector<bool> is_cell(n_places, false);
+    for (unsigned int batch = 0; batch < batches.n_batches(); ++batch)
+      for (unsigned int lane = 0, last = 0; lane < n_lanes; ++lane)
+      {
+        const unsigned int place = batch * n_lanes + lane;
+        is_cell[place] = lane < batches.n_valid(batch);
+        if (is_cell[place])
+          last = place;
+        else
+          from[place] = from[last];
+      }
 
-    const auto rearrange = [&](auto *const values, const auto &old)
+    const auto move = [&](auto *const values, const auto &old)
     {
       for (unsigned int place = 0; place < n_places; ++place)
         for (unsigned int q = 0; q < n_points; ++q)
           values[point_of_place(place, q)] = old[point_of_place(from[place], q)];
     };
-    rearrange(initial_points.data(), std::vector<Point<dim>>(initial_points));
+    move(initial_points.data(), std::vector<Point<dim>>(initial_points));
     if (points.size() == 0) // they are not made yet
       return;
     for (unsigned int f = 0; f < points.fields().size(); ++f)
       for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
       {
         double *const values = points.component(f, c);
-        rearrange(values, std::vector<double>(values, values + points.size()));
+        move(values, std::vector<double>(values, values + points.size()));
       }
-    for (unsigned int place = n_present; place < n_places; ++place)
-      for (unsigned int q = 0; q < n_points; ++q)
+    for (unsigned int place = 0; place < n_places; ++place)
+      for (unsigned int q = 0; q < n_points && !is_cell[place]; ++q)
       {
         points.component(MaterialPoints::volume, 0)[point_of_place(place, q)] = 0.;
         points.component(MaterialPoints::volume_ratio, 0)[point_of_place(place, q)] = 1.;
       }
+  }
+
+  template <int dim>
+  void PointsInCells<dim>::fill_unused_lanes(MaterialPoints &points, const unsigned int field) const
+  {
+    for (unsigned int batch = 0; batch < batches.n_batches(); ++batch)
+      for (unsigned int q = 0; q < n_points_per_cell(); ++q)
+        for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
+        {
+          double *const lanes = points.component(field, c) + point_of_place(batch * n_lanes, q);
+          const unsigned int n = batches.n_valid(batch);
+          std::fill(lanes + n, lanes + n_lanes, lanes[n - 1]);
+        }
   }
 
   template <int dim>

@@ -133,9 +133,9 @@ namespace tombolo
       std::string failure;
       try
       {
-        part.formulation->add_internal_force(
+        failure = model.step_groups.add_internal_force(
+            number, *part.formulation, clock,
             {&model.state.position, &velocity, clock.previous_step, temperature}, force);
-        failure = part.formulation->failure();
       }
       catch (const RunError &error)
       {

@@ -17,8 +17,9 @@
 namespace tombolo
 {
   template <int dim>
-  SpectralEstimator<dim>::SpectralEstimator(const Entries &e)
-      : solver{
+  SpectralEstimator<dim>::SpectralEstimator(const Entries &e, const bool by_groups)
+      : by_groups(by_groups),
+        solver{
             e.number("Tolerance", "1e-4", between(1e-8, 0.01), "",
                      "The iteration ends when the eigenvalue has grown by less than this fraction "
                      "over ten iterations (four, where it starts from an earlier mode)."),
@@ -69,7 +70,7 @@ namespace tombolo
     Bridge &bridge = *model.bridge;
     bridge.apply_smoothing(v_hat, velocity);
     remove_constrained(model, velocity);
-    apply_elastic_stiffness(model, velocity, time_step, force);
+    apply_elastic_stiffness(model, velocity, time_step, force, by_groups);
     Tangent<dim> tangent;
     tangent.velocity = &velocity;
     tangent.factor = 2. / time_step;

@@ -37,7 +37,12 @@ namespace tombolo
         if (model.parts[p].particles != nullptr && model.stencils_change_for_good)
           result[p] = times_of_rows(model.parts[p], model.state.position);
         else
+        {
           model.parts[p].formulation->courant_limits(model.state.position, result[p]);
+          const std::vector<unsigned int> &ratios = model.parts[p].step_ratios;
+          for (std::size_t i = 0; i < ratios.size(); ++i)
+            result[p][i] /= ratios[i];
+        }
       return result;
     }
   } // namespace
@@ -179,8 +184,9 @@ namespace tombolo
     if (fixed == 0. && model.stencils_change_for_good && clock.previous_step > 0.)
       step = std::min(step, largest_growth * clock.previous_step);
     const double remaining = target - clock.time;
-    const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
-    step = remaining / n_steps;
+    const double cycle = clock.cycle;
+    const double n_cycles = std::max(1., std::ceil(remaining / (cycle * step) * (1. - 1e-9)));
+    step = remaining / (n_cycles * cycle);
     smallest_step = std::min(smallest_step, step);
     largest_step = std::max(largest_step, step);
     return step;

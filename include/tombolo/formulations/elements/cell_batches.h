@@ -38,19 +38,37 @@ namespace tombolo
    * the last batch has too many repeat its last cell and are not valid.
    *
    * Cells can be removed. Those that are left stay in batches, in their order; a removed cell has a
-   * place behind all batches, for what is kept of it.
+   * place behind all batches, for what is kept of it. Cells can be grouped, too: each group then
+   * has batches of its own, with its own lanes that repeat a cell.
    */
   template <int dim>
   class CellBatches
   {
   public:
     /** Takes the cells of the part. The masses are those of @p density (the parts's initial one).
-     * Only with @p can_remove it remembers what remove() needs. */
+     * Only with @p can_change it remembers what remove() and group() need, with batches for
+     * @p most_groups. */
     void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
-                bool can_remove = false);
+                bool can_change = false, unsigned int most_groups = 2);
 
     /** Leaves in the batches those cells, by their number, that @p is_removed does not name. */
     void remove(const std::vector<bool> &is_removed);
+
+    /** Batches of cells with the same number among @p of_cells, in the order of the numbers. */
+    struct Group
+    {
+      unsigned int number = 1, first_batch = 0, end_batch = 0;
+    };
+
+    /** Gives cells with the same number among @p group_of_cells batches of their own. Not where
+     * cells were removed. */
+    void group(const std::vector<unsigned int> &group_of_cells);
+
+    /** One of all batches, until cells are grouped. */
+    const std::vector<Group> &groups() const
+    {
+      return all_groups;
+    }
 
     /** Removed ones included. */
     unsigned int n_cells() const
@@ -64,12 +82,12 @@ namespace tombolo
     /** Of present cells. */
     unsigned int n_batches() const
     {
-      return padded_to_lanes(cell_count) / n_lanes;
+      return static_cast<unsigned int>(valid_lanes.size());
     }
     /** How many batches there are places for, those of removed cells included. */
     unsigned int n_batches_of_places() const
     {
-      return padded_to_lanes(all_cell_count) / n_lanes + (can_remove ? 1 : 0);
+      return padded_to_lanes(all_cell_count) / n_lanes + (can_change ? most_groups - 1 : 0);
     }
 
     /** The place of a cell: lane place % n_lanes of batch place / n_lanes. */
@@ -84,7 +102,7 @@ namespace tombolo
       return present_cells.empty() ? place : present_cells[place];
     }
 
-    /** The nodes of a cell, present or not; only where cells can be removed. */
+    /** The nodes of a cell, present or not; only where cells can change. */
     std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
 
     /** The lumped mass of node @p k of a cell [M]. */
@@ -99,7 +117,7 @@ namespace tombolo
       return cell_mass;
     }
 
-    /** Other lumped masses, by cell and node; only where cells can be removed [M]. */
+    /** Other lumped masses, by cell and node; only where cells can change [M]. */
     void set_masses(const std::vector<double> &of_cells);
 
     unsigned int n_nodes_per_cell() const
@@ -110,7 +128,7 @@ namespace tombolo
     /** How many lanes of a batch are cells. */
     unsigned int n_valid(const unsigned int batch) const
     {
-      return std::min(n_lanes, cell_count - batch * n_lanes);
+      return valid_lanes[batch];
     }
 
     /** Local node numbers of a batch: nodes(b)[n_lanes k + l] is node k of cell l. */
@@ -147,10 +165,15 @@ namespace tombolo
 
   private:
     void find_local_nodes();
+    /** Fills batches with the cells of lists in turn, each from a new batch on, and gives cells
+     * that are in none places behind them. */
+    void arrange(const std::vector<std::vector<unsigned int>> &lists);
+    void add_mass_of_cell(unsigned int cell);
 
     unsigned int cell_count = 0; // present
     unsigned int all_cell_count = 0;
-    bool can_remove = false;
+    bool can_change = false;
+    unsigned int most_groups = 2;
     unsigned int node_count = 0;
     dealii::IndexSet node_set;
     std::vector<double> node_mass;          // in the order of node_set [M]
@@ -159,8 +182,10 @@ namespace tombolo
     std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
     std::vector<unsigned int> local_nodes;
     std::vector<double> positions;
+    std::vector<unsigned int> valid_lanes; // of each batch
+    std::vector<Group> all_groups;
 
-    // Only where cells can be removed.
+    // Only where cells can change.
     std::vector<unsigned int> nodes_of_cells;        // within node_set, cell by cell
     std::vector<unsigned int> places, present_cells; // of each cell, of each place; once needed
   };

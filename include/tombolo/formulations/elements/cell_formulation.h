@@ -8,6 +8,7 @@
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
+#include <tombolo/formulations/elements/grouped_cells.h>
 #include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/linearized_points.h>
@@ -209,7 +210,8 @@ namespace tombolo
   template <int dim, typename Element>
   class CellFormulation
       : public LosingCells<dim, CellPoints<dim, Element>, CellIntegration<dim, Element>>,
-        public ErodingCells<dim>
+        public ErodingCells<dim>,
+        public GroupedCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -240,7 +242,9 @@ namespace tombolo
     void initialize(const PartSetup<dim> &setup) override
     {
       part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
-      cell_points.take_cells(setup, Element::degree, Element::lumping, can_lose_cells());
+      cell_points.take_cells(setup, Element::degree, Element::lumping,
+                             can_lose_cells() || is_to_be_grouped,
+                             is_to_be_grouped ? GroupedCells<dim>::most_groups : 2);
       if (setup.has_mechanics)
       {
         std::vector<std::vector<double>> shape_values;
@@ -396,7 +400,61 @@ namespace tombolo
       cell_points.remove(lost_cells.flags(), points());
     }
 
+    bool can_be_grouped() const override
+    {
+      return !can_lose_cells();
+    }
+    void prepare_groups() override
+    {
+      is_to_be_grouped = true;
+    }
+    void plan_step_ratios(const std::vector<unsigned int> &of_cells) override
+    {
+      planned_ratios = of_cells;
+      find_factors();
+    }
+    void adopt_step_ratios() override
+    {
+      cell_points.group(planned_ratios, points());
+      find_factors();
+    }
+    const std::vector<typename GroupedCells<dim>::Group> &groups() const override
+    {
+      return cell_points.cells().groups();
+    }
+    void add_force_of_group(const MechanicalInput &input,
+                            const typename GroupedCells<dim>::Group &group,
+                            NodalVector &force) override
+    {
+      integration.add_internal_force(input, group, factors.empty() ? nullptr : factors.data(),
+                                     force);
+    }
+    void apply_stiffness_of_group(const NodalVector &position, const NodalVector &velocity,
+                                  const double time_step,
+                                  const typename GroupedCells<dim>::Group &group,
+                                  NodalVector &force) const override
+    {
+      const double ratio = group.number;
+      integration.apply_elastic_stiffness(position, velocity, ratio * time_step, group,
+                                          ratio * ratio, force);
+    }
+
   private:
+    /** Of the forces, while cells are to have the planned ratios. */
+    void find_factors()
+    {
+      const CellBatches<dim> &cells = cell_points.cells();
+      factors.resize(std::size_t(cells.n_batches()) * n_lanes);
+      factors.fill(1.);
+      for (const auto &group : cells.groups())
+        for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
+          for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+          {
+            const unsigned int place = batch * n_lanes + lane;
+            factors[place] = 0.5 * (group.number + planned_ratios[cells.cell_at(place)]);
+          }
+    }
+
     using Points = CellPoints<dim, Element>;
     using Base = LosingCells<dim, Points, CellIntegration<dim, Element>>;
     using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
@@ -404,5 +462,8 @@ namespace tombolo
 
     ErosionCriterion erosion;
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
+    bool is_to_be_grouped = false;
+    std::vector<unsigned int> planned_ratios; // by cell
+    dealii::AlignedVector<double> factors;    // of forces, by place; empty: one
   };
 } // namespace tombolo

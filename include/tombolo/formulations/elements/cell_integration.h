@@ -75,6 +75,7 @@ namespace tombolo
   public:
     using Points = CellPoints<dim, Element>;
     using NodeValues = typename Points::NodeValues;
+    using Group = typename CellBatches<dim>::Group;
     static constexpr unsigned int n_nodes = Points::n_nodes;
     static constexpr unsigned int n_points = Points::n_points;
 
@@ -123,15 +124,22 @@ namespace tombolo
     ///@{
     void add_internal_force(const MechanicalInput &input, NodalVector &force)
     {
+      add_internal_force(input, all_batches(), nullptr, force);
+    }
+
+    /** The same of the cells of a group, times the factors of their places; null: one. */
+    void add_internal_force(const MechanicalInput &input, const Group &group,
+                            const double *const factors, NodalVector &force)
+    {
       failure_message.clear();
       typename Element::Work work[batches_per_block];
       Sweep sweep(part, input.time_increment);
       alignas(64) double plastic_strain[points_per_block];
       const bool limits = Element::limits_forces && plastic_flow.is_possible();
-      const unsigned int n_batches = points.cells().n_batches();
-      for (unsigned int begin = 0; begin < n_batches; begin += batches_per_block)
+      for (unsigned int begin = group.first_batch; begin < group.end_batch;
+           begin += batches_per_block)
       {
-        const unsigned int end = std::min(begin + batches_per_block, n_batches);
+        const unsigned int end = std::min(begin + batches_per_block, group.end_batch);
         const unsigned int n = (end - begin) * points_per_batch;
         sweep.begin(Points::first_point(begin), n);
         for (unsigned int batch = begin; batch < end; ++batch)
@@ -146,7 +154,9 @@ namespace tombolo
           if (limits)
             limit_forces(batch, plastic_strain + (batch - begin) * points_per_batch,
                          work[batch - begin]);
-          scatter_force(batch, work[batch - begin], force);
+          scatter_force(batch, work[batch - begin],
+                        factors == nullptr ? Lanes(1.) : load_lanes(factors + batch * n_lanes),
+                        force);
         }
       }
     }
@@ -154,9 +164,17 @@ namespace tombolo
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  const double time_step, NodalVector &force) const
     {
+      apply_elastic_stiffness(position, velocity, time_step, all_batches(), 1., force);
+    }
+
+    /** The same of the cells of a group, times @p factor. */
+    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
+                                 const double time_step, const Group &group, const double factor,
+                                 NodalVector &force) const
+    {
       const PointStiffness stiffness(part, time_step);
       std::vector<double *> of_batch;
-      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
       {
         const std::size_t first = Points::first_point(batch);
         NodeValues x, v;
@@ -172,6 +190,9 @@ namespace tombolo
         element.linearize(work, time_step, variables_at(first, of_batch));
         NodeValues action;
         element.integrate(work, stress, action);
+        for (auto &of_node : action)
+          for (Lanes &component : of_node)
+            component *= factor;
         points.scatter(batch, action, force);
       }
     }
@@ -291,6 +312,11 @@ namespace tombolo
     static constexpr unsigned int points_per_block = batches_per_block * points_per_batch;
     using Sweep = PointSweep<points_per_block>;
 
+    Group all_batches() const
+    {
+      return {1, 0, points.cells().n_batches()};
+    }
+
     /** Addresses of the components of the element's own variables. */
     const std::vector<double *> &variables() const
     {
@@ -372,7 +398,7 @@ namespace tombolo
     }
 
     void scatter_force(const unsigned int batch, const typename Element::Work &work,
-                       NodalVector &force) const
+                       const Lanes &factor, NodalVector &force) const
     {
       Lanes stress[n_points][6];
       integrate_stress(batch, stress);
@@ -380,7 +406,7 @@ namespace tombolo
       element.integrate(work, stress, internal_force);
       for (unsigned int k = 0; k < n_nodes; ++k)
         for (unsigned int d = 0; d < dim; ++d)
-          internal_force[k][d] = -internal_force[k][d];
+          internal_force[k][d] *= -factor;
       points.scatter(batch, internal_force, force);
     }
 

@@ -299,6 +299,11 @@ namespace tombolo
       return cell_points.point_of_place(cell_points.cells().place(cell), q);
     }
 
+    void fill_unused_lanes(const unsigned int field) override
+    {
+      cell_points.fill_unused_lanes(part_points.points(), field);
+    }
+
   protected:
     using Formulation<dim>::part_points;
     Points cell_points;

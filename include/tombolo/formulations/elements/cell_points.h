@@ -31,7 +31,7 @@ namespace tombolo
   public:
     /** Takes the cells of the part, as CellBatches::reinit(), without points. */
     void take_cells(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
-                    bool can_lose_cells);
+                    bool can_change, unsigned int most_groups = 2);
 
     /** Places the points of the cells in @p n_batches, by the shape functions of node k at point q,
      * [q][k], and the initial positions of the nodes. */
@@ -42,6 +42,12 @@ namespace tombolo
      * made, go with their cells: those of unused lanes repeat the last cell, and these and those of
      * removed cells have no volume. */
     void remove(const std::vector<bool> &is_removed, MaterialPoints &points);
+
+    /** CellBatches::group(); @p points go with their cells. */
+    void group(const std::vector<unsigned int> &group_of_cells, MaterialPoints &points);
+
+    /** Lanes that are not valid repeat a cell in a field of @p points. */
+    void fill_unused_lanes(MaterialPoints &points, unsigned int field) const;
 
     const CellBatches<dim> &cells() const
     {
@@ -98,6 +104,10 @@ namespace tombolo
     CellBatches<dim> batches;
 
   private:
+    /** Changes the batches, and moves the points to where their cells are then. */
+    template <typename Change>
+    void rearrange(MaterialPoints &points, const Change &change);
+
     std::vector<dealii::Point<dim>> initial_points;
     std::vector<std::vector<double>> shape_values;
   };

@@ -23,7 +23,8 @@ namespace tombolo
   class SpectralEstimator
   {
   public:
-    explicit SpectralEstimator(const Entries &e);
+    /** Of the step of the model, or, without @p by_groups, of one that all cells take. */
+    explicit SpectralEstimator(const Entries &e, bool by_groups = true);
     /** The largest stable step at the present configuration, before any safety factor, the same on
      * all ranks, with the entity that limits it. Where there is viscosity the iteration begins with
      * the @p expected step, or with the Courant limit if it is zero. Keeps information for later
@@ -55,6 +56,7 @@ namespace tombolo
     /** Names the node that moves most in the mode; the same on any number of ranks. */
     void find_entity(const Model<dim> &model, StepLimit &limit) const;
 
+    bool by_groups;
     Lobpcg solver;
     unsigned int count = 0;
     unsigned int n_calls = 0;

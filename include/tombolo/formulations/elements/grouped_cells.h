@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/formulation.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * A part whose cells need not take every step: a cell of the step ratio r is evaluated at every
+   * r-th one, and its nodal forces then count r times, as the impulse of its own step. Cells of one
+   * ratio are a group. All ratios are one until others are adopted.
+   */
+  template <int dim>
+  class GroupedCells
+  {
+  public:
+    using Group = typename CellBatches<dim>::Group; ///< its number is the ratio
+
+    /** So many ratios a part can have. */
+    static constexpr unsigned int most_groups = 8;
+
+    virtual ~GroupedCells() = default;
+
+    /** Whether cells can have other ratios than one: those that can leave the part cannot. */
+    virtual bool can_be_grouped() const = 0;
+
+    /** Is called before Formulation::initialize() where cells are to be grouped. */
+    virtual void prepare_groups() = 0;
+
+    /** The ratios that cells have from the next adopt_step_ratios() on, in the order of
+     * Formulation::courant_limits(). Until then the forces are those of the mean of both, by which
+     * the impulse is that of half of the step before and half of the step after. */
+    virtual void plan_step_ratios(const std::vector<unsigned int> &of_cells) = 0;
+    virtual void adopt_step_ratios() = 0;
+
+    virtual const std::vector<Group> &groups() const = 0;
+
+    /** Formulation::add_internal_force() of the cells of a group, by the mean velocity over their
+     * own step and the length of that step. */
+    virtual void add_force_of_group(const MechanicalInput &input, const Group &group,
+                                    NodalVector &force) = 0;
+
+    /** Formulation::apply_elastic_stiffness() of the cells of a group in their own step, which is
+     * their ratio times @p time_step, times the square of the ratio: what bounds @p time_step. */
+    virtual void apply_stiffness_of_group(const NodalVector &position, const NodalVector &velocity,
+                                          double time_step, const Group &group,
+                                          NodalVector &force) const = 0;
+  };
+} // namespace tombolo
