@@ -229,6 +229,23 @@ namespace tombolo
   }
 
   template <int dim>
+  void MechanicalConditions<dim>::remove_prescribed(NodalVector &vector) const
+  {
+    if (!this->has_constraints())
+      return;
+    const auto &constrained = this->constrained_components();
+    for (const unsigned int node : this->constrained_nodes())
+    {
+      double *const value = vector.node(node);
+      for (unsigned int d = 0; d < 3; ++d)
+        if ((constrained[node] >> d) & 1u)
+          value[d] = 0.;
+      if (const ObliqueNode *const of_node = oblique.find(node))
+        of_node->remove_prescribed(value);
+    }
+  }
+
+  template <int dim>
   std::vector<unsigned int> MechanicalConditions<dim>::loaded_nodes(const NodalState &state) const
   {
     std::vector<unsigned int> result = areas.owned_nodes(state.partition());

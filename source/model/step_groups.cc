@@ -1,71 +1,215 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/step_groups.h>
 
+#include <tombolo/model/model.h>
+
 #include <algorithm>
+#include <set>
 
 namespace tombolo
 {
-  template <int dim>
-  void StepGroups<dim>::begin_step(const NodalState &state, const Clock &clock)
+  namespace
   {
-    for (Motion &motion : motions)
+    /** Calls @p use with the group of cells of a ratio, if there is one. */
+    template <int dim, typename Use>
+    void for_group(const GroupedCells<dim> &cells, const unsigned int ratio, const Use &use)
     {
-      if (clock.phase % motion.ratio != 0)
+      for (const auto &group : cells.groups())
+        if (group.number == ratio)
+          use(group);
+    }
+  } // namespace
+
+  template <int dim>
+  void StepGroups<dim>::make(const Model<dim> &model)
+  {
+    std::vector<int> are_there(32, 0);
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (const unsigned int ratio : model.parts[p].step_ratios)
+        are_there[ratio] = 1;
+    dealii::Utilities::MPI::max(are_there, model.communicator, are_there);
+    groups.clear();
+    step_in_cycle = 0;
+    for (unsigned int ratio = 2; ratio < are_there.size(); ++ratio)
+    {
+      if (are_there[ratio] == 0)
         continue;
-      const std::size_t n = std::size_t(state.partition()->n_local()) * node_stride;
-      const double *const now = state.position.data();
-      double *const last = motion.last_position.data(), *const v = motion.velocity.data();
-      // In a step of no duration stresses stay.
-      const double rate = motion.elapsed > 0. ? 1. / motion.elapsed : 0.;
-      for (std::size_t i = 0; i < n; ++i)
-        v[i] = rate * (now[i] - last[i]);
-      std::copy_n(now, n, last);
+      Group &group = groups.emplace_back();
+      group.ratio = ratio;
+      group.position = model.state.position.copy();
+      for (std::size_t p = 0; p < parts.size(); ++p)
+        if (parts[p] != nullptr)
+          group.shares.push_back({p, {}, NodalVector(model.state.partition())});
+    }
+    set_partition(model);
+  }
+
+  template <int dim>
+  void StepGroups<dim>::set_partition(const Model<dim> &model)
+  {
+    const auto &partition = model.state.partition();
+    next.reinit(partition, Quantity::position);
+    velocity.reinit(partition);
+    for (Group &group : groups)
+    {
+      group.position.move_to(partition);
+      for (Share &share : group.shares)
+      {
+        share.force.move_to(partition);
+        NodalVector mark(partition, Quantity::scalar);
+        for_group(*parts[share.part], group.ratio,
+                  [&](const auto &of_part) { parts[share.part]->mark_nodes(of_part, mark); });
+        mark.collect();
+        share.nodes.clear();
+        for (unsigned int i = 0; i < partition->n_owned(); ++i)
+          if (*mark.node(i) > 0.)
+            share.nodes.push_back(i);
+      }
     }
   }
 
   template <int dim>
-  std::string StepGroups<dim>::add_internal_force(const std::size_t part,
-                                                  Formulation<dim> &formulation, const Clock &clock,
-                                                  const MechanicalInput &input,
-                                                  NodalVector &force) const
+  void StepGroups<dim>::synchronize(const Model<dim> &model, const Clock &clock,
+                                    const NodalVector *const temperature)
+  {
+    const NodalVector &x = model.state.position;
+    NodalVector unused(model.state.partition());
+    const std::size_t n = std::size_t(x.partition()->n_local()) * node_stride;
+    for (GroupedCells<dim> *const cells : parts)
+      if (cells != nullptr)
+        for_group(*cells, 1,
+                  [&](const auto &of_part)
+                  {
+                    cells->add_force_of_group(
+                        {&x, &model.state.velocity, clock.previous_step, temperature}, of_part,
+                        unused);
+                  });
+    for (Group &group : groups)
+    {
+      const double elapsed = group.age * clock.previous_step;
+      for (std::size_t i = 0; i < n; ++i)
+        velocity.data()[i] = (x.data()[i] - group.position.data()[i]) / elapsed;
+      for (const Share &share : group.shares)
+        for_group(*parts[share.part], group.ratio,
+                  [&](const auto &of_part) {
+                    parts[share.part]->add_force_of_group({&x, &velocity, elapsed, temperature},
+                                                          of_part, unused);
+                  });
+    }
+    is_synchronized = true;
+  }
+
+  template <int dim>
+  void StepGroups<dim>::add_internal_force(const std::size_t part, Formulation<dim> &formulation,
+                                           const MechanicalInput &input, NodalVector &force) const
   {
     GroupedCells<dim> *const cells = cells_of(part);
     if (cells == nullptr)
+      return formulation.add_internal_force(input, force);
+    MechanicalInput of_group = input;
+    // In so short a time stresses stay, at the rates that they have.
+    constexpr double moment = 1e-9;
+    if (is_synchronized)
+      of_group.time_increment *= moment;
+    for_group(*cells, 1,
+              [&](const auto &group) { cells->add_force_of_group(of_group, group, force); });
+  }
+
+  template <int dim>
+  void StepGroups<dim>::add_further_forces(const Model<dim> &model, const Clock &clock,
+                                           const NodalVector *const temperature,
+                                           const Evaluation &evaluate, NodalVector &force)
+  {
+    for (Group &group : groups)
     {
-      formulation.add_internal_force(input, force);
-      return formulation.failure();
+      if (step_in_cycle % group.ratio == 0)
+        act(model, clock, temperature, evaluate, force, group);
+      for (const Share &share : group.shares)
+      {
+        model.signals.part_force(share.part, force, false);
+        for (const unsigned int i : share.nodes)
+          store_node(load_node(force.node(i)) + load_node(share.force.node(i)), force.node(i));
+        model.signals.part_force(share.part, force, true);
+      }
     }
-    std::string failure;
-    for (const auto &group : cells->groups())
+    is_synchronized = false;
+  }
+
+  template <int dim>
+  void StepGroups<dim>::act(const Model<dim> &model, const Clock &clock,
+                            const NodalVector *const temperature, const Evaluation &evaluate,
+                            const NodalVector &shorter, Group &group)
+  {
+    const NodalState &state = model.state;
+    const double step = clock.previous_step > 0. ? clock.previous_step : first_step;
+    const double ahead = 0.5 * (group.ratio - 1.), square = 0.125 * group.ratio * group.ratio;
+    const NodalVector &mass = model.bridge->nodal_mass();
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      store_node(load_node(shorter.node(i)) / load_node(mass.node(i)), velocity.node(i));
+    model.conditions->remove_prescribed(velocity);
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      store_node(load_node(state.position.node(i)) +
+                     load_node(state.velocity.node(i)) * (ahead * step) +
+                     load_node(velocity.node(i)) * (square * step * step),
+                 next.node(i));
+    next.distribute();
+    const double elapsed = (group.age + ahead) * step;
+    const std::size_t n = std::size_t(state.partition()->n_local()) * node_stride;
+    for (std::size_t i = 0; i < n; ++i)
+      velocity.data()[i] = (next.data()[i] - group.position.data()[i]) / elapsed;
+    std::swap(next, group.position);
+    group.age = -ahead;
+
+    for (Share &share : group.shares)
     {
-      if (clock.phase % group.number != 0)
-        continue;
-      MechanicalInput of_group = input;
-      for (const Motion &motion : motions)
-        if (motion.ratio == group.number)
-        {
-          of_group.velocity = &motion.velocity;
-          of_group.time_increment = motion.elapsed;
-        }
-      cells->add_force_of_group(of_group, group, force);
-      if (failure.empty())
-        failure = formulation.failure();
+      share.force.set_zero();
+      for_group(*parts[share.part], group.ratio,
+                [&](const auto &of_part)
+                {
+                  evaluate(share.part,
+                           [&]
+                           {
+                             parts[share.part]->add_force_of_group(
+                                 {&group.position, &velocity, elapsed, temperature}, of_part,
+                                 share.force);
+                           });
+                });
+      share.force.collect();
     }
-    return failure;
   }
 
   template <int dim>
   void StepGroups<dim>::apply_elastic_stiffness(const std::size_t part,
                                                 const Formulation<dim> &formulation,
                                                 const NodalVector &position,
-                                                const NodalVector &velocity, const double time_step,
+                                                const NodalVector &motion, const double time_step,
                                                 NodalVector &force) const
   {
     const GroupedCells<dim> *const cells = cells_of(part);
     if (cells == nullptr)
-      return formulation.apply_elastic_stiffness(position, velocity, time_step, force);
+      return formulation.apply_elastic_stiffness(position, motion, time_step, force);
     for (const auto &group : cells->groups())
-      cells->apply_stiffness_of_group(position, velocity, time_step, group, force);
+      cells->apply_stiffness_of_group(position, motion, time_step, group, force);
+  }
+
+  template <int dim>
+  void StepGroups<dim>::complete_step()
+  {
+    step_in_cycle = (step_in_cycle + 1) % cycle();
+    for (Group &group : groups)
+      group.age += 1.;
+  }
+
+  template <int dim>
+  double StepGroups<dim>::work_ahead(const NodalVector &position) const
+  {
+    double sum = 0;
+    for (const Group &group : groups)
+      for (const Share &share : group.shares)
+        for (const unsigned int i : share.nodes)
+          for (unsigned int d = 0; d < dim; ++d)
+            sum += share.force.node(i)[d] * (group.position.node(i)[d] - position.node(i)[d]);
+    return sum;
   }
 
   template class StepGroups<2>;

@@ -77,14 +77,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::choose_step(ModelChange &change)
+  void Simulation<dim>::choose_step(const ModelChange &change)
   {
     const double target = std::min(schedule.next_time(), end_time);
     if (change.cells)
       step_size.forget_limit();
-    if (run_clock.phase != 0) // the steps of a cycle are equal
-      return;
-    run_clock.cycle = model->step_groups.cycle;
     if (target > run_clock.time && !model->has_mechanics)
       run_clock.next_step = thermal_step->begin_step(*model, target);
     else if (target > run_clock.time && statics)
@@ -96,18 +93,18 @@ namespace tombolo
       run_clock.next_step = run_clock.previous_step;
     if (model->has_mechanics && !statics)
       run_clock.stable_step = step_size.stable();
-    change = ModelChange();
   }
 
   template <int dim>
   bool Simulation<dim>::evaluate(ModelChange &change)
   {
+    change = ModelChange();
     if (thermal_step &&
         !thermal_step->bring_to(*model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return requests.received_signal() != 0; }))
       return false;
     if (model->has_mechanics && !statics)
-      change |= step.evaluate(run_clock);
+      change = step.evaluate(run_clock);
     return !statics ||
            statics->solve(run_clock, [this] { return requests.received_signal() != 0; });
   }
@@ -157,7 +154,7 @@ namespace tombolo
       const bool is_output = is_last || schedule.is_due(run_clock.time);
       if (is_output)
         schedule.advance(run_clock.time);
-      const bool has_row = run_clock.phase == 0 && schedule.take_statistics_due(run_clock.time);
+      const bool has_row = schedule.take_statistics_due(run_clock.time);
       const bool stops = signal != 0 && !is_last;
       choose_step(change);
       if (statics)
@@ -178,8 +175,7 @@ namespace tombolo
       const double target = std::min(schedule.next_time(), end_time);
       if (std::abs(run_clock.time - target) < 1e-9 * run_clock.previous_step)
         run_clock.time = target;
-      if (run_clock.phase == 0)
-        signal = serve_requests();
+      signal = serve_requests();
       is_evaluated = evaluate(change);
     }
     if (!is_evaluated)
@@ -200,8 +196,6 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_histories(const bool is_output, const bool has_row)
   {
-    if (run_clock.phase != 0) // cells have states of several times
-      return;
     // Asking for the processor time takes a share of a step that has nothing to write.
     const auto start = is_output || has_row ? std::make_optional<Moment>() : std::nullopt;
     outputs.after_step(run_clock, statics && run_clock.time >= end_time);

@@ -11,8 +11,6 @@ namespace tombolo
     double previous_step = 0; ///< t_n - t_{n-1}; zero at the start
     double next_step = 0;     ///< t_{n+1} - t_n
     double stable_step = 0;   ///< the limit of the step at this configuration
-    unsigned int cycle = 1;   ///< all cells take part in the first of so many steps (StepGroups)
-    unsigned int phase = 0;   ///< number of the step in its cycle
 
     /** Δt_n = t_{n+1/2} - t_{n-1/2}; at the start, where velocities are given at t_0, half a step.
      */
@@ -26,7 +24,6 @@ namespace tombolo
       ++step;
       time += next_step;
       previous_step = next_step;
-      phase = (phase + 1) % cycle;
     }
   };
 } // namespace tombolo

@@ -157,6 +157,9 @@ namespace tombolo
       return oblique;
     }
 
+    /** Leaves of a vector at owned nodes the motion that is free. */
+    void remove_prescribed(NodalVector &vector) const;
+
     /** Owned nodes at which loads can act. Collective. */
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
 

@@ -3,60 +3,83 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/formulations/elements/grouped_cells.h>
-#include <tombolo/state/nodal_state.h>
+#include <tombolo/state/nodal_vector.h>
 
 #include <cstddef>
-#include <string>
+#include <functional>
 #include <vector>
 
 namespace tombolo
 {
+  template <int dim>
+  class Model;
+
   /**
-   * The cells of a model that take longer steps than its nodes do, each an integer number of them,
-   * its ratio. Nodes move in each step. The forces of a cell of the ratio r act in every r-th step
-   * as the impulse of r steps, by the motion of its nodes since they last did: the composition is
-   * symplectic, and each cell keeps linear and angular momentum by itself. All cells act together
-   * in the first step of each cycle, and only then the state of the model is that of one time. With
-   * no ratio but one there are no groups, and all is as without this class.
+   * The cells of a model that take longer steps than its nodes do, each a power of two of them, its
+   * ratio r. Nodes move in each step. The forces of a group of cells act for r steps, as they are
+   * where the nodes are in the mean over these: x̄ = x + (r - 1)/2 Δt v + r²/8 Δt² a, with the
+   * acceleration a by the forces of the groups with shorter steps. Between two of these, for a
+   * ratio of two and a linear force, x̄ is the mean of x_n and of x_{n+1} without the force, and
+   * the force is spread as the mean is taken: the step is symplectic. Linear momentum is kept by
+   * each cell. All groups act together in the first step of each cycle.
    *
-   * Asynchronous variational integrators: Lew, Marsden, Ortiz and West, 2003; where they resonate:
-   * Fong, Darve and Lew, 2008.
+   * With ratios of one only there are no groups, and all is as without this class.
    */
   template <int dim>
   class StepGroups
   {
   public:
-    /** The motion that cells of a ratio above one see. */
-    struct Motion
+    /** The forces of a part's cells of one ratio. */
+    struct Share
     {
-      unsigned int ratio = 1;
-      NodalVector last_position; ///< where these cells acted last [L]
-      NodalVector velocity;      ///< the mean since then [L/T]
-      double elapsed = 0;        ///< since then [T]
+      std::size_t part;
+      std::vector<unsigned int> nodes; ///< owned, that have them
+      NodalVector force;               ///< at owned nodes [M L/T^2]
     };
 
-    /** Steps in a cycle: a multiple of all ratios. */
-    unsigned int cycle = 1;
+    /** What cells of one ratio see, and do. */
+    struct Group
+    {
+      unsigned int ratio = 1;
+      NodalVector position; ///< x̄ where the forces are those of; ghosts are current [L]
+      std::vector<Share> shares;
+      double age = 0; ///< of `position`, in steps; of a mean in the future less than zero
+    };
 
-    std::vector<Motion> motions; ///< by ratio, ascending
+    std::vector<Group> groups; ///< of ratios above one, ascending
     /** Of each part of the model; null: all of its cells take each step. Empty: so do all parts. */
     std::vector<GroupedCells<dim> *> parts;
+    unsigned int step_in_cycle = 0;
+    double first_step = 0; ///< about the step to come, at the start [T]
 
-    /** Finds the motion of those cells that act in this step; ghosts of positions are current. */
-    void begin_step(const NodalState &state, const Clock &clock);
-
-    /** The nodes have moved for a step. */
-    void add_time(const double step)
+    /** Steps in a cycle. */
+    unsigned int cycle() const
     {
-      for (Motion &motion : motions)
-        motion.elapsed += step;
+      return groups.empty() ? 1 : groups.back().ratio;
     }
 
-    /** Formulation::add_internal_force() of those cells of a part, by its number, that act in this
-     * step. Returns what makes it useless, or nothing. */
-    std::string add_internal_force(std::size_t part, Formulation<dim> &formulation,
-                                   const Clock &clock, const MechanicalInput &input,
-                                   NodalVector &force) const;
+    /** Makes the groups of the ratios that the parts have now; all cells have the stresses of the
+     * present positions. Collective. */
+    void make(const Model<dim> &model);
+
+    /** Finds stresses of all cells at the present positions, by the present smoothed velocity. */
+    void synchronize(const Model<dim> &model, const Clock &clock, const NodalVector *temperature);
+
+    /** For another partition. Collective. */
+    void set_partition(const Model<dim> &model);
+
+    /** Formulation::add_internal_force() of those cells of a part, by its number, that take each
+     * step. */
+    void add_internal_force(std::size_t part, Formulation<dim> &formulation,
+                            const MechanicalInput &input, NodalVector &force) const;
+
+    /** Calls a function that evaluates cells of a part, by its number, and looks for failures. */
+    using Evaluation = std::function<void(std::size_t, const std::function<void()> &)>;
+
+    /** Adds the forces of all other cells to @p force, at owned nodes. Collective. */
+    void add_further_forces(const Model<dim> &model, const Clock &clock,
+                            const NodalVector *temperature, const Evaluation &evaluate,
+                            NodalVector &force);
 
     /** Formulation::apply_elastic_stiffness() of a part, with each cell in its own step, such that
      * the largest eigenvalue bounds @p time_step, the shortest. */
@@ -64,10 +87,23 @@ namespace tombolo
                                  const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const;
 
+    /** The nodes have moved for a step. */
+    void complete_step();
+
+    /** What the energies of the cells have less at the present positions of nodes than where they
+     * act, to first order, of this rank [M L^2/T^2]. */
+    double work_ahead(const NodalVector &position) const;
+
   private:
+    void act(const Model<dim> &model, const Clock &clock, const NodalVector *temperature,
+             const Evaluation &evaluate, const NodalVector &shorter, Group &group);
+
     GroupedCells<dim> *cells_of(const std::size_t part) const
     {
       return part < parts.size() ? parts[part] : nullptr;
     }
+
+    NodalVector next, velocity; // buffers
+    bool is_synchronized = false;
   };
 } // namespace tombolo

@@ -97,7 +97,7 @@ namespace tombolo
      * what has changed in the model. False where a signal ended it among very many thermal steps.
      */
     bool evaluate(ModelChange &change);
-    void choose_step(ModelChange &change);
+    void choose_step(const ModelChange &change);
     /** At the present time, before the motion: histories, an output where @p is_output, and
      * otherwise a row of the statistics where @p has_row. */
     void write_histories(bool is_output, bool has_row);

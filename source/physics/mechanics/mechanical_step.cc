@@ -125,17 +125,15 @@ namespace tombolo
   {
     const NodalVector *const temperature =
         model.heat ? &model.heat->state.present_temperature : nullptr;
-    const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
+    const auto evaluate = [&](const std::size_t number, const auto &add_force)
     {
-      const auto number = static_cast<std::size_t>(&part - model.parts.data());
-      model.signals.part_force(number, force, false);
+      const Part<dim> &part = model.parts[number];
       // A failure is known to one rank alone; all must hear of it before any leaves.
       std::string failure;
       try
       {
-        failure = model.step_groups.add_internal_force(
-            number, *part.formulation, clock,
-            {&model.state.position, &velocity, clock.previous_step, temperature}, force);
+        add_force();
+        failure = part.formulation->failure();
       }
       catch (const RunError &error)
       {
@@ -144,10 +142,23 @@ namespace tombolo
       if (!failure.empty())
         failures.note("At time " + format_number(clock.time) + ", step " +
                       std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
-      model.signals.part_force(number, force, true);
       stopwatch.lap(part.formulation->phase());
     };
+    const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
+    {
+      const auto number = static_cast<std::size_t>(&part - model.parts.data());
+      model.signals.part_force(number, force, false);
+      evaluate(number,
+               [&]
+               {
+                 model.step_groups.add_internal_force(
+                     number, *part.formulation,
+                     {&model.state.position, &velocity, clock.previous_step, temperature}, force);
+               });
+      model.signals.part_force(number, force, true);
+    };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
+    model.step_groups.add_further_forces(model, clock, temperature, evaluate, model.state.force);
   }
 
   template <int dim>

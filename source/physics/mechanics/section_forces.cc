@@ -182,12 +182,21 @@ namespace tombolo
       for (std::size_t i = 0; i < n; ++i)
         of_first.data()[i] = force.data()[i] - of_first.data()[i];
       of_first.collect();
-      present = sum_over_side(of_first, position);
+      const LoadSum added = sum_over_side(of_first, position);
+      if (is_complete)
+        present = LoadSum();
+      is_complete = false;
+      for (unsigned int c = 0; c < 3; ++c)
+      {
+        present.force[c] += added.force[c];
+        present.moment[c] += added.moment[c];
+      }
     }
 
     /** Of a cut: the sum over the internal forces of all parts, at owned nodes. */
     void take_internal_force(const NodalVector &force, const NodalVector &position)
     {
+      is_complete = true;
       if (!is_interface())
         present = sum_over_side(force, position);
     }
@@ -276,6 +285,7 @@ namespace tombolo
     std::vector<unsigned int> side; ///< owned nodes of a cut, or shared ones of an interface
     NodalVector of_first;           ///< the force of the first part of an interface
     LoadSum present;
+    bool is_complete = true;  ///< all parts have added to it
     unsigned long n_side = 0; ///< over all ranks, as those below
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };

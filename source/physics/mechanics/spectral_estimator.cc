@@ -48,18 +48,8 @@ namespace tombolo
   {
     if (!model.conditions->has_constraints())
       return;
-    const auto &constrained = model.conditions->constrained_components();
-    const auto &nodes = model.conditions->constrained_nodes();
-    vector.fill(nodes,
-                [&](const std::size_t k, double *const value)
-                {
-                  for (unsigned int d = 0; d < 3; ++d)
-                    if ((constrained[nodes[k]] >> d) & 1u)
-                      value[d] = 0.;
-                  if (const ObliqueNode *const oblique =
-                          model.conditions->oblique_nodes().find(nodes[k]))
-                    oblique->remove_prescribed(value);
-                });
+    model.conditions->remove_prescribed(vector);
+    vector.update_ghosts();
   }
 
   template <int dim>

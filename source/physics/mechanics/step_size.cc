@@ -184,9 +184,8 @@ namespace tombolo
     if (fixed == 0. && model.stencils_change_for_good && clock.previous_step > 0.)
       step = std::min(step, largest_growth * clock.previous_step);
     const double remaining = target - clock.time;
-    const double cycle = clock.cycle;
-    const double n_cycles = std::max(1., std::ceil(remaining / (cycle * step) * (1. - 1e-9)));
-    step = remaining / (n_cycles * cycle);
+    const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
+    step = remaining / n_steps;
     smallest_step = std::min(smallest_step, step);
     largest_step = std::max(largest_step, step);
     return step;

@@ -2,7 +2,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/step_groups.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
@@ -19,53 +18,29 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    constexpr const char *section_name = "Subcycling";
-
-    Entries entries_of(const Parameters &parameters)
-    {
-      return Entries(parameters.section("Time step")).subsection(section_name);
-    }
-
-    /** The largest divisor of @p cycle that is not above @p allowed; at least one. */
-    unsigned int ratio_in_cycle(const unsigned int cycle, const double allowed)
-    {
-      unsigned int ratio = 1;
-      for (unsigned int divisor = 2; divisor <= cycle; ++divisor)
-        if (cycle % divisor == 0 && divisor <= allowed)
-          ratio = divisor;
-      return ratio;
-    }
-  } // namespace
-
   struct SubcyclingSettings
   {
     explicit SubcyclingSettings(const Entries &e)
     {
-      largest_ratio = e.integer(
-          "Largest ratio", "1", between(1, 24),
-          "A cell of elements whose stable step is so many times the smallest of the scene, and "
-          "not more times than this, takes one step for so many of the smallest. 1: all cells take "
-          "each step. The table over time and the outputs then have steps that all cells take "
-          "part in. Cells that can erode or become particles, and cells that touch something, "
-          "take each step, and so do particles.");
-      n_layers = e.integer(
-          "Overlap", "2", between(1, 10),
-          "So many layers of cells around those with smaller steps step with them: waves that "
-          "only the finer cells carry, and that would resonate with the longer steps, end in "
-          "them.");
+      largest_ratio = static_cast<unsigned int>(std::stoul(e.choice(
+          "Largest ratio", "1", "1|2|4|8|16",
+          "Cells of elements take one step for 2, 4, 8 or 16 of the smallest of the scene, as far "
+          "as "
+          "their own stable step allows and up to this number; cells beside those with smaller "
+          "steps, and beside what touches another body, take theirs. Particles, smoothed cells and "
+          "cells that can erode or become particles take each step. 1: all cells do.")));
     }
 
-    unsigned int largest_ratio, n_layers;
+    unsigned int largest_ratio;
   };
 
   /**
-   * Cells that take longer steps than the smallest of the scene: which they are, by the stable step
-   * of each (eq. (41) of Pan et al. 2019) over that of the scene by its spectrum. StepGroups has
-   * what they do. The choice is made at the start, and again at the first step of a cycle where the
-   * limits have become other ones, or where a cell that takes longer steps touches something: a
-   * spring of contact can resonate with them.
+   * Cells that take longer steps than the smallest of the scene (StepGroups): which they are, by
+   * the stable step of each (eq. (41) of Pan et al. 2019) over that of the scene by its spectrum.
+   * One layer of cells around those of each ratio has it, too: waves that only finer cells carry
+   * end there. The choice is made at the start, and again at the first step of a cycle where the
+   * limits have become other ones, or where a cell that takes longer steps touches something, whose
+   * springs would resonate with them.
    */
   template <int dim>
   class Subcycling : public Process<dim>
@@ -87,11 +62,17 @@ namespace tombolo
       model.signals.nodes_placed.connect(
           [this](const Clock &, const NodalVector &former)
           {
-            for (auto &motion : groups.motions)
+            for (auto &group : groups.groups)
               for (unsigned int i = 0; i < former.partition()->n_local(); ++i)
                 for (unsigned int d = 0; d < dim; ++d)
-                  motion.last_position.node(i)[d] +=
+                  group.position.node(i)[d] +=
                       this->model.state.position.node(i)[d] - former.node(i)[d];
+          });
+      this->observed.energies.connect(
+          [this](EnergyAccounts &energies)
+          {
+            energies.add("energy between steps", EnergyKind::stored,
+                         groups.work_ahead(this->model.state.position));
           });
       this->observed.audit.connect(
           [this](std::ostream &text)
@@ -106,22 +87,9 @@ namespace tombolo
     ModelChange change_model(Model<dim> &, const Clock &clock) override
     {
       ModelChange change;
-      if (clock.phase == 0)
-      {
-        change.cells = begin() || wants_other_ratios(clock);
-        if (is_planned)
-          // The limit of the next step is that of the new ratios.
-          choice.stable_step = 0.;
-      }
-      groups.begin_step(model.state, clock);
+      if (groups.step_in_cycle == 0)
+        change.cells = begin() || chooses_again(clock);
       return change;
-    }
-
-    /** After the forces of the cells. */
-    void add_forces(const Model<dim> &, const Clock &, const NodalVector &) override
-    {
-      if (is_planned)
-        adopt();
     }
 
     void after_acceleration(const Model<dim> &, const Clock &clock) override
@@ -138,23 +106,19 @@ namespace tombolo
               });
     }
 
-    void after_motion(const Model<dim> &, const Clock &clock, NodalState &) override
+    void after_motion(const Model<dim> &, const Clock &, NodalState &) override
     {
-      groups.add_time(clock.next_step);
+      groups.complete_step();
     }
 
     void model_changed(const Model<dim> &) override
     {
       const auto &partition = model.state.partition();
-      for (auto &motion : groups.motions)
-      {
-        motion.last_position.move_to(partition);
-        motion.velocity.reinit(partition);
-      }
       if (touched.partition() == nullptr)
         touched.reinit(partition, Quantity::scalar);
       else
         touched.move_to(partition);
+      groups.set_partition(model);
       find_slow_cells();
     }
 
@@ -163,7 +127,6 @@ namespace tombolo
     {
       Records &of_cells = this->structure.group("subcycling");
       of_cells.value("is chosen", is_chosen);
-      of_cells.value("cycle", groups.cycle);
       for (unsigned int p = 0; p < model.parts.size(); ++p)
         if (groups.parts[p] != nullptr)
           of_cells.group("part " + model.parts[p].name)
@@ -175,24 +138,22 @@ namespace tombolo
                     std::vector<double> numbers(ratios.begin(), ratios.end());
                     archive.rows("step ratios", 1, numbers);
                     ratios.assign(numbers.begin(), numbers.end());
-                    groups.parts[p]->plan_step_ratios(ratios);
                   });
-      of_cells.on_reading(
-          [this]
-          {
-            next_cycle = groups.cycle;
-            adopt();
-          });
+      of_cells.on_reading([this] { adopt(); });
 
       Records &all = this->records.group("subcycling");
+      all.value("step in cycle", groups.step_in_cycle);
       all.list(
           [this](Records &now)
           {
-            for (auto &motion : groups.motions)
+            for (auto &group : groups.groups)
             {
-              const std::string name = "motion of ratio " + std::to_string(motion.ratio);
-              now.nodal(name, dim, motion.last_position);
-              now.value("time of " + name, motion.elapsed);
+              const std::string ratio = " of ratio " + std::to_string(group.ratio);
+              now.value("age" + ratio, group.age);
+              now.nodal("position" + ratio, dim, group.position);
+              for (auto &share : group.shares)
+                now.nodal("force of part " + model.parts[share.part].name + ratio, dim,
+                          share.force);
             }
           });
       all.nodal("touched", 1, touched);
@@ -203,12 +164,12 @@ namespace tombolo
       all.on_reading(
           [this]
           {
-            for (auto &motion : groups.motions)
-              motion.last_position.distribute();
+            for (auto &group : groups.groups)
+              group.position.distribute();
           });
     }
 
-    /** Makes the first choice, if it is not made. Returns whether it was made now. */
+    /** Makes the first choice, if it is not made. Returns whether it was made now. Collective. */
     bool begin()
     {
       if (is_chosen)
@@ -218,9 +179,9 @@ namespace tombolo
       return true;
     }
 
-    /** Looks for a better choice where there may be one, and plans it. Returns whether it is
-     * another one. Collective. */
-    bool wants_other_ratios(const Clock &clock)
+    /** Looks for a better choice where there may be one. Returns whether it is another one.
+     * Collective. */
+    bool chooses_again(const Clock &clock)
     {
       const bool touches = Utilities::MPI::max(touches_slow_cell ? 1 : 0, model.communicator) == 1;
       touches_slow_cell = false;
@@ -236,11 +197,18 @@ namespace tombolo
         touched.set_zero(); // those of now come back with the next contact
       choose();
       choice.step = clock.step;
-      bool is_other = false;
+      choice.stable_step = 0.;
+      int is_other = 0;
       for (std::size_t p = 0; p < before.size(); ++p)
-        is_other = is_other || before[p] != model.parts[p].step_ratios;
-      is_planned = Utilities::MPI::max(is_other ? 1 : 0, model.communicator) == 1;
-      return is_planned;
+        if (before[p] != model.parts[p].step_ratios)
+          is_other = 1;
+      if (Utilities::MPI::max(is_other, model.communicator) == 0)
+        return false;
+      model.bridge->smooth_velocity(model.state);
+      groups.synchronize(model, clock,
+                         model.heat ? &model.heat->state.present_temperature : nullptr);
+      adopt();
+      return true;
     }
 
     /** Whether the limit of the scene is another one, or a cell with a longer step has become the
@@ -282,11 +250,12 @@ namespace tombolo
       }
     }
 
-    /** Finds the ratios of all cells (Part::step_ratios) and plans them. Collective. */
+    /** Finds the ratios of all cells (Part::step_ratios). Collective. */
     void choose()
     {
       is_chosen = true;
       choice.limit = estimator.estimate(model, choice.limit).time_step;
+      groups.first_step = choice.limit;
       double smallest = StepLimit().time_step;
       for_limits([&](const std::size_t, const std::size_t, const double limit)
                  { smallest = std::min(smallest, limit); });
@@ -295,37 +264,15 @@ namespace tombolo
       choice.scale = std::max(1., choice.limit / smallest);
       // Ratios are those of the mesh, which a factor near to one does not change.
       constexpr double tolerance = 1.02;
-      const double scale = tolerance * choice.scale / choice.limit;
-
-      next_cycle = best_cycle(scale);
-      for_limits([&](const std::size_t p, const std::size_t cell, const double limit)
-                 { model.parts[p].step_ratios[cell] = ratio_in_cycle(next_cycle, scale * limit); });
-      spread_small_steps();
-      for (std::size_t p = 0; p < model.parts.size(); ++p)
-        if (groups.parts[p] != nullptr)
-          groups.parts[p]->plan_step_ratios(model.parts[p].step_ratios);
-    }
-
-    /** The number of steps of a cycle whose divisors suit the cells best; of those that cost nearly
-     * the same the smallest. Collective. */
-    unsigned int best_cycle(const double scale) const
-    {
-      std::vector<double> costs(settings.largest_ratio, 0.);
       for_limits(
-          [&](const std::size_t p, const std::size_t, const double limit)
+          [&](const std::size_t p, const std::size_t cell, const double limit)
           {
-            const Part<dim> &part = model.parts[p];
-            const double cost = part.formulation->cost_per_cell(*part.material, 1.);
-            for (unsigned int cycle = 1; cycle <= costs.size(); ++cycle)
-              costs[cycle - 1] += cost / ratio_in_cycle(cycle, scale * limit);
+            const double allowed = tolerance * choice.scale * limit / choice.limit;
+            unsigned int &ratio = model.parts[p].step_ratios[cell];
+            for (ratio = 1; 2 * ratio <= std::min(allowed, double(settings.largest_ratio));)
+              ratio *= 2;
           });
-      for (double &cost : costs)
-        cost = ordered_sum(cost, model.communicator);
-      const double least = *std::min_element(costs.begin(), costs.end());
-      constexpr double nearly = 1.02;
-      const auto best = std::find_if(costs.begin(), costs.end(),
-                                     [&](const double cost) { return cost <= nearly * least; });
-      return static_cast<unsigned int>(best - costs.begin()) + 1;
+      spread_small_steps();
     }
 
     /** Calls @p use(part, number of the cell in it, its nodes) for each cell of this rank. */
@@ -339,86 +286,68 @@ namespace tombolo
         {
           const unsigned int part = model.part_cells->part_of(cell);
           model.nodes->cell_nodes(cell, nodes);
+          for (types::global_dof_index &node : nodes)
+            node = model.state.partition()->local_index(node);
           use(part, next[part]++, nodes);
         }
     }
 
-    /** Gives layers of cells around those with smaller steps, and around nodes that have touched
-     * something, these steps. Collective. */
+    unsigned int ratio_of(const unsigned int part, const unsigned int cell) const
+    {
+      return groups.parts[part] != nullptr ? model.parts[part].step_ratios[cell] : 1;
+    }
+
+    /** Gives the cells beside those of each ratio this ratio, and those beside nodes that have
+     * touched something, and beside these, the shortest step. Collective. */
     void spread_small_steps()
     {
-      const NodePartition &partition = *model.state.partition();
-      std::vector<std::vector<unsigned int>> ratios;
-      for (const Part<dim> &part : model.parts)
-        ratios.push_back(part.step_ratios);
-      const auto ratio_of = [&](const unsigned int p, const unsigned int cell) -> unsigned int
-      {
-        if (groups.parts[p] != nullptr)
-          return ratios[p][cell];
-        return is_rigid(p) ? next_cycle : 1;
-      };
       NodalVector marks(model.state.partition(), Quantity::scalar);
-      for (unsigned int ratio = 1; ratio < next_cycle; ++ratio)
+      for (unsigned int ratio = 1; ratio < settings.largest_ratio; ratio *= 2)
       {
-        if (next_cycle % ratio != 0)
-          continue;
-        marks.set_zero();
-        if (ratio == 1)
-          for (unsigned int i = 0; i < partition.n_owned(); ++i)
-            *marks.node(i) = *touched.node(i);
-        for_cells(
-            [&](const unsigned int p, const unsigned int cell, const auto &nodes)
-            {
-              for (unsigned int k = 0; ratio_of(p, cell) <= ratio && k < nodes.size(); ++k)
-                *marks.node(partition.local_index(nodes[k])) += 1.;
-            });
-        for (unsigned int layer = 0; layer < settings.n_layers; ++layer)
+        const auto spread = [&](const auto &is_mark)
         {
+          marks.set_zero();
+          is_mark();
           marks.collect();
           marks.distribute();
-          NodalVector next(model.state.partition(), Quantity::scalar);
           for_cells(
               [&](const unsigned int p, const unsigned int cell, const auto &nodes)
               {
-                const bool is_near = std::any_of(
-                    nodes.begin(), nodes.end(),
-                    [&](const auto node) { return *marks.node(partition.local_index(node)) > 0.; });
-                if (!is_near)
-                  return;
-                for (const auto node : nodes)
-                  *next.node(partition.local_index(node)) += 1.;
-                if (groups.parts[p] != nullptr)
+                if (groups.parts[p] != nullptr &&
+                    std::any_of(nodes.begin(), nodes.end(),
+                                [&](const auto node)
+                                { return *marks.node(static_cast<unsigned int>(node)) > 0.; }))
                   model.parts[p].step_ratios[cell] =
                       std::min(model.parts[p].step_ratios[cell], ratio);
               });
-          marks = std::move(next);
-        }
+        };
+        if (ratio == 1)
+          spread(
+              [&]
+              {
+                for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+                  *marks.node(i) = *touched.node(i);
+              });
+        spread(
+            [&]
+            {
+              for_cells(
+                  [&](const unsigned int p, const unsigned int cell, const auto &nodes)
+                  {
+                    for (unsigned int k = 0; ratio_of(p, cell) <= ratio && k < nodes.size(); ++k)
+                      *marks.node(static_cast<unsigned int>(nodes[k])) += 1.;
+                  });
+            });
       }
     }
 
-    bool is_rigid(const unsigned int part) const
-    {
-      return model.parts[part].particles == nullptr &&
-             model.parts[part].formulation->points().size() == 0;
-    }
-
-    /** What choose() has planned is so from now on: all cells have acted now. */
+    /** What choose() has found is so from now on. Collective. */
     void adopt()
     {
-      is_planned = false;
-      groups.cycle = next_cycle;
-      for (GroupedCells<dim> *const cells : groups.parts)
-        if (cells != nullptr)
-          cells->adopt_step_ratios();
-      groups.motions.clear();
-      for (unsigned int ratio = 2; ratio <= groups.cycle; ++ratio)
-        if (groups.cycle % ratio == 0)
-        {
-          auto &motion = groups.motions.emplace_back();
-          motion.ratio = ratio;
-          motion.last_position = model.state.position.copy();
-          motion.velocity.reinit(model.state.partition());
-        }
+      for (std::size_t p = 0; p < model.parts.size(); ++p)
+        if (groups.parts[p] != nullptr)
+          groups.parts[p]->set_step_ratios(model.parts[p].step_ratios);
+      groups.make(model);
       find_slow_cells();
     }
 
@@ -429,33 +358,29 @@ namespace tombolo
       for_cells(
           [&](const unsigned int p, const unsigned int cell, const auto &nodes)
           {
-            if (groups.parts[p] != nullptr && model.parts[p].step_ratios[cell] > 1)
-              for (const auto node : nodes)
-                *slow_cells.node(model.state.partition()->local_index(node)) += 1.;
+            for (unsigned int k = 0; ratio_of(p, cell) > 1 && k < nodes.size(); ++k)
+              *slow_cells.node(static_cast<unsigned int>(nodes[k])) += 1.;
           });
       slow_cells.collect();
     }
 
-    /** Numbers of cells by ratio, over all ranks, and the cost of their steps over that of single
-     * ones. Collective. */
+    /** Numbers of cells and particles by ratio, over all ranks, and the cost of their steps over
+     * that of single ones. Collective. */
     std::pair<std::vector<unsigned long>, double> extent() const
     {
-      std::vector<unsigned long> counts(groups.cycle + 1, 0);
+      std::vector<unsigned long> counts(groups.cycle() + 1, 0);
       std::array<double, 2> costs{};
-      for (std::size_t p = 0; p < model.parts.size(); ++p)
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &part = model.parts[p];
         const double cost = part.formulation->cost_per_cell(*part.material, 1.);
-        const unsigned int n = std::max<unsigned int>(
-            part.formulation->n_cells(),
-            static_cast<unsigned int>(
-                part.particles != nullptr ? part.formulation->particle_nodes().size() : 0));
+        const std::size_t n = part.particles != nullptr ? part.formulation->particle_nodes().size()
+                                                        : part.formulation->n_cells();
         for (unsigned int cell = 0; cell < n; ++cell)
         {
-          const unsigned int ratio = groups.parts[p] != nullptr ? part.step_ratios[cell] : 1;
-          ++counts[ratio];
+          ++counts[ratio_of(p, cell)];
           costs[0] += cost;
-          costs[1] += cost / ratio;
+          costs[1] += cost / ratio_of(p, cell);
         }
       }
       for (unsigned long &count : counts)
@@ -467,19 +392,18 @@ namespace tombolo
     void describe(std::ostream &text) const
     {
       const auto [counts, cost] = extent();
-      text << "  subcycling: cycles of " << groups.cycle << " steps";
+      text << "  subcycling: ";
       for (unsigned int ratio = 1; ratio < counts.size(); ++ratio)
         if (counts[ratio] > 0)
-          text << (ratio > 1 ? ", " : "; ") << counts[ratio] << " cells or particles take every "
-               << (ratio == 1 ? "step" : std::to_string(ratio) + "th");
-      text << "; forces cost " << cost << " of those of single steps\n";
+          text << counts[ratio] << " cells or particles take "
+               << (ratio == 1 ? "each step" : "one step for " + std::to_string(ratio)) << ", ";
+      text << "forces cost " << cost << " of those of single steps\n";
     }
 
     Json result() const
     {
       const auto [counts, cost] = extent();
       Json result = Json::object();
-      result["cycle"] = groups.cycle;
       for (unsigned int ratio = 1; ratio < counts.size(); ++ratio)
         if (counts[ratio] > 0)
           result["cells_of_ratio_" + std::to_string(ratio)] = counts[ratio];
@@ -500,14 +424,15 @@ namespace tombolo
       unsigned long step = 0; ///< when it was made
     };
     Choice choice;
-    bool is_chosen = false, is_planned = false, touches_slow_cell = false;
-    unsigned int next_cycle = 1;
-    NodalVector touched;    ///< owned nodes that something has touched: one, scalar
+    bool is_chosen = false, touches_slow_cell = false;
+    NodalVector touched;    ///< owned nodes that have touched something: one, scalar
     NodalVector slow_cells; ///< number of cells beside a node that do not take each step, scalar
   };
 
   namespace
   {
+    constexpr const char *subcycling_section = "Subcycling";
+
     template <int dim>
     class SubcyclingKind : public ProcessKind<dim>
     {
@@ -515,12 +440,12 @@ namespace tombolo
       void declare_parameters(Parameters &parameters) const override
       {
         SubcyclingSettings(
-            Entries(parameters.handler()).subsection("Time step").subsection(section_name));
+            Entries(parameters.handler()).subsection("Time step").subsection(subcycling_section));
       }
 
       void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
       {
-        if (SubcyclingSettings(entries_of(parameters)).largest_ratio == 1)
+        if (read(parameters).largest_ratio == 1)
           return;
         for (Part<dim> &part : parts)
           if (auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get()))
@@ -530,24 +455,30 @@ namespace tombolo
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
                                                Model<dim> &model) const override
       {
-        const SubcyclingSettings settings(entries_of(parameters));
+        const SubcyclingSettings settings = read(parameters);
         if (!model.has_mechanics || settings.largest_ratio == 1)
           return nullptr;
-        const Section section = parameters.section("Time step").subsection(section_name);
-        const auto can_wait = [](const Part<dim> &part)
+        const Section section = parameters.section("Time step").subsection(subcycling_section);
+        const auto can_be_grouped = [](const Part<dim> &part)
         {
           const auto *const cells = dynamic_cast<const GroupedCells<dim> *>(part.formulation.get());
           return cells != nullptr && cells->can_be_grouped();
         };
-        if (std::none_of(model.parts.begin(), model.parts.end(), can_wait))
+        if (std::none_of(model.parts.begin(), model.parts.end(), can_be_grouped))
           section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
                                         "elements that neither erode nor become particles; "
                                         "allowed is 1.");
         if (model.bridge->is_trace())
-          section.fail("Largest ratio",
-                       "elements see the field of the particles in each step (`Trace bridge`); "
-                       "allowed is 1.");
+          section.fail("Largest ratio", "elements see the field of the particles in each step "
+                                        "(`Bridge` = trace); allowed is 1.");
         return std::make_unique<Subcycling<dim>>(settings, parameters, model);
+      }
+
+    private:
+      static SubcyclingSettings read(const Parameters &parameters)
+      {
+        return SubcyclingSettings(
+            Entries(parameters.section("Time step")).subsection(subcycling_section));
       }
     };
   } // namespace

@@ -408,26 +408,28 @@ namespace tombolo
     {
       is_to_be_grouped = true;
     }
-    void plan_step_ratios(const std::vector<unsigned int> &of_cells) override
+    void set_step_ratios(const std::vector<unsigned int> &of_cells) override
     {
-      planned_ratios = of_cells;
-      find_factors();
-    }
-    void adopt_step_ratios() override
-    {
-      cell_points.group(planned_ratios, points());
-      find_factors();
+      cell_points.group(of_cells, points());
     }
     const std::vector<typename GroupedCells<dim>::Group> &groups() const override
     {
       return cell_points.cells().groups();
     }
+    void mark_nodes(const typename GroupedCells<dim>::Group &group,
+                    NodalVector &mark) const override
+    {
+      const CellBatches<dim> &cells = cell_points.cells();
+      for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
+        for (unsigned int k = 0; k < Points::n_nodes; ++k)
+          for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+            *mark.node(cells.nodes(batch)[k * n_lanes + lane]) += 1.;
+    }
     void add_force_of_group(const MechanicalInput &input,
                             const typename GroupedCells<dim>::Group &group,
                             NodalVector &force) override
     {
-      integration.add_internal_force(input, group, factors.empty() ? nullptr : factors.data(),
-                                     force);
+      integration.add_internal_force(input, group, force);
     }
     void apply_stiffness_of_group(const NodalVector &position, const NodalVector &velocity,
                                   const double time_step,
@@ -440,21 +442,6 @@ namespace tombolo
     }
 
   private:
-    /** Of the forces, while cells are to have the planned ratios. */
-    void find_factors()
-    {
-      const CellBatches<dim> &cells = cell_points.cells();
-      factors.resize(std::size_t(cells.n_batches()) * n_lanes);
-      factors.fill(1.);
-      for (const auto &group : cells.groups())
-        for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
-          for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-          {
-            const unsigned int place = batch * n_lanes + lane;
-            factors[place] = 0.5 * (group.number + planned_ratios[cells.cell_at(place)]);
-          }
-    }
-
     using Points = CellPoints<dim, Element>;
     using Base = LosingCells<dim, Points, CellIntegration<dim, Element>>;
     using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
@@ -463,7 +450,5 @@ namespace tombolo
     ErosionCriterion erosion;
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
     bool is_to_be_grouped = false;
-    std::vector<unsigned int> planned_ratios; // by cell
-    dealii::AlignedVector<double> factors;    // of forces, by place; empty: one
   };
 } // namespace tombolo

@@ -124,12 +124,11 @@ namespace tombolo
     ///@{
     void add_internal_force(const MechanicalInput &input, NodalVector &force)
     {
-      add_internal_force(input, all_batches(), nullptr, force);
+      add_internal_force(input, all_batches(), force);
     }
 
-    /** The same of the cells of a group, times the factors of their places; null: one. */
-    void add_internal_force(const MechanicalInput &input, const Group &group,
-                            const double *const factors, NodalVector &force)
+    /** The same of the cells of a group. */
+    void add_internal_force(const MechanicalInput &input, const Group &group, NodalVector &force)
     {
       failure_message.clear();
       typename Element::Work work[batches_per_block];
@@ -154,9 +153,7 @@ namespace tombolo
           if (limits)
             limit_forces(batch, plastic_strain + (batch - begin) * points_per_batch,
                          work[batch - begin]);
-          scatter_force(batch, work[batch - begin],
-                        factors == nullptr ? Lanes(1.) : load_lanes(factors + batch * n_lanes),
-                        force);
+          scatter_force(batch, work[batch - begin], force);
         }
       }
     }
@@ -398,7 +395,7 @@ namespace tombolo
     }
 
     void scatter_force(const unsigned int batch, const typename Element::Work &work,
-                       const Lanes &factor, NodalVector &force) const
+                       NodalVector &force) const
     {
       Lanes stress[n_points][6];
       integrate_stress(batch, stress);
@@ -406,7 +403,7 @@ namespace tombolo
       element.integrate(work, stress, internal_force);
       for (unsigned int k = 0; k < n_nodes; ++k)
         for (unsigned int d = 0; d < dim; ++d)
-          internal_force[k][d] *= -factor;
+          internal_force[k][d] = -internal_force[k][d];
       points.scatter(batch, internal_force, force);
     }
 

@@ -10,8 +10,7 @@ namespace tombolo
 {
   /**
    * A part whose cells need not take every step: a cell of the step ratio r is evaluated at every
-   * r-th one, and its nodal forces then count r times, as the impulse of its own step. Cells of one
-   * ratio are a group. All ratios are one until others are adopted.
+   * r-th one. Cells of one ratio are a group. All ratios are one until others are set.
    */
   template <int dim>
   class GroupedCells
@@ -30,16 +29,15 @@ namespace tombolo
     /** Is called before Formulation::initialize() where cells are to be grouped. */
     virtual void prepare_groups() = 0;
 
-    /** The ratios that cells have from the next adopt_step_ratios() on, in the order of
-     * Formulation::courant_limits(). Until then the forces are those of the mean of both, by which
-     * the impulse is that of half of the step before and half of the step after. */
-    virtual void plan_step_ratios(const std::vector<unsigned int> &of_cells) = 0;
-    virtual void adopt_step_ratios() = 0;
+    /** Gives cells these ratios, in the order of Formulation::courant_limits(). */
+    virtual void set_step_ratios(const std::vector<unsigned int> &of_cells) = 0;
 
     virtual const std::vector<Group> &groups() const = 0;
 
-    /** Formulation::add_internal_force() of the cells of a group, by the mean velocity over their
-     * own step and the length of that step. */
+    /** Adds one at the local nodes of each cell of a group (scalar). */
+    virtual void mark_nodes(const Group &group, NodalVector &mark) const = 0;
+
+    /** Formulation::add_internal_force() of the cells of a group. */
     virtual void add_force_of_group(const MechanicalInput &input, const Group &group,
                                     NodalVector &force) = 0;
 
