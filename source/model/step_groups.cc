@@ -10,6 +10,24 @@ namespace tombolo
 {
   namespace
   {
+    std::vector<unsigned int> marked_nodes(const NodalVector &mark, const unsigned int n)
+    {
+      std::vector<unsigned int> nodes;
+      for (unsigned int i = 0; i < n; ++i)
+        if (*mark.node(i) > 0.)
+          nodes.push_back(i);
+      return nodes;
+    }
+
+    /** @p velocity := (@p now - @p before) / @p elapsed at these nodes. */
+    void find_velocity(const NodalVector &now, const NodalVector &before, const double elapsed,
+                       const std::vector<unsigned int> &nodes, NodalVector &velocity)
+    {
+      for (const unsigned int i : nodes)
+        store_node((load_node(now.node(i)) - load_node(before.node(i))) * (1. / elapsed),
+                   velocity.node(i));
+    }
+
     /** Calls @p use with the group of cells of a ratio, if there is one. */
     template <int dim, typename Use>
     void for_group(const GroupedCells<dim> &cells, const unsigned int ratio, const Use &use)
@@ -53,18 +71,23 @@ namespace tombolo
     for (Group &group : groups)
     {
       group.position.move_to(partition);
+      NodalVector all(partition, Quantity::scalar);
       for (Share &share : group.shares)
       {
         share.force.move_to(partition);
         NodalVector mark(partition, Quantity::scalar);
         for_group(*parts[share.part], group.ratio,
-                  [&](const auto &of_part) { parts[share.part]->mark_nodes(of_part, mark); });
+                  [&](const auto &of_part)
+                  {
+                    parts[share.part]->mark_nodes(of_part, mark);
+                    parts[share.part]->mark_nodes(of_part, all);
+                  });
         mark.collect();
-        share.nodes.clear();
-        for (unsigned int i = 0; i < partition->n_owned(); ++i)
-          if (*mark.node(i) > 0.)
-            share.nodes.push_back(i);
+        share.nodes = marked_nodes(mark, partition->n_owned());
       }
+      group.local = marked_nodes(all, partition->n_local());
+      all.collect();
+      group.owned = marked_nodes(all, partition->n_owned());
     }
   }
 
@@ -74,7 +97,6 @@ namespace tombolo
   {
     const NodalVector &x = model.state.position;
     NodalVector unused(model.state.partition());
-    const std::size_t n = std::size_t(x.partition()->n_local()) * node_stride;
     for (GroupedCells<dim> *const cells : parts)
       if (cells != nullptr)
         for_group(*cells, 1,
@@ -87,8 +109,7 @@ namespace tombolo
     for (Group &group : groups)
     {
       const double elapsed = group.age * clock.previous_step;
-      for (std::size_t i = 0; i < n; ++i)
-        velocity.data()[i] = (x.data()[i] - group.position.data()[i]) / elapsed;
+      find_velocity(x, group.position, elapsed, group.local, velocity);
       for (const Share &share : group.shares)
         for_group(*parts[share.part], group.ratio,
                   [&](const auto &of_part) {
@@ -144,25 +165,25 @@ namespace tombolo
     const double step = clock.previous_step > 0. ? clock.previous_step : first_step;
     const double ahead = 0.5 * (group.ratio - 1.), square = 0.125 * group.ratio * group.ratio;
     const NodalVector &mass = model.bridge->nodal_mass();
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    for (const unsigned int i : group.owned)
       store_node(load_node(shorter.node(i)) / load_node(mass.node(i)), velocity.node(i));
     model.conditions->remove_prescribed(velocity);
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    for (const unsigned int i : group.owned)
       store_node(load_node(state.position.node(i)) +
                      load_node(state.velocity.node(i)) * (ahead * step) +
                      load_node(velocity.node(i)) * (square * step * step),
                  next.node(i));
     next.distribute();
     const double elapsed = (group.age + ahead) * step;
-    const std::size_t n = std::size_t(state.partition()->n_local()) * node_stride;
-    for (std::size_t i = 0; i < n; ++i)
-      velocity.data()[i] = (next.data()[i] - group.position.data()[i]) / elapsed;
+    find_velocity(next, group.position, elapsed, group.local, velocity);
     std::swap(next, group.position);
     group.age = -ahead;
 
     for (Share &share : group.shares)
     {
-      share.force.set_zero();
+      for (const std::vector<unsigned int> *const nodes : {&share.nodes, &group.local})
+        for (const unsigned int i : *nodes)
+          store_node(NodeLanes(0.), share.force.node(i));
       for_group(*parts[share.part], group.ratio,
                 [&](const auto &of_part)
                 {

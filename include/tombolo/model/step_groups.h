@@ -41,8 +41,10 @@ namespace tombolo
     struct Group
     {
       unsigned int ratio = 1;
-      NodalVector position; ///< x̄ where the forces are those of; ghosts are current [L]
+      NodalVector position; ///< x̄, at which the forces act, at nodes of the cells [L]
       std::vector<Share> shares;
+      std::vector<unsigned int> owned; ///< nodes that these cells move with
+      std::vector<unsigned int> local; ///< nodes of these cells
       double age = 0; ///< of `position`, in steps; of a mean in the future less than zero
     };
 
