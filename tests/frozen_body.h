@@ -265,7 +265,20 @@ namespace tombolo
       /** Whether a random small motion grows without bound in so many steps of this size. */
       bool grows(const double time_step, const unsigned int n_steps)
       {
+        bool result = false;
+        vibrate(time_step, n_steps,
+                [&](const unsigned int n, const double energy_over_start)
+                { return result = result || (n % 20 == 19 && !(energy_over_start < 1e8)); });
+        return result;
+      }
+
+      /** Steps from a random small motion. @p ends(step, kinetic energy over that at the start) is
+       * asked after each step. */
+      template <typename Ends>
+      void vibrate(const double time_step, const unsigned int n_steps, const Ends &ends)
+      {
         reset();
+        model->step_groups.first_step = time_step;
         NodalVector &v_hat = model->state.unsmoothed_velocity;
         const auto &constrained = model->conditions->constrained_components();
         for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
@@ -287,10 +300,9 @@ namespace tombolo
           step->complete(clock);
           step->advance(clock);
           clock.advance();
-          if (n % 20 == 19 && !(model->bridge->kinetic_energy(v_hat) < 1e8 * start))
-            return true;
+          if (ends(n, model->bridge->kinetic_energy(v_hat) / start))
+            return;
         }
-        return false;
       }
 
       std::unique_ptr<Model<dim>> model;
@@ -313,6 +325,7 @@ namespace tombolo
             for (unsigned int c = 0; c < points.fields()[f].n_components; ++c, ++k)
               std::copy(kept_points[k].begin(), kept_points[k].end(), points.component(f, c));
         }
+        model->step_groups.make(*model);
         // What the bridge has prepared for the coming step is of the old velocity.
         model->bridge->apply_smoothing(model->state.unsmoothed_velocity, model->state.velocity);
       }

@@ -2,6 +2,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/moving_parts.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
@@ -445,7 +446,8 @@ namespace tombolo
 
       void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
       {
-        if (read(parameters).largest_ratio == 1)
+        if (std::none_of(parts.begin(), parts.end(), has_motion<dim>) ||
+            read(parameters).largest_ratio == 1)
           return;
         for (Part<dim> &part : parts)
           if (auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get()))
@@ -455,8 +457,10 @@ namespace tombolo
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
                                                Model<dim> &model) const override
       {
+        if (!model.has_mechanics)
+          return nullptr;
         const SubcyclingSettings settings = read(parameters);
-        if (!model.has_mechanics || settings.largest_ratio == 1)
+        if (settings.largest_ratio == 1)
           return nullptr;
         const Section section = parameters.section("Time step").subsection(subcycling_section);
         const auto can_be_grouped = [](const Part<dim> &part)
