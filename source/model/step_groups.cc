@@ -57,7 +57,8 @@ namespace tombolo
       group.position = model.state.position.copy();
       for (std::size_t p = 0; p < parts.size(); ++p)
         if (parts[p] != nullptr)
-          group.shares.push_back({p, {}, NodalVector(model.state.partition())});
+          group.shares.push_back(
+              {p, {}, NodalVector(model.state.partition()), NodalVector(model.state.partition())});
     }
     set_partition(model);
   }
@@ -75,6 +76,7 @@ namespace tombolo
       for (Share &share : group.shares)
       {
         share.force.move_to(partition);
+        share.last_force.move_to(partition);
         NodalVector mark(partition, Quantity::scalar);
         for_group(*parts[share.part], group.ratio,
                   [&](const auto &of_part)
@@ -181,6 +183,7 @@ namespace tombolo
 
     for (Share &share : group.shares)
     {
+      std::swap(share.force, share.last_force);
       for (const std::vector<unsigned int> *const nodes : {&share.nodes, &group.local})
         for (const unsigned int i : *nodes)
           store_node(NodeLanes(0.), share.force.node(i));
@@ -226,10 +229,18 @@ namespace tombolo
   {
     double sum = 0;
     for (const Group &group : groups)
+    {
+      // Forces between those of the last two positions are the means on the way to the present one.
+      const double of_last = -0.5 * group.age / group.ratio;
       for (const Share &share : group.shares)
         for (const unsigned int i : share.nodes)
           for (unsigned int d = 0; d < dim; ++d)
-            sum += share.force.node(i)[d] * (group.position.node(i)[d] - position.node(i)[d]);
+          {
+            const double force = share.force.node(i)[d];
+            sum += (force + of_last * (share.last_force.node(i)[d] - force)) *
+                   (group.position.node(i)[d] - position.node(i)[d]);
+          }
+    }
     return sum;
   }
 

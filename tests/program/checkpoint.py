@@ -194,6 +194,15 @@ class BitwiseRods(BitwiseCase):
         self.check("rod.prm", 4, (0.7,), 1)
         self.check("rod.prm", 4, (0.5,), 2)
 
+    def test_impact_of_cells_that_take_longer_steps(self):
+        # The end that meets the wall has large cells: they take other steps once they touch it.
+        self.write_small_rod(*IMPACT[:-1], ["set End time = 8", "set End time = 3"],
+                             ["set Cells        = 10, 2", "set Cells = 4 to 0.7 | 6 to 1 | 5 to 2; 2"],
+                             ["subsection Output", "subsection Time step\n  subsection Subcycling\n"
+                              "    set Largest ratio = 4\n  end\nend\nsubsection Output"])
+        self.check("rod.prm", 7, (0, 0.1, 0.4), 1)
+        self.check("rod.prm", 6, (0.2, 0.5), 2)
+
     def test_run_that_stops_before_its_next_output(self):
         # The summary has impulses and works of the last output, which was before the checkpoint.
         self.write_small_rod(["set End time         = 0.5", "set End time = 3"],

@@ -35,6 +35,7 @@ namespace tombolo
       std::size_t part;
       std::vector<unsigned int> nodes; ///< owned, that have them
       NodalVector force;               ///< at owned nodes [M L/T^2]
+      NodalVector last_force;          ///< that before
     };
 
     /** What cells of one ratio see, and do. */
@@ -92,8 +93,8 @@ namespace tombolo
     /** The nodes have moved for a step. */
     void complete_step();
 
-    /** What the energies of the cells have less at the present positions of nodes than where they
-     * act, to first order, of this rank [M L^2/T^2]. */
+    /** What the energies of the cells have more at the present positions of nodes than where they
+     * act, to second order, of this rank [M L^2/T^2]. */
     double work_ahead(const NodalVector &position) const;
 
   private:

@@ -3,6 +3,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
@@ -153,8 +154,11 @@ namespace tombolo
               now.value("age" + ratio, group.age);
               now.nodal("position" + ratio, dim, group.position);
               for (auto &share : group.shares)
-                now.nodal("force of part " + model.parts[share.part].name + ratio, dim,
-                          share.force);
+              {
+                const std::string of_part = "force of part " + model.parts[share.part].name + ratio;
+                now.nodal(of_part, dim, share.force);
+                now.nodal("last " + of_part, dim, share.last_force);
+              }
             }
           });
       all.nodal("touched", 1, touched);
@@ -255,7 +259,7 @@ namespace tombolo
     void choose()
     {
       is_chosen = true;
-      choice.limit = estimator.estimate(model, choice.limit).time_step;
+      choice.limit = round_down(estimator.estimate(model, choice.limit).time_step);
       groups.first_step = choice.limit;
       double smallest = StepLimit().time_step;
       for_limits([&](const std::size_t, const std::size_t, const double limit)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1, 2
+// ranks: 1
 // Cells that take longer steps than others: small graded bodies are stable up to the limits of all
 // groups, keep their momentum, and answer as bodies of one step do.
 #include "frozen_body.h"
