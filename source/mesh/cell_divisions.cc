@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/cell_divisions.h>
 
-#include <tombolo/mesh/communicator_of.h>
+#include <tombolo/mesh/mesh.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -5,7 +5,7 @@
 
 #include <tombolo/mesh/nodes.h>
 
-#include <tombolo/mesh/communicator_of.h>
+#include <tombolo/mesh/mesh.h>
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/expression_tokens.h>
-#include <tombolo/mesh/communicator_of.h>
-#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/mesh.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>

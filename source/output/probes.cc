@@ -5,7 +5,7 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/chosen_mesh.h>
+#include <tombolo/mesh/joined_meshes.h>
 #include <tombolo/output/named_places.h>
 #include <tombolo/output/output.h>
 

@@ -7,9 +7,8 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/mesh/cell_quality.h>
-#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
-#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/mesh.h>
 
 #include <algorithm>
 #include <cmath>

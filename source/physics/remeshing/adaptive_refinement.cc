@@ -4,7 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 
