@@ -4,7 +4,6 @@
 #include <tombolo/base/on_ranks.h>
 
 #include <boost/pending/disjoint_sets.hpp>
-#include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,6 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/mesh.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
