@@ -3,7 +3,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/physics/heat/conduction_matrix.h>
-#include <tombolo/physics/heat/heat_integrator.h>
+#include <tombolo/physics/heat/thermal_step.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/la_parallel_vector.h>
