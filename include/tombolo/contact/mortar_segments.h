@@ -311,30 +311,6 @@ namespace tombolo
     /** The slot of a nodal vector behind the components of a normal. */
     static constexpr unsigned int slot_of_depth = node_stride - 1;
 
-    struct Box
-    {
-      /** Around the corners, @p by wider on all sides. */
-      Box(const FaceCorners<dim> &corners, const double by) : low(corners[0]), high(corners[0])
-      {
-        for (const dealii::Tensor<1, dim> &corner : corners)
-          widen_box(low, high, corner);
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          low[d] -= by;
-          high[d] += by;
-        }
-      }
-      bool meets(const Box &other) const
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-          if (low[d] > other.high[d] || other.low[d] > high[d])
-            return false;
-        return true;
-      }
-
-      dealii::Tensor<1, dim> low, high;
-    };
-
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
     bool has_moved(const NodalVector &position) const
     {
@@ -382,15 +358,16 @@ namespace tombolo
       for (unsigned int m = 0; m < exchange.masters().size(); ++m)
       {
         master_faces.push_back(master_face(m, values, n_values));
-        master_boxes.emplace_back(master_faces.back().corners, 0.);
+        master_boxes.push_back(box_around<dim>(master_faces.back().corners, 0.));
       }
       const auto &pairs = exchange.pairs();
       for (auto pair = pairs.begin(); pair != pairs.end();)
       {
         const PairedFace<dim> slave = slave_face(pair->slave, position);
-        const Box box(slave.corners, pairing.reach() * slave.thickness + pairing.radius());
+        const auto box =
+            box_around<dim>(slave.corners, pairing.reach() * slave.thickness + pairing.radius());
         for (near.clear(); pair != pairs.end() && pair->slave == slave.number; ++pair)
-          if (box.meets(master_boxes[pair->master]))
+          if (have_common_points(box, master_boxes[pair->master]))
             near.push_back(master_faces[pair->master]);
         if (!near.empty())
           pairing.find(slave, near, segments);
@@ -499,7 +476,7 @@ namespace tombolo
     MPI_Comm communicator;
     FaceExchange<dim> exchange;
     std::vector<PairedFace<dim>> master_faces, near; // of the exchange, in this step
-    std::vector<Box> master_boxes;
+    std::vector<dealii::BoundingBox<dim>> master_boxes;
     std::vector<Segment> segments;
     Sums at_slaves;
     NodalVector position_of_pairs;   ///< where nodes were when the pairs were found
