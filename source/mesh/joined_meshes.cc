@@ -380,9 +380,6 @@ namespace tombolo
     return result;
   }
 
-  template class JoinedMeshes<2>;
-  template class JoinedMeshes<3>;
-
   template <int dim>
   std::unique_ptr<MeshSource<dim>> chosen_mesh_source(const Entries &e)
   {
@@ -482,6 +479,8 @@ namespace tombolo
     return true;
   }
 
+  template class JoinedMeshes<2>;
+  template class JoinedMeshes<3>;
   template CellVertices<2> shrunk_corners<2>(const CellVertices<2> &, double);
   template CellVertices<3> shrunk_corners<3>(const CellVertices<3> &, double);
   template bool have_points_in_common<2>(const CellVertices<2> &, const CellVertices<2> &);

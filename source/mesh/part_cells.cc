@@ -321,9 +321,6 @@ namespace tombolo
     refuse_cells_without_one_part(result);
   }
 
-  template class PartCells<2>;
-  template class PartCells<3>;
-
   namespace
   {
     template <int dim>
@@ -352,6 +349,8 @@ namespace tombolo
     connection.disconnect();
   }
 
+  template class PartCells<2>;
+  template class PartCells<3>;
   template void balance(Mesh<2> &, const PartCells<2> &,
                         const std::vector<std::function<double(double)>> &);
   template void balance(Mesh<3> &, const PartCells<3> &,

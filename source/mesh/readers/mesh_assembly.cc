@@ -549,10 +549,6 @@ namespace tombolo
     double scale;
   };
 
-  template class FileMesh<2>;
-
-  template class FileMesh<3>;
-
   TOMBOLO_REGISTER_FOR_DIMENSIONS(MeshSource, FileMesh, "file",
                                   "A mesh of gmsh (.msh) or VTK (.vtk)")
 } // namespace tombolo
