@@ -4,10 +4,6 @@
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/mesh/extent.h>
 
-#include <deal.II/base/mpi.h>
-#include <deal.II/base/utilities.h>
-
-#include <algorithm>
 #include <array>
 #include <utility>
 
