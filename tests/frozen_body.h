@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>

@@ -168,10 +168,14 @@ class Writer:
         if scene["scaling"] is not None:
             self.scaling()
         if self.fixed_step is not None:
-            self.section("Time step", {"Fixed": "%.17g" % self.fixed_step})
+            self.begin("Time step")
+            self.set("Fixed", "%.17g" % self.fixed_step)
         else:
-            self.section("Time step", {"Safety factor": scene["safety factor"],
-                                       "Check interval": scene["check interval"]})
+            self.begin("Time step")
+            self.set("Safety factor", scene["safety factor"])
+            self.set("Check interval", scene["check interval"])
+        self.section("Subcycling", {"Largest ratio": scene["largest ratio"]} if scene["largest ratio"] > 1 else {})
+        self.end()
         self.output()
         self.section("Checkpoint", {"Step interval": scene["checkpoint"], "Keep": 1000})
         return "\n".join(self.lines) + "\n"

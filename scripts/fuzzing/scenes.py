@@ -76,6 +76,7 @@ def drawn(seed):
                        "interval": choice([20, 5, 1])} if maybe(generator, 0.5) else None
     scene["refined"] = {"axis": choice([0, 1, 1, 2]), "share": choice([0.5, 0.5, 0.7])} if maybe(generator, 0.4) else None
     scene["adaptive"] = drawn_adaptive(generator) if maybe(generator, 0.3) else None
+    scene["largest ratio"] = choice([1, 1, 2, 4, 8])
     return legal(scene)
 
 
@@ -298,6 +299,9 @@ def legal(scene):
         scene["adaptive"] = None
     elif scene["adaptive"] is not None and not is_plastic(scene):
         scene["adaptive"] = dict(scene["adaptive"], criterion="stress gradient")
+    if (not uses_elements(scene) or scene["erosion"] is not None or scene["conversion"] is not None
+            or scene["adaptive"] is not None or scene["bridge"] == "trace" or scene["smoothed cells"]):
+        scene["largest ratio"] = 1
     if scene["smoothed particles"]:
         scene["filter"] = None
         if scene["configuration"] != "current":
@@ -341,7 +345,7 @@ SIMPLER = {
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],
     "radial gradient": ["corrected"], "smoothing length": [1.5], "refill": [None],
-    "refined": [None], "adaptive": [None]}
+    "refined": [None], "adaptive": [None], "largest ratio": [1]}
 
 
 def simpler(scene):

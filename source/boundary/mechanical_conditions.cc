@@ -11,9 +11,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
 #include <tuple>
-#include <utility>
 
 namespace tombolo
 {

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/cell_divisions.h>
 
-#include <tombolo/mesh/communicator_of.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 
 namespace tombolo
 {
-  using namespace dealii;
-
   std::uint64_t persistent_id(const CellId &cell, const unsigned int bits_per_level)
   {
     std::uint64_t path = 1;

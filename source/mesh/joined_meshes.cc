@@ -4,22 +4,16 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/mesh/chosen_mesh.h>
-#include <tombolo/mesh/communicator_of.h>
-#include <tombolo/mesh/convex_hulls.h>
-#include <tombolo/mesh/joined_ids.h>
-#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/mesh.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/numbers.h>
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 #include <deal.II/numerics/rtree.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -29,6 +23,75 @@
 
 namespace tombolo
 {
+  using NamedIds = std::map<std::string, std::set<unsigned int>>;
+
+  /** The ids that faces or cells of all meshes have, and their names. */
+  class JoinedIds
+  {
+  public:
+    void begin_mesh(const std::string &name)
+    {
+      mesh = name;
+      of_mesh.clear();
+    }
+
+    /** The id here of an id of the present mesh: the same where no earlier mesh has it. */
+    unsigned int id(const unsigned int own)
+    {
+      const auto [found, is_new] = of_mesh.emplace(own, own);
+      if (is_new && !taken.insert(own).second)
+        taken.insert(found->second = *taken.rbegin() + 1);
+      return found->second;
+    }
+
+    /** By ids of the present mesh that are known so far. */
+    const std::map<unsigned int, unsigned int> &known() const
+    {
+      return of_mesh;
+    }
+
+    void add_names(const std::map<std::string, unsigned int> &single, const NamedIds &joint)
+    {
+      NamedIds names = joint;
+      for (const auto &[name, own] : single)
+        names[name].insert(own);
+      for (const auto &[name, of_name] : names)
+      {
+        std::set<unsigned int> here;
+        for (const unsigned int own : of_name)
+          here.insert(id(own));
+        add_name(mesh + "." + name, here);
+        unqualified[name].push_back(here);
+      }
+    }
+
+    void add_name(const std::string &name, const std::set<unsigned int> &here)
+    {
+      all[name].insert(here.begin(), here.end());
+    }
+
+    /** The names of all meshes, those with one id and those with several. */
+    void give_names(std::map<std::string, unsigned int> &single, NamedIds &joint) const
+    {
+      NamedIds names = all;
+      for (const auto &[name, of_meshes] : unqualified)
+        if (of_meshes.size() == 1)
+          names.emplace(name, of_meshes.front());
+      for (const auto &[name, here] : names)
+        if (here.size() == 1)
+          single.emplace(name, *here.begin());
+        else
+          joint.emplace(name, here);
+    }
+
+  private:
+    std::string mesh;
+    std::map<unsigned int, unsigned int> of_mesh; ///< here, by ids of the present mesh
+    std::set<unsigned int> taken;
+    NamedIds all;
+    std::map<std::string, std::vector<std::set<unsigned int>>> unqualified; ///< of each mesh
+  };
+
   namespace
   {
     const std::string list_of_meshes = "Meshes";
@@ -45,9 +108,9 @@ namespace tombolo
     constexpr double tolerated_share = 0.2;
 
     template <int dim, typename Cell>
-    CellCorners<dim> corners_of(const Cell &cell)
+    CellVertices<dim> corners_of(const Cell &cell)
     {
-      CellCorners<dim> result;
+      CellVertices<dim> result;
       for (const unsigned int v : cell->vertex_indices())
         result[v] = cell->vertex(v);
       return result;
@@ -229,7 +292,7 @@ namespace tombolo
     // Level 0 has all cells on all ranks, each as large as 2^n of those that are compared with it.
     const double share_of_coarse =
         std::ldexp(tolerated_share, -static_cast<int>(pieces.n_refinements));
-    std::vector<std::vector<CellCorners<dim>>> cells(members.size());
+    std::vector<std::vector<CellVertices<dim>>> cells(members.size());
     std::vector<std::vector<BoundingBox<dim>>> boxes(members.size());
     for (const auto &cell : mesh.triangulation.cell_iterators_on_level(0))
     {
@@ -317,6 +380,109 @@ namespace tombolo
     return result;
   }
 
+  template <int dim>
+  std::unique_ptr<MeshSource<dim>> chosen_mesh_source(const Entries &e)
+  {
+    auto source = e.plugin<MeshSource<dim>>("Type", mandatory, "Where the mesh comes from.");
+    e.plugins<MeshSource<dim>>();
+    return source;
+  }
+
+  template <int dim>
+  void declare_mesh_sources(Parameters &parameters)
+  {
+    chosen_mesh_source<dim>(Entries(parameters.handler()).subsection("Mesh"));
+    JoinedMeshes<dim>::declare_parameters(parameters);
+  }
+
+  template <int dim>
+  std::unique_ptr<MeshSource<dim>> mesh_source(const Parameters &parameters)
+  {
+    if (auto joined = JoinedMeshes<dim>::read(parameters))
+      return joined;
+    return chosen_mesh_source<dim>(parameters.section("Mesh"));
+  }
+
+  template std::unique_ptr<MeshSource<2>> chosen_mesh_source<2>(const Entries &);
+  template std::unique_ptr<MeshSource<3>> chosen_mesh_source<3>(const Entries &);
+  template void declare_mesh_sources<2>(Parameters &);
+  template void declare_mesh_sources<3>(Parameters &);
+  template std::unique_ptr<MeshSource<2>> mesh_source<2>(const Parameters &);
+  template std::unique_ptr<MeshSource<3>> mesh_source<3>(const Parameters &);
+
+  namespace
+  {
+    template <int dim>
+    bool is_separated_along(const Tensor<1, dim> &direction, const CellVertices<dim> &a,
+                            const CellVertices<dim> &b)
+    {
+      const auto extent = [&](const CellVertices<dim> &cell)
+      {
+        double begin = std::numeric_limits<double>::max(), end = -begin;
+        for (const Point<dim> &corner : cell)
+        {
+          const double place = direction * corner;
+          begin = std::min(begin, place);
+          end = std::max(end, place);
+        }
+        return std::make_pair(begin, end);
+      };
+      const auto [begin_of_a, end_of_a] = extent(a);
+      const auto [begin_of_b, end_of_b] = extent(b);
+      return end_of_a < begin_of_b || end_of_b < begin_of_a;
+    }
+
+    template <int dim>
+    Tensor<1, dim> edge_of(const CellVertices<dim> &cell, const unsigned int line)
+    {
+      using Geometry = GeometryInfo<dim>;
+      return cell[Geometry::line_to_cell_vertices(line, 1)] -
+             cell[Geometry::line_to_cell_vertices(line, 0)];
+    }
+
+    template <int dim>
+    Tensor<1, dim> normal_of_face(const CellVertices<dim> &cell, const unsigned int face)
+    {
+      const auto corner = [&](const unsigned int k)
+      { return cell[GeometryInfo<dim>::face_to_cell_vertices(face, k)]; };
+      if constexpr (dim == 2)
+        return cross_product_2d(corner(1) - corner(0));
+      else
+        return cross_product_3d(corner(3) - corner(0), corner(2) - corner(1));
+    }
+  } // namespace
+
+  template <int dim>
+  CellVertices<dim> shrunk_corners(const CellVertices<dim> &cell, const double share)
+  {
+    Tensor<1, dim> centre;
+    for (const Point<dim> &corner : cell)
+      centre += corner / static_cast<double>(cell.size());
+    CellVertices<dim> result = cell;
+    for (Point<dim> &corner : result)
+      corner += share * (centre - corner);
+    return result;
+  }
+
+  template <int dim>
+  bool have_points_in_common(const CellVertices<dim> &a, const CellVertices<dim> &b)
+  {
+    for (const CellVertices<dim> *const cell : {&a, &b})
+      for (const unsigned int f : GeometryInfo<dim>::face_indices())
+        if (is_separated_along(normal_of_face(*cell, f), a, b))
+          return false;
+    if constexpr (dim == 3)
+      for (unsigned int k = 0; k < GeometryInfo<dim>::lines_per_cell; ++k)
+        for (unsigned int l = 0; l < GeometryInfo<dim>::lines_per_cell; ++l)
+          if (is_separated_along(cross_product_3d(edge_of(a, k), edge_of(b, l)), a, b))
+            return false;
+    return true;
+  }
+
   template class JoinedMeshes<2>;
   template class JoinedMeshes<3>;
+  template CellVertices<2> shrunk_corners<2>(const CellVertices<2> &, double);
+  template CellVertices<3> shrunk_corners<3>(const CellVertices<3> &, double);
+  template bool have_points_in_common<2>(const CellVertices<2> &, const CellVertices<2> &);
+  template bool have_points_in_common<3>(const CellVertices<3> &, const CellVertices<3> &);
 } // namespace tombolo

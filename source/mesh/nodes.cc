@@ -5,8 +5,6 @@
 
 #include <tombolo/mesh/nodes.h>
 
-#include <tombolo/mesh/communicator_of.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>

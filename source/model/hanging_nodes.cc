@@ -3,7 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/mesh/communicator_of.h>
+#include <tombolo/mesh/mesh.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -4,8 +4,8 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
-#include <tombolo/mesh/chosen_mesh.h>
 #include <tombolo/mesh/image_conditions.h>
+#include <tombolo/mesh/joined_meshes.h>
 #include <tombolo/mesh/refinement.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/moving_parts.h>

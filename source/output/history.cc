@@ -2,7 +2,6 @@
 #include <tombolo/output/history.h>
 
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/moment.h>
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/registry.h>
-#include <tombolo/output/solution_pieces.h>
 #include <tombolo/output/symmetric_tensors.h>
+#include <tombolo/output/visualization.h>
 
 #include <algorithm>
 #include <iterator>

@@ -4,17 +4,19 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/boundary/region.h>
+#include <tombolo/formulations/formulation.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/chosen_mesh.h>
-#include <tombolo/output/named_places.h>
+#include <tombolo/mesh/joined_meshes.h>
 #include <tombolo/output/output.h>
+#include <tombolo/output/symmetric_tensors.h>
 
+#include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
-
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -24,6 +26,64 @@ namespace tombolo
 {
   namespace
   {
+    /** A place that an output is asked for, and what its columns are called. */
+    template <int dim>
+    struct NamedPlace
+    {
+      std::string name;
+      Point<dim> location;
+    };
+
+    template <int dim>
+    NamedPlace<dim> read_place(const std::string &text, const Section &section,
+                               const std::string &entry, const std::string &name)
+    {
+      const std::size_t colon = text.rfind(':');
+      NamedPlace<dim> result{
+          colon == std::string::npos ? name : Utilities::trim(text.substr(0, colon)), {}};
+      if (result.name.empty())
+        section.fail(entry, "\"" + text + "\" has no name before the colon");
+      const std::vector<std::string> numbers = Utilities::split_string_list(
+          colon == std::string::npos ? text : text.substr(colon + 1), ',');
+      if (numbers.size() != dim)
+        section.fail(entry, "\"" + text + "\" has " + std::to_string(numbers.size()) +
+                                " coordinates; " + std::to_string(dim) +
+                                " are needed, separated by commas");
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        try
+        {
+          result.location[d] = Utilities::string_to_double(numbers[d]);
+        }
+        catch (const ExceptionBase &)
+        {
+          result.location[d] = std::numeric_limits<double>::quiet_NaN();
+        }
+        if (!std::isfinite(result.location[d]))
+          section.fail(entry, "\"" + numbers[d] + "\" in \"" + text + "\" is not a number");
+      }
+      return result;
+    }
+
+    /** The places of an entry, a list, separated by semicolons, of `name: x, y, z`; one without a
+     * name is called @p word and its number in the list. Throws InputError. */
+    template <int dim>
+    std::vector<NamedPlace<dim>> read_named_places(const Section &section, const std::string &entry,
+                                                   const std::string &word)
+    {
+      std::vector<NamedPlace<dim>> result;
+      for (const std::string &text : Utilities::split_string_list(section.get(entry), ';'))
+      {
+        const auto place =
+            read_place<dim>(text, section, entry, word + " " + std::to_string(result.size() + 1));
+        if (std::any_of(result.begin(), result.end(),
+                        [&](const NamedPlace<dim> &other) { return other.name == place.name; }))
+          section.fail(entry, "two " + word + "s are called \"" + place.name + "\"");
+        result.push_back(place);
+      }
+      return result;
+    }
+
     const char *const probes_file = "probes.csv";
 
     const OutputOfScene of_probes(
@@ -348,4 +408,137 @@ namespace tombolo
       Output, Probes, "probes",
       "Histories of position, displacement, velocity and temperature at "
       "named nodes (probes.csv).")
+
+  namespace
+  {
+    const char *const points_file = "points.csv";
+
+    const OutputOfScene of_points(2, "point history", "its own Locations",
+                                  [](const Section &output) {
+                                    return output.subsection("point history").is_set("Locations");
+                                  });
+  } // namespace
+
+  /**
+   * Histories at material points: `points.csv`, whose rows have time, step, and of the point next
+   * to each place of `Locations`, by initial positions, the stress (xx, yy, zz, yz, xz, xy), its
+   * von Mises stress and what the material and the formulation remember there. Of points at the
+   * same distance the one that comes first by its coordinates is taken. It is looked for in each
+   * row, so that it is the one that is there: where cells are divided a point of a child, where
+   * they become particles one of these.
+   */
+  template <int dim>
+  class PointHistory : public History<dim>
+  {
+  public:
+    explicit PointHistory(const Entries &e) : History<dim>(e, points_file)
+    {
+      e.text("Locations", "", "L",
+             "Places of which the stress and what the material remembers are written to "
+             "points.csv, by initial coordinates, to which the nearest material point is taken, an "
+             "integration point of an element or a particle: a list, separated by semicolons, of "
+             "`name: x, y, z`, or without a name.");
+      if (!e.declares())
+        places = read_named_places<dim>(e.section(), "Locations", "point");
+      e.refuse(places.empty(), "Locations",
+               "give at least one location, for example `root: 0, 0, 0`");
+    }
+
+    void check(const OutputView<dim> &view) override
+    {
+      if (!view.has_mechanics)
+        this->section.fail("Locations", "the scene has no mechanics, and no material points");
+      const double largest_cell = BodyPoint<dim>::largest_cell(*view.nodes);
+      for (const NamedPlace<dim> &place : places)
+        if (const double distance = nearest(view, place.location).distance; distance > largest_cell)
+          this->section.fail(
+              "Locations",
+              "the nearest material point is " + format_number(distance) + " away from \"" +
+                  place.name + "\", more than the largest cell measures (" +
+                  format_number(largest_cell) + "): this place is outside of the body");
+      History<dim>::check(view);
+    }
+
+  private:
+    struct Candidate
+    {
+      double distance = std::numeric_limits<double>::max();
+      Point<dim> initial;
+      unsigned int part = 0, point = 0, rank = 0;
+
+      bool is_before(const Candidate &other, const double alike) const
+      {
+        if (std::abs(distance - other.distance) > alike)
+          return distance < other.distance;
+        for (unsigned int d = 0; d < dim; ++d)
+          if (std::abs(initial[d] - other.initial[d]) > alike)
+            return initial[d] < other.initial[d];
+        return part != other.part ? part < other.part : rank < other.rank;
+      }
+    };
+
+    /** The material point next to a place, the same on all ranks. Collective. */
+    Candidate nearest(const OutputView<dim> &view, const Point<dim> &location) const
+    {
+      const MPI_Comm communicator = view.nodes->communicator();
+      const double alike = 1e-9 * BodyPoint<dim>::largest_cell(*view.nodes);
+      Candidate best;
+      best.rank = Utilities::MPI::this_mpi_process(communicator);
+      for (unsigned int p = 0; p < view.parts.size(); ++p)
+      {
+        const Formulation<dim> &formulation = *view.parts[p].formulation;
+        const std::vector<Point<dim>> &initial = formulation.initial_point_positions();
+        const MaterialPoints &points = formulation.points();
+        for (unsigned int i = 0; i < points.size(); ++i)
+        {
+          const Candidate other{location.distance(initial[i]), initial[i], p, i, best.rank};
+          if (points.component(MaterialPoints::volume, 0)[i] > 0. && other.is_before(best, alike))
+            best = other;
+        }
+      }
+      for (const Candidate &other : of_all_ranks(std::vector<Candidate>{best}, communicator))
+        if (other.is_before(best, alike))
+          best = other;
+      return best;
+    }
+
+    void add_columns(const OutputView<dim> &view) override
+    {
+      for (const NamedPlace<dim> &place : places)
+      {
+        const Candidate found = nearest(view, place.location);
+        const MaterialPoints &points = view.parts[found.part].formulation->points();
+        const MPI_Comm communicator = view.nodes->communicator();
+        const bool is_here = found.rank == Utilities::MPI::this_mpi_process(communicator);
+        for (unsigned int f = 0; f < points.fields().size(); ++f)
+        {
+          const FieldDescription &field = points.fields()[f];
+          if (field.is_internal)
+            continue;
+          std::vector<double> values(field.n_components, 0.);
+          for (unsigned int c = 0; c < field.n_components && is_here; ++c)
+            values[c] = points.component(f, c)[found.point];
+          // One rank has the point: the sum only adds zeros to its values.
+          Utilities::MPI::sum(std::vector<double>(values), communicator, values);
+          const std::string name = place.name + " " + field.name;
+          static const std::array<const char *, 6> of_tensor = {
+              {" xx", " yy", " zz", " yz", " xz", " xy"}};
+          for (unsigned int c = 0; c < field.n_components; ++c)
+            this->table.add(name + (field.n_components == 1   ? ""
+                                    : field.n_components == 6 ? of_tensor[c]
+                                                              : " " + std::to_string(c + 1)),
+                            field.unit, values[c]);
+          if (f == MaterialPoints::stress)
+            this->table.add(place.name + " von Mises stress", field.unit,
+                            von_mises_stress(values.data()));
+        }
+      }
+    }
+
+    std::vector<NamedPlace<dim>> places;
+  };
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, PointHistory, "point history",
+                                  "Histories of stress and of what the material remembers at named "
+                                  "material points (points.csv).")
 } // namespace tombolo

@@ -2,7 +2,6 @@
 #include <tombolo/output/vtu_piece.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/output/xml_text.h>
 
 #include <deal.II/base/config.h>
 #include <deal.II/base/exceptions.h>

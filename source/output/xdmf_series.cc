@@ -5,7 +5,6 @@
 #include <tombolo/base/file_stream.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/hdf5_handle.h>
-#include <tombolo/output/xml_text.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>

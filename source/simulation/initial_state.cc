@@ -5,7 +5,7 @@
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 #include <tombolo/state/state_archive.h>
 
 #include <string>

@@ -5,7 +5,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/boundary/conditions.h>
-#include <tombolo/boundary/local_axes.h>
 #include <tombolo/boundary/prescribed_frame.h>
 #include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_state.h>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/point.h>
-
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/mesh.h>
+
+#include <deal.II/base/point.h>
 
 #include <optional>
 #include <set>
@@ -31,10 +32,23 @@ namespace tombolo
   public:
     /** Reads the two entries. Throws InputError if there is neither, unless the place @p
      * may_be_everywhere. */
-    Place(const Section &section, bool may_be_everywhere);
+    Place(const Section &section, const bool may_be_everywhere)
+    {
+      const bool has_where = !section.get("Where").empty();
+      const bool has_boundary = !section.get("Boundary").empty();
+      if (has_where)
+        where.emplace(section, "Where");
+      if (!has_where && !has_boundary && !may_be_everywhere)
+        section.fail("", "a condition needs `Where`, a predicate such as \"x < 1e-9\", or "
+                         "`Boundary`, the name of a boundary.");
+    }
 
     /** Looks up the names of boundaries; to be called before all below. Throws InputError. */
-    void find_boundaries(const Mesh<dim> &mesh, const Section &section);
+    void find_boundaries(const Mesh<dim> &mesh, const Section &section)
+    {
+      if (section.is_set("Boundary"))
+        boundaries = boundary_ids(mesh, section, "Boundary");
+    }
 
     /** Whether there are names of boundaries. */
     bool has_boundaries() const
@@ -62,7 +76,11 @@ namespace tombolo
     }
 
     /** Throws the InputError that nothing is selected; @p what is "node", for example. */
-    [[noreturn]] void fail_empty(const Section &section, const std::string &what) const;
+    [[noreturn]] void fail_empty(const Section &section, const std::string &what) const
+    {
+      section.fail(where ? "Where" : "Boundary",
+                   "the condition selects no " + what + "; it would do nothing.");
+    }
 
   private:
     std::optional<Predicate<dim>> where;

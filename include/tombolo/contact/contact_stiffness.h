@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/tensor.h>
@@ -98,15 +99,54 @@ namespace tombolo
     using Entries = typename ContactStiffness<dim>::Entries;
 
     /** Adds to the entry of @p node in the row of @p place, both by global numbers. */
-    void add(dealii::types::global_dof_index place, dealii::types::global_dof_index node,
-             const dealii::Tensor<1, dim> &normal, double weight,
-             const dealii::Tensor<1, dim> &shift = {}, const dealii::Tensor<2, dim> &shares = {});
+    void add(const dealii::types::global_dof_index place,
+             const dealii::types::global_dof_index node, const dealii::Tensor<1, dim> &normal,
+             const double weight, const dealii::Tensor<1, dim> &shift = {},
+             const dealii::Tensor<2, dim> &shares = {})
+    {
+      Entry &entry = rows[place].try_emplace(node, Entry{node, {}, 0.}).first->second;
+      entry.normal += normal;
+      entry.weight += weight;
+      entry.shift += shift;
+      entry.shares += shares;
+    }
 
     /** Brings the pieces to the owners of the rows. Collective. */
-    void collect(const NodePartition &partition);
+    void collect(const NodePartition &partition)
+    {
+      // Pieces that others own are few: those of nodes at the border of two ranks.
+      struct Piece
+      {
+        dealii::types::global_dof_index place;
+        Entry entry;
+      };
+      std::vector<Piece> pieces;
+      for (auto row = rows.begin(); row != rows.end();)
+      {
+        if (partition.owned().is_element(row->first))
+        {
+          ++row;
+          continue;
+        }
+        for (const auto &[node, entry] : row->second)
+          pieces.push_back({row->first, entry});
+        row = rows.erase(row);
+      }
+      for (const auto &[place, entry] : of_all_ranks(pieces, partition.communicator()))
+        if (partition.owned().is_element(place))
+          add(place, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
+    }
 
     /** Of an owned node, after collect(), ascending. */
-    Entries row(dealii::types::global_dof_index place) const;
+    Entries row(const dealii::types::global_dof_index place) const
+    {
+      Entries result;
+      const auto found = rows.find(place);
+      if (found != rows.end())
+        for (const auto &[node, entry] : found->second)
+          result.push_back(entry);
+      return result;
+    }
 
   private:
     using Row = std::map<dealii::types::global_dof_index, Entry>;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/nodal_geometry.h>
@@ -8,8 +9,14 @@
 #include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <mpi.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -54,7 +61,16 @@ namespace tombolo
 
     /** What is referred to must outlive this. */
     MortarSegments(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
-                   const Pairing<dim> &pairing, MPI_Comm communicator);
+                   const Pairing<dim> &pairing, const MPI_Comm communicator)
+        : slaves(slaves), masters(masters), pairing(pairing), communicator(communicator),
+          exchange(communicator)
+    {
+      double thinnest = std::numeric_limits<double>::max();
+      for (const ContactFaces<dim> *const side : {&slaves, &masters})
+        for (const auto &face : side->faces())
+          thinnest = std::min(thinnest, face.thickness);
+      margin = dealii::Utilities::MPI::min(thinnest, communicator);
+    }
 
     /** Finds the sums of effusivities as well. Before set_partition(). */
     void split_by_effusivity()
@@ -63,13 +79,54 @@ namespace tombolo
     }
 
     /** Translates node numbers to those of @p partition; the faces have it. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      for (NodalVector *const sum : {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal})
+        sum->reinit(partition);
+      at_slaves.scalars.reinit(partition, Quantity::scalars);
+      if (sums_effusivity)
+        at_slaves.effusivity.reinit(partition, Quantity::scalars);
+      position_of_pairs.reinit(partition, Quantity::position);
+      nodes.clear();
+      for (const ContactFaces<dim> *const side : {&slaves, &masters})
+        for (const auto &face : side->faces())
+          nodes.insert(nodes.end(), face.nodes.begin(), face.nodes.end());
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      has_pairs = has_pairs && pairing.is_tied();
+    }
 
     /** Finds sums() with the segments in these positions, or those of the first call where the
      * pairing is tied, and the motion since @p last_position. All arguments have current ghosts;
      * @p thermal is null without heat. Collective. */
     void gather(const NodalVector &position, const NodalVector &last_position,
-                const NodalVector *thermal);
+                const NodalVector *const thermal)
+    {
+      const bool are_kept = has_pairs && pairing.is_tied();
+      if (!are_kept && (!has_pairs || has_moved(position)))
+        find_pairs(position);
+      receive_values(position, last_position, thermal);
+      if (!are_kept)
+        find_segments(position);
+      else
+        for (Segment &segment : segments)
+        {
+          dealii::Tensor<1, dim> normal = slave_face(segment.slave, position).area;
+          normal /= normal.norm();
+          segment.set_normal(normal);
+        }
+      std::vector<NodalVector *> sums = {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal,
+                                         &at_slaves.scalars};
+      if (sums_effusivity)
+        sums.push_back(&at_slaves.effusivity);
+      for (NodalVector *const sum : sums)
+        for (const unsigned int node : slaves.owned_nodes())
+          std::fill_n(sum->node(node), node_stride, 0.);
+      for (const Segment &segment : segments)
+        add_segment(segment, position, last_position, thermal);
+      for (NodalVector *const sum : sums)
+        sum->add_to_owners();
+    }
 
     const Sums &sums() const
     {
@@ -97,18 +154,148 @@ namespace tombolo
      * results are not collected. With @p heat_flow, whose slots are what a slave node gets of
      * conduction, what friction heats, both per area, and the share of the latter that the slave
      * gets, adds what both sides get to @p heat (scalar). Collective. */
-    void scatter(const NodalVector &traction, const NodalVector *heat_flow, NodalVector &loads,
-                 NodalVector *heat);
+    void scatter(const NodalVector &traction, const NodalVector *const heat_flow,
+                 NodalVector &loads, NodalVector *const heat)
+    {
+      const unsigned int n_sums = heat_flow != nullptr ? dim + 1 : dim;
+      values.assign(exchange.masters().size() * n_corners * n_sums, 0.);
+      for (const Segment &segment : segments)
+      {
+        const auto &face = slaves.faces()[segment.slave];
+        double *const at_master = values.data() + segment.master * n_corners * n_sums;
+        NodeLanes of_corner[n_corners];
+        for (unsigned int i = 0; i < n_corners; ++i)
+          of_corner[i] = load_node(traction.node(face.nodes[i]));
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          NodeLanes to_slave = 0., to_master = 0.;
+          for (unsigned int i = 0; i < n_corners; ++i)
+          {
+            to_slave += segment.of_slave[i][j] * of_corner[i];
+            to_master += segment.of_master[i][j] * of_corner[i];
+          }
+          double *const load = loads.node(face.nodes[j]);
+          store_node(load_node(load) + to_slave, load);
+          for (unsigned int d = 0; d < dim; ++d)
+            at_master[j * n_sums + d] -= to_master[d];
+          for (unsigned int i = 0; heat_flow != nullptr && i < n_corners; ++i)
+          {
+            const double *const flow = heat_flow->node(face.nodes[i]);
+            *heat->node(face.nodes[j]) += segment.of_slave[i][j] * (flow[0] + flow[2] * flow[1]);
+            at_master[j * n_sums + dim] +=
+                segment.of_master[i][j] * ((1. - flow[2]) * flow[1] - flow[0]);
+          }
+        }
+      }
+      exchange.send_back(n_corners * n_sums, values, returned);
+      const double *value = returned.data();
+      for (const unsigned int f : exchange.sent_faces())
+        for (const unsigned int node : masters.faces()[f].nodes)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            loads.node(node)[d] += *value++;
+          if (heat_flow != nullptr)
+            *heat->node(node) += *value++;
+        }
+    }
 
     /** Adds the weights w^s_IJ and -w^m_IL of the segments to the rows of slave nodes I, with the
      * @p normal of each slave node for the normal part; its ghosts are current. */
-    void add_weights(const NodalVector &normal, ContactRows<dim> &rows) const;
+    void add_weights(const NodalVector &normal, ContactRows<dim> &rows) const
+    {
+      for (const Segment &segment : segments)
+      {
+        const auto &slave = slaves.faces()[segment.slave];
+        const auto &master = exchange.masters()[segment.master];
+        for (unsigned int i = 0; i < n_corners; ++i)
+        {
+          const auto n = vector_of<dim>(normal.node(slave.nodes[i]));
+          for (unsigned int j = 0; j < n_corners; ++j)
+          {
+            const double of_slave = segment.of_slave[i][j], of_master = -segment.of_master[i][j];
+            rows.add(slave.global_nodes[i], slave.global_nodes[j], of_slave * n, of_slave);
+            rows.add(slave.global_nodes[i], master.nodes[j], of_master * n, of_master);
+          }
+        }
+      }
+    }
 
     /** Adds to the same rows how the integral of the depth changes with the weights, by difference
      * quotients of the segments in these positions. @p pressed has normal and depth (the last slot)
      * of slave nodes, zero where nothing is pressed; its ghosts are current. Collective. */
     void add_changes_of_weights(const NodalVector &position, const NodalVector &pressed,
-                                ContactRows<dim> &rows) const;
+                                ContactRows<dim> &rows) const
+    {
+      constexpr double relative_step = 1e-6; // of the size of the slave face
+      std::vector<double> sent, received;
+      std::vector<Segment> moved;
+      for (const unsigned int f : exchange.sent_faces())
+        for (const unsigned int node : masters.faces()[f].nodes)
+          sent.insert(sent.end(), position.node(node), position.node(node) + dim);
+      exchange.send(n_corners * dim, sent, received);
+      for (const Segment &segment : segments)
+      {
+        const auto &face = slaves.faces()[segment.slave];
+        const auto &of_master = exchange.masters()[segment.master];
+        std::array<dealii::Tensor<1, dim>, n_corners> normals;
+        std::array<double, n_corners> depths;
+        bool is_pressed = false;
+        for (unsigned int i = 0; i < n_corners; ++i)
+        {
+          normals[i] = vector_of<dim>(pressed.node(face.nodes[i]));
+          depths[i] = pressed.node(face.nodes[i])[slot_of_depth] - pairing.radius();
+          is_pressed = is_pressed || normals[i].norm_square() > 0.;
+        }
+        if (!is_pressed)
+          continue;
+        // About a corner: far from the origin the quotients would lose digits.
+        PairedFace<dim> slave = slave_face(segment.slave, position);
+        std::vector<PairedFace<dim>> master{master_face(segment.master, received, dim)};
+        const std::array<PairedFace<dim> *, 2> sides{{&slave, master.data()}};
+        const dealii::Tensor<1, dim> place = slave.corners[0];
+        for (PairedFace<dim> *const side : sides)
+          for (dealii::Tensor<1, dim> &corner : side->corners)
+            corner -= place;
+        const double step = relative_step * std::pow(slave.area.norm(), 1. / (dim - 1));
+        const auto integrals = [&]
+        {
+          slave.area = face.orientation * area_vector<dim>(slave.corners);
+          master[0].area = of_master.orientation * area_vector<dim>(master[0].corners);
+          moved.clear();
+          pairing.find(slave, master, moved);
+          std::array<double, n_corners> result{};
+          for (const Segment &pair : moved)
+            for (unsigned int i = 0; i < n_corners; ++i)
+              for (unsigned int j = 0; j < n_corners; ++j)
+                result[i] += pair.of_master[i][j] * (master[0].corners[j] * normals[i]) -
+                             pair.of_slave[i][j] * (slave.corners[j] * normals[i] + depths[i]);
+          return result;
+        };
+        for (const unsigned int side : {0u, 1u})
+          for (unsigned int k = 0; k < n_corners; ++k)
+          {
+            std::array<dealii::Tensor<1, dim>, n_corners> shifts;
+            for (unsigned int d = 0; d < dim; ++d)
+            {
+              double &coordinate = sides[side]->corners[k][d];
+              const double middle = coordinate;
+              coordinate = middle + step;
+              const auto after = integrals();
+              coordinate = middle - step;
+              const auto before = integrals();
+              coordinate = middle;
+              for (unsigned int i = 0; i < n_corners; ++i)
+                shifts[i][d] = -(after[i] - before[i]) / (2. * step);
+            }
+            for (unsigned int i = 0; i < n_corners; ++i)
+            {
+              const double weight = side == 0 ? segment.of_slave[i][k] : -segment.of_master[i][k];
+              rows.add(face.global_nodes[i], side == 0 ? face.global_nodes[k] : of_master.nodes[k],
+                       {}, 0., shifts[i] - weight * normals[i]);
+            }
+          }
+      }
+    }
 
     /** Pairs of faces that were looked at in the last step, and of which a part is common, on this
      * rank. */
@@ -121,29 +308,8 @@ namespace tombolo
     static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;
     using Segment = FacePair<dim>;
 
-    struct Box
-    {
-      /** Around the corners, @p by wider on all sides. */
-      Box(const FaceCorners<dim> &corners, const double by) : low(corners[0]), high(corners[0])
-      {
-        for (const dealii::Tensor<1, dim> &corner : corners)
-          widen_box(low, high, corner);
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          low[d] -= by;
-          high[d] += by;
-        }
-      }
-      bool meets(const Box &other) const
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-          if (low[d] > other.high[d] || other.low[d] > high[d])
-            return false;
-        return true;
-      }
-
-      dealii::Tensor<1, dim> low, high;
-    };
+    /** The slot of a nodal vector behind the components of a normal. */
+    static constexpr unsigned int slot_of_depth = node_stride - 1;
 
     /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
     bool has_moved(const NodalVector &position) const
@@ -164,16 +330,145 @@ namespace tombolo
 
     /** Values of corners of master faces: x, x - @p last_position, and of @p thermal. */
     void receive_values(const NodalVector &position, const NodalVector &last_position,
-                        const NodalVector *thermal);
-    void find_segments(const NodalVector &position);
-    PairedFace<dim> slave_face(unsigned int number, const NodalVector &position) const;
+                        const NodalVector *const thermal)
+    {
+      const unsigned int n_thermal = thermal == nullptr ? 0 : sums_effusivity ? 3 : 2;
+      n_values = 2 * dim + n_thermal;
+      sent_values.clear();
+      for (const unsigned int f : exchange.sent_faces())
+        for (const unsigned int node : masters.faces()[f].nodes)
+        {
+          sent_values.insert(sent_values.end(), position.node(node), position.node(node) + dim);
+          for (unsigned int d = 0; d < dim; ++d)
+            sent_values.push_back(position.node(node)[d] - last_position.node(node)[d]);
+          if (thermal != nullptr)
+            sent_values.insert(sent_values.end(),
+                               {thermal->node(node)[temperature], thermal->node(node)[of_master]});
+          if (n_thermal == 3)
+            sent_values.push_back(thermal->node(node)[effusivity]);
+        }
+      exchange.send(n_corners * n_values, sent_values, values);
+    }
+
+    void find_segments(const NodalVector &position)
+    {
+      segments.clear();
+      master_faces.clear();
+      master_boxes.clear();
+      for (unsigned int m = 0; m < exchange.masters().size(); ++m)
+      {
+        master_faces.push_back(master_face(m, values, n_values));
+        master_boxes.push_back(box_around<dim>(master_faces.back().corners, 0.));
+      }
+      const auto &pairs = exchange.pairs();
+      for (auto pair = pairs.begin(); pair != pairs.end();)
+      {
+        const PairedFace<dim> slave = slave_face(pair->slave, position);
+        const auto box =
+            box_around<dim>(slave.corners, pairing.reach() * slave.thickness + pairing.radius());
+        for (near.clear(); pair != pairs.end() && pair->slave == slave.number; ++pair)
+          if (have_common_points(box, master_boxes[pair->master]))
+            near.push_back(master_faces[pair->master]);
+        if (!near.empty())
+          pairing.find(slave, near, segments);
+      }
+    }
+
+    PairedFace<dim> slave_face(const unsigned int number, const NodalVector &position) const
+    {
+      const auto &face = slaves.faces()[number];
+      const FaceCorners<dim> corners = slaves.corners(face, position);
+      return {number, face.thickness, corners, face.orientation * area_vector<dim>(corners)};
+    }
+
     /** With @p n_of_corner values for each corner of a master, the first of which are positions. */
-    PairedFace<dim> master_face(unsigned int number, const std::vector<double> &of_corners,
-                                unsigned int n_of_corner) const;
+    PairedFace<dim> master_face(const unsigned int number, const std::vector<double> &of_corners,
+                                const unsigned int n_of_corner) const
+    {
+      const auto &face = exchange.masters()[number];
+      PairedFace<dim> result{number, face.thickness, {}, {}};
+      for (unsigned int k = 0; k < n_corners; ++k)
+        result.corners[k] =
+            vector_of<dim>(of_corners.data() + (number * n_corners + k) * n_of_corner);
+      result.area = face.orientation * area_vector<dim>(result.corners);
+      return result;
+    }
+
     void add_segment(const Segment &segment, const NodalVector &position,
-                     const NodalVector &last_position, const NodalVector *thermal);
+                     const NodalVector &last_position, const NodalVector *const thermal)
+    {
+      const auto &face = slaves.faces()[segment.slave];
+      const double *const master = values.data() + segment.master * n_corners * n_values;
+      // Differences to a place near by: both sums of weights are equal only to round-off.
+      const double *const place = position.node(face.nodes[0]);
+      NodeLanes offset[2][n_corners], motion[2][n_corners]; // of the slave, of the master
+      for (unsigned int j = 0; j < n_corners; ++j)
+      {
+        alignas(32) double of_slave[2][node_stride] = {}, of_other[2][node_stride] = {};
+        const double *const x = position.node(face.nodes[j]);
+        const double *const last_x = last_position.node(face.nodes[j]);
+        const double *const at_master = master + j * n_values;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          of_slave[0][d] = x[d] - place[d];
+          of_slave[1][d] = x[d] - last_x[d];
+          of_other[0][d] = at_master[d] - place[d];
+          of_other[1][d] = at_master[dim + d];
+        }
+        offset[0][j] = load_node(of_slave[0]);
+        motion[0][j] = load_node(of_slave[1]);
+        offset[1][j] = load_node(of_other[0]);
+        motion[1][j] = load_node(of_other[1]);
+      }
+      for (unsigned int i = 0; i < n_corners; ++i)
+      {
+        NodeLanes gap = 0., moved = 0.;
+        double of_area = 0;
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          const double of_slave = segment.of_slave[i][j], of_other = segment.of_master[i][j];
+          gap += of_other * offset[1][j] - of_slave * offset[0][j];
+          moved += of_slave * motion[0][j] - of_other * motion[1][j];
+          of_area += of_slave;
+        }
+        const unsigned int node = face.nodes[i];
+        const auto add = [&](NodalVector &sum, const NodeLanes &value)
+        { store_node(load_node(sum.node(node)) + value, sum.node(node)); };
+        alignas(32) double normal[node_stride] = {};
+        for (unsigned int d = 0; d < dim; ++d)
+          normal[d] = of_area * segment.normals[i][d];
+        const NodeLanes weighted_normal = load_node(normal);
+        add(at_slaves.gap, gap - pairing.radius() * weighted_normal);
+        add(at_slaves.motion, moved);
+        add(at_slaves.normal, weighted_normal);
+        at_slaves.scalars.node(node)[area] += of_area;
+        if (thermal != nullptr)
+          add_thermal(segment, i, *thermal);
+      }
+    }
+
     /** The part of corner @p i of the slave in the sums of heat. */
-    void add_thermal(const Segment &segment, unsigned int i, const NodalVector &thermal);
+    void add_thermal(const Segment &segment, const unsigned int i, const NodalVector &thermal)
+    {
+      const auto &face = slaves.faces()[segment.slave];
+      const double *const master = values.data() + segment.master * n_corners * n_values;
+      double *const scalars = at_slaves.scalars.node(face.nodes[i]);
+      for (unsigned int j = 0; j < n_corners; ++j)
+      {
+        const double of_slave = segment.of_slave[i][j], of_other = segment.of_master[i][j];
+        const double *const at_slave = thermal.node(face.nodes[j]);
+        const double *const at_master = master + j * n_values + 2 * dim;
+        const double theta = of_slave * at_slave[temperature], other = of_other * at_master[0];
+        scalars[temperature_difference] += other - theta;
+        scalars[mean_temperature] += 0.5 * (other + theta);
+        scalars[inverse_capacity] +=
+            of_slave * at_slave[MortarSegments::of_slave] + of_other * at_master[1];
+        if (!sums_effusivity)
+          continue;
+        at_slaves.effusivity.node(face.nodes[i])[0] += of_slave * at_slave[effusivity];
+        at_slaves.effusivity.node(face.nodes[i])[1] += of_other * at_master[2];
+      }
+    }
 
     const ContactFaces<dim> &slaves, &masters;
     const Pairing<dim> &pairing;
@@ -181,7 +476,7 @@ namespace tombolo
     MPI_Comm communicator;
     FaceExchange<dim> exchange;
     std::vector<PairedFace<dim>> master_faces, near; // of the exchange, in this step
-    std::vector<Box> master_boxes;
+    std::vector<dealii::BoundingBox<dim>> master_boxes;
     std::vector<Segment> segments;
     Sums at_slaves;
     NodalVector position_of_pairs;   ///< where nodes were when the pairs were found

@@ -14,13 +14,6 @@
 
 namespace tombolo
 {
-  /** The ids of the comma-separated boundary names in an entry, for example `x min, struck end`.
-   * Throws InputError for a name that the mesh does not have, with the nearest one, all names, and
-   * what the source of the mesh has remarked about it. */
-  template <int dim>
-  std::set<dealii::types::boundary_id> boundary_ids(const Mesh<dim> &mesh, const Section &section,
-                                                    const std::string &entry);
-
   /** The ids of a name among those with one id and those with several. Where it is none of them:
    * no ids, and in @p problem what the mesh has of this @p kind, in the plural @p kinds. */
   inline std::set<unsigned int>
@@ -40,5 +33,32 @@ namespace tombolo
     problem = "The mesh has no " + kind + " " + in_quotes(name) + "." + did_you_mean(name, names) +
               " Its " + kinds + " are " + in_quotes(names) + ".";
     return {};
+  }
+
+  /** The ids of the comma-separated boundary names in an entry, for example `x min, struck end`.
+   * Throws InputError for a name that the mesh does not have, with the nearest one, all names, and
+   * what the source of the mesh has remarked about it. */
+  template <int dim>
+  std::set<dealii::types::boundary_id> boundary_ids(const Mesh<dim> &mesh, const Section &section,
+                                                    const std::string &entry)
+  {
+    std::set<dealii::types::boundary_id> result;
+    for (const std::string &name : section.get_list(entry))
+    {
+      std::string problem;
+      const auto ids = ids_of_name(mesh.boundary_names, mesh.joint_boundaries, name, "boundary",
+                                   "boundaries", problem);
+      if (mesh.boundary_names.empty() && mesh.joint_boundaries.empty())
+        problem = "The mesh has no boundary \"" + name +
+                  "\": none of its boundaries has a name. Choose by place, with a predicate.";
+      else if (ids.empty())
+        for (const auto &remark : mesh.remarks)
+          if (remark.find("\"" + name + "\"") != std::string::npos)
+            problem += " " + remark;
+      if (ids.empty())
+        section.fail(entry, problem);
+      result.insert(ids.begin(), ids.end());
+    }
+    return result;
   }
 } // namespace tombolo

@@ -4,6 +4,8 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/types.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -50,7 +52,11 @@ namespace tombolo
     };
 
     /** Of a mesh that is the whole body. */
-    static const std::shared_ptr<const Images> &none();
+    static const std::shared_ptr<const Images> &none()
+    {
+      static const auto result = std::make_shared<const Images>();
+      return result;
+    }
 
     bool empty() const
     {
@@ -58,28 +64,81 @@ namespace tombolo
     }
 
     /** The map of a bit field of mirrors. */
-    Map map(unsigned int mirrors) const;
+    Map map(const unsigned int mirrors) const
+    {
+      Map result;
+      for (unsigned int m = 0; m < all.size(); ++m)
+        if ((mirrors >> m) & 1u)
+        {
+          result.sign[all[m].axis] = -1.;
+          result.offset[all[m].axis] = 2. * all[m].coordinate;
+        }
+      return result;
+    }
 
     /** The bit fields of all images that a node can have: those with at most one mirror an axis. */
-    std::vector<unsigned int> combinations() const;
+    std::vector<unsigned int> combinations() const
+    {
+      std::vector<unsigned int> result;
+      for (unsigned int mirrors = 1; mirrors < (1u << all.size()); ++mirrors)
+      {
+        unsigned int n_mirrors[3] = {0, 0, 0};
+        bool is_single = true;
+        for (unsigned int m = 0; m < all.size(); ++m)
+          if ((mirrors >> m) & 1u)
+            is_single = is_single && ++n_mirrors[all[m].axis] == 1;
+        if (is_single)
+          result.push_back(mirrors);
+      }
+      return result;
+    }
 
     /** The mirrors, as bits, whose distance from @p x is below @p share of the component of @p
      * reach along their axis. */
-    unsigned int near(const double *x, const double *reach, double share) const;
+    unsigned int near(const double *const x, const double *const reach, const double share) const
+    {
+      unsigned int result = 0;
+      for (unsigned int m = 0; m < all.size(); ++m)
+        if (std::abs(x[all[m].axis] - all[m].coordinate) < reach[all[m].axis] * share)
+          result |= 1u << m;
+      return result;
+    }
 
     /** The mirrors, as bits, on which a point lies. */
     template <int dim>
-    unsigned int at(const dealii::Point<dim> &x, double tolerance) const;
+    unsigned int at(const dealii::Point<dim> &x, const double tolerance) const
+    {
+      unsigned int result = 0;
+      for (unsigned int m = 0; m < all.size(); ++m)
+        if (std::abs(x[all[m].axis] - all[m].coordinate) <= tolerance)
+          result |= 1u << m;
+      return result;
+    }
 
     /** How many of its images an owned node is: 2 to the number of its mirrors. */
-    unsigned int n_own_images(dealii::types::global_dof_index node) const;
+    unsigned int n_own_images(const dealii::types::global_dof_index node) const
+    {
+      unsigned int result = 1;
+      for (const Mirror &mirror : all)
+        if (std::binary_search(mirror.own_images.begin(), mirror.own_images.end(), node))
+          result *= 2;
+      return result;
+    }
 
     /** Whether images move the other way along an axis: the body as a whole does not move there. */
-    bool are_opposite_along(unsigned int axis) const;
+    bool are_opposite_along(const unsigned int axis) const
+    {
+      return std::any_of(all.begin(), all.end(),
+                         [&](const Mirror &mirror) { return mirror.axis == axis; });
+    }
 
     /** Whether images turn the other way about an axis: the body as a whole does not turn about it.
      */
-    bool are_opposite_about(unsigned int axis) const;
+    bool are_opposite_about(const unsigned int axis) const
+    {
+      return std::any_of(all.begin(), all.end(),
+                         [&](const Mirror &mirror) { return mirror.axis != axis; });
+    }
 
     /** What mirrors are for users, and where they are. */
     static std::string words(bool is_one);

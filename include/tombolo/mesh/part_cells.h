@@ -4,6 +4,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/mesh.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,4 +59,14 @@ namespace tombolo
     std::vector<Section> sections;
     std::vector<Rule> rules;
   };
+
+  /**
+   * Distributes the mesh anew so that all ranks have the same work: a cell of part k counts
+   * @p work_of_part[k](box_ratio), a positive number of relative cost units, where the box along
+   * the axes around the cell has box_ratio times its volume. Call it after PartCells::check() and
+   * before anything is numbered on the mesh. Collective.
+   */
+  template <int dim>
+  void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
+               const std::vector<std::function<double(double)>> &work_of_part);
 } // namespace tombolo

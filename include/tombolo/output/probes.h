@@ -3,8 +3,11 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/output/history.h>
 #include <tombolo/state/body_point.h>
+
+#include <deal.II/base/point.h>
 
 #include <cstdint>
 #include <optional>

@@ -3,15 +3,100 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/output/output.h>
-#include <tombolo/output/solution_pieces.h>
 #include <tombolo/output/vtu_piece.h>
 #include <tombolo/output/xdmf_series.h>
 
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/tensor.h>
+#include <deal.II/base/utilities.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
+  /** How pictures are written, and which fields they have only because they are asked for: entries
+   * `Format`, `Precision` and `Further fields`. */
+  struct PictureFields
+  {
+    bool xdmf = false; ///< in one file for all ranks and times of a kind
+    bool double_precision = false;
+    bool logarithmic_strain = false;
+    bool principal_stresses = false;
+    bool internal_fields = false; ///< FieldDescription::is_internal
+
+    PictureFields() = default;
+
+    /** Throws InputError for a field that cannot be asked for. */
+    explicit PictureFields(const Entries &e);
+  };
+
+  /**
+   * Values of the fields of material points, and what follows from their stress, for each entity of
+   * a picture (cell or particle): the weighted mean of one or several points. Fields are those of
+   * all parts of elements, or of particles, the same on all ranks; a part that does not have one
+   * has NaN there.
+   */
+  template <int dim>
+  class PointData
+  {
+  public:
+    PointData(const OutputView<dim> &view, const PictureFields &wanted, bool of_particles);
+
+    /** Sets the part of the points of the following add(). */
+    void set_part(unsigned int index);
+
+    /** Adds an entity with the weighted mean over points of the part. @p deformation_gradient is
+     * called where a strain is written. */
+    void add(const std::vector<unsigned int> &indices, const std::vector<double> &weights,
+             const std::function<dealii::Tensor<2, dim>()> &deformation_gradient);
+
+    /** Moves the fields to @p data, in the order of the files. Cells leave the volume out, since a
+     * mean of the volumes of points has no meaning. */
+    void move_to(bool with_volume, VtuPiece::Arrays &data);
+
+    std::vector<std::int64_t> parts; ///< of each entity
+
+  private:
+    void add_derived(const std::vector<unsigned int> &indices, const std::vector<double> &weights);
+
+    const OutputView<dim> &view;
+    PictureFields wanted;
+    std::vector<FieldDescription> fields;
+    std::vector<std::vector<double>> values;
+    std::vector<double> pressures, von_mises_stresses, exact_stresses, strains;
+    std::vector<double> principal[3];
+
+    unsigned int part_index = 0;
+    const MaterialPoints *points = nullptr;
+    const std::vector<dealii::Point<dim>> *initial_positions = nullptr;
+    std::vector<int> own_field; ///< the number of each field in this part, or -1
+  };
+
+  /**
+   * The surfaces of all contacts of a scene at the present time, for pictures: triangles, lines in
+   * two dimensions, and of planes the part next to the bodies. Cells have `contact`, the number of
+   * the contact in the field data `contact names`, and of the whole contact `force on the bodies`
+   * and `penetration`, the largest. The same on all ranks; without points and cells on those where
+   * @p with_facets is false. Collective.
+   */
+  template <int dim>
+  VtuPiece make_tool_piece(const OutputView<dim> &view, bool double_precision,
+                           bool with_facets = true);
+
+  /** The cells of this rank's finite elements, with the data that Visualization describes.
+   * Collective. */
+  template <int dim>
+  VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &wanted);
+
+  /** The particles of this rank, with the data that Visualization describes. Collective. */
+  template <int dim>
+  VtuPiece make_particle_piece(const OutputView<dim> &view, const PictureFields &wanted);
+
   /**
    * The solution for ParaView: `solution/cells_NNNN.pvtu` (finite elements on their present
    * positions), `solution/particles_NNNN.pvtu` (particles as vertices), each with one piece per
@@ -44,12 +129,50 @@ namespace tombolo
   class Visualization : public Output<dim>
   {
   public:
-    explicit Visualization(const Entries &e);
+    explicit Visualization(const Entries &e)
+        : wanted(e), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
+    {
+      using Entry = VtuSeries::Entry;
+      this->records.value("outputs", n_outputs);
+      this->records.items(series.entries)
+          .column("times", &Entry::time)
+          .column("files", &Entry::file)
+          .column("names", &Entry::name)
+          .column("parts", &Entry::part);
+    }
 
-    void start(const OutputView<dim> &view, const OutputDirectory &directory,
-               const UnitLabels &unit_labels) override;
+    void start(const OutputView<dim> & /*view*/, const OutputDirectory &directory,
+               const UnitLabels &labels) override
+    {
+      unit_labels = labels;
+      this->directory = std::make_unique<OutputDirectory>(directory);
+      if (!wanted.xdmf)
+        directory.create_subdirectory("solution");
+      if (n_outputs == 0)
+        return;
+      // Resumed: without those after the checkpoint.
+      write_series();
+      for (XdmfSeries *const grids : {&xdmf_cells, &xdmf_particles, &xdmf_tools})
+        if (const std::string found = grids->resume(directory, n_outputs); !found.empty())
+          remark += (remark.empty() ? "" : "\n") + found;
+    }
 
-    void write(const OutputView<dim> &view, TimeTable &statistics) override;
+    void write(const OutputView<dim> &view, TimeTable & /*statistics*/) override
+    {
+      if (remark_is_told)
+        remark.clear();
+      remark_is_told = true;
+      const auto is_particles = [](const OutputPart<dim> &part)
+      { return part.particles != nullptr; };
+      if (!std::all_of(view.parts.begin(), view.parts.end(), is_particles))
+        write_bodies(view, false);
+      if (std::any_of(view.parts.begin(), view.parts.end(), is_particles))
+        write_bodies(view, true);
+      if (!view.surfaces.empty())
+        write_tools(view);
+      write_series();
+      ++n_outputs;
+    }
 
     std::string report() const override
     {
@@ -57,10 +180,65 @@ namespace tombolo
     }
 
   private:
-    void write_bodies(const OutputView<dim> &view, bool are_particles);
-    void write_grid(const VtuPiece &piece, const std::string &kind, double time);
-    void write_tools(const OutputView<dim> &view);
-    void write_series();
+    static constexpr const char *tools = "tools";
+
+    void write_bodies(const OutputView<dim> &view, const bool are_particles)
+    {
+      const VtuPiece piece =
+          are_particles ? make_particle_piece(view, wanted) : make_cell_piece(view, wanted);
+      if (wanted.xdmf)
+        (are_particles ? xdmf_particles : xdmf_cells)
+            .write(*directory, piece, n_outputs, view.time, unit_labels);
+      else
+        write_grid(piece, are_particles ? "particles" : "cells", view.time);
+    }
+
+    void write_grid(const VtuPiece &piece, const std::string &kind, const double time)
+    {
+      const MPI_Comm communicator = directory->communicator();
+      const std::string name = kind + "_" + dealii::Utilities::int_to_string(n_outputs, 4);
+      std::vector<std::string> piece_files;
+      for (unsigned int rank = 0; rank < dealii::Utilities::MPI::n_mpi_processes(communicator);
+           ++rank)
+        piece_files.push_back(name + "." + dealii::Utilities::int_to_string(rank, 4) + ".vtu");
+
+      directory->write_pieces(
+          "solution/" + piece_files[dealii::Utilities::MPI::this_mpi_process(communicator)],
+          [&](std::ostream &out) { piece.write(out, time, unit_labels); });
+      directory->write("solution/" + name + ".pvtu",
+                       [&](std::ostream &out) { piece.write_parallel(out, piece_files); });
+      series.entries.push_back(
+          {time, "solution/" + name + ".pvtu", kind, kind == "cells" ? 0u : 1u});
+    }
+
+    void write_tools(const OutputView<dim> &view)
+    {
+      if (wanted.xdmf)
+      {
+        // All ranks have all surfaces; the first writes them.
+        const bool is_first =
+            dealii::Utilities::MPI::this_mpi_process(directory->communicator()) == 0;
+        const VtuPiece piece = make_tool_piece(view, wanted.double_precision, is_first);
+        xdmf_tools.write(*directory, piece, n_outputs, view.time, unit_labels);
+        return;
+      }
+      const std::string file = std::string("solution/") + tools + "_" +
+                               dealii::Utilities::int_to_string(n_outputs, 4) + ".vtu";
+      const VtuPiece piece = make_tool_piece(view, wanted.double_precision);
+      directory->write(file, [&](std::ostream &out) { piece.write(out, view.time, unit_labels); });
+      series.entries.push_back({view.time, file, tools, 0});
+    }
+
+    void write_series()
+    {
+      VtuSeries of_bodies, of_tools;
+      for (const VtuSeries::Entry &entry : series.entries)
+        (entry.name == tools ? of_tools : of_bodies).entries.push_back(entry);
+      if (!wanted.xdmf || !of_bodies.entries.empty())
+        directory->write("solution.pvd", [&](std::ostream &out) { of_bodies.write(out); });
+      if (!of_tools.entries.empty())
+        directory->write("tools.pvd", [&](std::ostream &out) { of_tools.write(out); });
+    }
 
     PictureFields wanted;
     UnitLabels unit_labels;

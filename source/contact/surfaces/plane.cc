@@ -92,10 +92,6 @@ namespace tombolo
     RigidTranslation<dim> rigid_translation;
   };
 
-  template class Plane<2>;
-
-  template class Plane<3>;
-
   TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Plane, "plane",
                                   "a rigid plane, at rest, moved by functions of time or by forces")
 } // namespace tombolo

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/mesh_source.h>
 
 #include <deal.II/base/numbers.h>

@@ -5,10 +5,9 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/axis_segments.h>
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/mesh_source.h>
 
 #include <algorithm>

@@ -13,28 +13,6 @@ namespace tombolo
   {
     const std::string cells_entry = "Cells";
 
-    template <int dim>
-    class ConversionKind : public ProcessKind<dim>
-    {
-    public:
-      /** Finds which parts take the cells of others as particles. */
-      void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override;
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
-      {
-        if (std::none_of(model.parts.begin(), model.parts.end(),
-                         [](const Part<dim> &part) { return part.source.has_value(); }))
-          return nullptr;
-        return std::make_unique<Conversion<dim>>(model);
-      }
-
-    private:
-      using Receivers = std::vector<const Section *>;
-
-      static void link(const Section &section, const std::string &name, unsigned int target,
-                       std::vector<Part<dim>> &parts, Receivers &receiver);
-    };
-
     /** The formulation, if its cells are to become particles. */
     template <int dim>
     const ConvertingCells<dim> *converting_cells_of(const Part<dim> &part)
@@ -57,67 +35,81 @@ namespace tombolo
     }
 
     template <int dim>
-    void ConversionKind<dim>::prepare(const Parameters &parameters,
-                                      std::vector<Part<dim>> &parts) const
+    class ConversionKind : public ProcessKind<dim>
     {
-      const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
-      Receivers receiver(parts.size(), nullptr);
-      for (unsigned int p = 0; p < parts.size(); ++p)
-        if (const std::optional<std::string> name = source_of_cells(sections[p].get(cells_entry)))
-          link(sections[p], *name, p, parts, receiver);
-      for (unsigned int p = 0; p < parts.size(); ++p)
+    public:
+      /** Finds which parts take the cells of others as particles. */
+      void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
       {
-        const ConvertingCells<dim> *const cells = converting_cells_of(parts[p]);
-        if (cells == nullptr)
-          continue;
-        if (receiver[p] == nullptr)
-          cells->conversion().refuse("no part takes the cells of part \"" + parts[p].name +
-                                     "\": add one of particles with `Cells = from " +
-                                     parts[p].name + "`.");
-        if (cells->conversion().smallest_gap)
-          check_contact(parameters, cells->conversion());
+        const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+        Receivers receiver(parts.size(), nullptr);
+        for (unsigned int p = 0; p < parts.size(); ++p)
+          if (const std::optional<std::string> name = source_of_cells(sections[p].get(cells_entry)))
+            link(sections[p], *name, p, parts, receiver);
+        for (unsigned int p = 0; p < parts.size(); ++p)
+        {
+          const ConvertingCells<dim> *const cells = converting_cells_of(parts[p]);
+          if (cells == nullptr)
+            continue;
+          if (receiver[p] == nullptr)
+            cells->conversion().refuse("no part takes the cells of part \"" + parts[p].name +
+                                       "\": add one of particles with `Cells = from " +
+                                       parts[p].name + "`.");
+          if (cells->conversion().smallest_gap)
+            check_contact(parameters, cells->conversion());
+        }
       }
-    }
 
-    template <int dim>
-    void ConversionKind<dim>::link(const Section &section, const std::string &name,
-                                   const unsigned int target, std::vector<Part<dim>> &parts,
-                                   Receivers &receiver)
-    {
-      if (name.empty())
-        section.fail(cells_entry, "the name of the part is missing whose cells become particles: "
-                                  "allowed is `from NAME`.");
-      std::vector<std::string> names;
-      for (const Part<dim> &part : parts)
-        names.push_back(part.name);
-      const auto found = std::find(names.begin(), names.end(), name);
-      if (found == names.end())
-        section.fail(cells_entry, "there is no part of this name." + did_you_mean(name, names));
-      const auto source = static_cast<unsigned int>(found - names.begin());
-      if (parts[target].particles == nullptr || !parts[target].particles->can_add_particles())
-        section.fail(
-            "Formulation",
-            "cells of another part become particles only, of a method that can take them; allowed "
-            "with `Cells = from " +
-                name + "` are \"momentum consistent particle\" and \"smoothed particle\".");
-      if (converting_cells_of(parts[source]) == nullptr)
-        section.fail(cells_entry,
-                     "no cell of part \"" + name +
-                         "\" would ever become particles: it needs an element type, or "
-                         "smoothed cells, and one of the entries \"Conversion strain\", "
-                         "\"Conversion damage\", "
-                         "\"Conversion scaled Jacobian\", \"Conversion time step\" and "
-                         "\"Conversion gap\" in its section.");
-      if (receiver[source] != nullptr)
-        section.fail(cells_entry, "part \"" + receiver[source]->name() +
-                                      "\" takes the cells of \"" + name +
-                                      "\" already; only one part can.");
-      if (parts[source].material != parts[target].material)
-        section.fail("Material", "the part takes over the state of part \"" + name +
-                                     "\" and has to have its material.");
-      receiver[source] = &section;
-      parts[target].source = source;
-    }
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        if (std::none_of(model.parts.begin(), model.parts.end(),
+                         [](const Part<dim> &part) { return part.source.has_value(); }))
+          return nullptr;
+        return std::make_unique<Conversion<dim>>(model);
+      }
+
+    private:
+      using Receivers = std::vector<const Section *>;
+
+      static void link(const Section &section, const std::string &name, const unsigned int target,
+                       std::vector<Part<dim>> &parts, Receivers &receiver)
+      {
+        if (name.empty())
+          section.fail(cells_entry, "the name of the part is missing whose cells become particles: "
+                                    "allowed is `from NAME`.");
+        std::vector<std::string> names;
+        for (const Part<dim> &part : parts)
+          names.push_back(part.name);
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end())
+          section.fail(cells_entry, "there is no part of this name." + did_you_mean(name, names));
+        const auto source = static_cast<unsigned int>(found - names.begin());
+        if (parts[target].particles == nullptr || !parts[target].particles->can_add_particles())
+          section.fail("Formulation",
+                       "cells of another part become particles only, of a method that can take "
+                       "them; allowed "
+                       "with `Cells = from " +
+                           name +
+                           "` are \"momentum consistent particle\" and \"smoothed particle\".");
+        if (converting_cells_of(parts[source]) == nullptr)
+          section.fail(cells_entry,
+                       "no cell of part \"" + name +
+                           "\" would ever become particles: it needs an element type, or "
+                           "smoothed cells, and one of the entries \"Conversion strain\", "
+                           "\"Conversion damage\", "
+                           "\"Conversion scaled Jacobian\", \"Conversion time step\" and "
+                           "\"Conversion gap\" in its section.");
+        if (receiver[source] != nullptr)
+          section.fail(cells_entry, "part \"" + receiver[source]->name() +
+                                        "\" takes the cells of \"" + name +
+                                        "\" already; only one part can.");
+        if (parts[source].material != parts[target].material)
+          section.fail("Material", "the part takes over the state of part \"" + name +
+                                       "\" and has to have its material.");
+        receiver[source] = &section;
+        parts[target].source = source;
+      }
+    };
   } // namespace
 
   TOMBOLO_REGISTER_PROCESS_KIND(ConversionKind, process_order::conversion)

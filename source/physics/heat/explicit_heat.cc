@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/physics/heat/growing_rates.h>
-#include <tombolo/physics/heat/heat_integrator.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/heat/thermal_step.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
+
+#include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/physics/heat/conduction_matrix.h>
-#include <tombolo/physics/heat/heat_integrator.h>
+#include <tombolo/physics/heat/thermal_step.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/la_parallel_vector.h>
@@ -138,7 +138,18 @@ namespace tombolo
     class StepEquation;
 
     /** Makes what hangs on the partition anew where that has changed. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      if (field.partition() == partition)
+        return;
+      for (NodalVector *vector : {&field, &direction, &image})
+        vector->reinit(partition, Quantity::scalars);
+      for (NodalVector *vector : {&rate, &first_rate, &capacity})
+        vector->reinit(partition, Quantity::scalar);
+      last_temperature.reinit(partition, Quantity::scalars);
+      last_step = 0.;
+      preconditioner.reset();
+    }
 
     /** Solves for the Newton step until the residual is at most @p target. Returns the number of
      * iterations. */
@@ -175,7 +186,45 @@ namespace tombolo
 
     /** Solves the equation of a step, whose residual has the norm @p norm, until this is at most
      * the tolerance times @p first_norm. */
-    void solve_by_newton(StepEquation &equation, double first_norm, double norm);
+    void solve_by_newton(StepEquation &equation, const double first_norm, double norm)
+    {
+      ThermalModel<dim> &heat = *equation.model.heat;
+      const unsigned int n_owned = equation.n_owned;
+      Vector correction(equation.residual);
+      double capacity_norm = 0, last_norm = norm;
+      for (unsigned int iteration = 0; norm > tolerance * first_norm; ++iteration)
+      {
+        // A linear problem is solved at once, as far as the tolerance of its solver goes; and of a
+        // balance of large heats only round-off is left.
+        if (iteration > 0 &&
+            (heat.is_linear() || (norm > 0.5 * last_norm && norm < 1e-10 * capacity_norm)))
+          break;
+        if (iteration == max_newton_iterations || !std::isfinite(norm))
+        {
+          throw RunError(as_text("The implicit heat step from time ", equation.begin, " to ",
+                                 equation.end, " did not converge within ", iteration,
+                                 " iterations of Newton's method: its residual is still ",
+                                 norm / first_norm, " of the first. A smaller `Step` may help."));
+        }
+        for (unsigned int i = 0; i < n_owned; ++i)
+        {
+          *capacity.node(i) = heat.nodal_enthalpy.capacity(i, *equation.theta.node(i));
+          if (*capacity.node(i) == 0.) // all its cells were removed; its temperature stays
+            *capacity.node(i) = 1.;
+          correction.local_element(i) = *capacity.node(i) * *equation.theta.node(i);
+        }
+        capacity_norm = correction.l2_norm();
+        const double target =
+            std::max(0.3 * tolerance * first_norm, heat.is_linear() ? 0. : 1e-3 * norm);
+        linear_iterations += solve(equation.model, equation.end, weight * equation.step, target,
+                                   equation.residual, correction);
+        ++newton_iterations;
+        for (unsigned int i = 0; i < n_owned; ++i)
+          *equation.theta.node(i) += correction.local_element(i);
+        last_norm = norm;
+        norm = equation.find_residual();
+      }
+    }
 
     double weight;
     double time_step;
@@ -403,62 +452,6 @@ namespace tombolo
     ThermalState &state;
     std::vector<double> first_rates, rates; ///< by condition
   };
-
-  template <int dim>
-  void ImplicitHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    if (field.partition() == partition)
-      return;
-    for (NodalVector *vector : {&field, &direction, &image})
-      vector->reinit(partition, Quantity::scalars);
-    for (NodalVector *vector : {&rate, &first_rate, &capacity})
-      vector->reinit(partition, Quantity::scalar);
-    last_temperature.reinit(partition, Quantity::scalars);
-    last_step = 0.;
-    preconditioner.reset();
-  }
-
-  template <int dim>
-  void ImplicitHeat<dim>::solve_by_newton(StepEquation &equation, const double first_norm,
-                                          double norm)
-  {
-    ThermalModel<dim> &heat = *equation.model.heat;
-    const unsigned int n_owned = equation.n_owned;
-    Vector correction(equation.residual);
-    double capacity_norm = 0, last_norm = norm;
-    for (unsigned int iteration = 0; norm > tolerance * first_norm; ++iteration)
-    {
-      // A linear problem is solved at once, as far as the tolerance of its solver goes; and of a
-      // balance of large heats only round-off is left.
-      if (iteration > 0 &&
-          (heat.is_linear() || (norm > 0.5 * last_norm && norm < 1e-10 * capacity_norm)))
-        break;
-      if (iteration == max_newton_iterations || !std::isfinite(norm))
-      {
-        throw RunError(as_text("The implicit heat step from time ", equation.begin, " to ",
-                               equation.end, " did not converge within ", iteration,
-                               " iterations of Newton's method: its residual is still ",
-                               norm / first_norm, " of the first. A smaller `Step` may help."));
-      }
-      for (unsigned int i = 0; i < n_owned; ++i)
-      {
-        *capacity.node(i) = heat.nodal_enthalpy.capacity(i, *equation.theta.node(i));
-        if (*capacity.node(i) == 0.) // all its cells were removed; its temperature stays
-          *capacity.node(i) = 1.;
-        correction.local_element(i) = *capacity.node(i) * *equation.theta.node(i);
-      }
-      capacity_norm = correction.l2_norm();
-      const double target =
-          std::max(0.3 * tolerance * first_norm, heat.is_linear() ? 0. : 1e-3 * norm);
-      linear_iterations += solve(equation.model, equation.end, weight * equation.step, target,
-                                 equation.residual, correction);
-      ++newton_iterations;
-      for (unsigned int i = 0; i < n_owned; ++i)
-        *equation.theta.node(i) += correction.local_element(i);
-      last_norm = norm;
-      norm = equation.find_residual();
-    }
-  }
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, BackwardEulerHeat, "backward Euler",
                                   "implicit steps of first order, without oscillations")

@@ -3,8 +3,6 @@
 
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/tangent.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
-#include <tombolo/physics/mechanics/elastic_stiffness.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -16,6 +14,29 @@
 
 namespace tombolo
 {
+  double round_down(const double step)
+  {
+    int exponent;
+    const double mantissa = std::frexp(step, &exponent);
+    return std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
+  }
+
+  template <int dim>
+  StepLimit courant_limit(const Model<dim> &model)
+  {
+    std::vector<StepLimit> of_parts;
+    for (const Part<dim> &part : model.parts)
+    {
+      of_parts.push_back(part.formulation->courant_limit(model.state.position, part.inertia,
+                                                              part.step_ratios));
+      of_parts.back().entity += " of part \"" + part.name + "\"";
+    }
+    return smallest_limit(of_parts, model.communicator);
+  }
+
+  template StepLimit courant_limit<2>(const Model<2> &);
+  template StepLimit courant_limit<3>(const Model<3> &);
+
   template <int dim>
   SpectralEstimator<dim>::SpectralEstimator(const Entries &e, const bool by_groups)
       : by_groups(by_groups),

@@ -3,7 +3,6 @@
 
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>

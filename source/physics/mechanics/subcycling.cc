@@ -3,7 +3,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>

@@ -2,7 +2,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/physics/statics/static_solver.h>
+#include <tombolo/physics/statics/static_problem.h>
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <nlohmann/json.hpp>

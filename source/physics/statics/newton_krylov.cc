@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/physics/statics/static_solver.h>
+#include <tombolo/physics/statics/static_problem.h>
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <nlohmann/json.hpp>

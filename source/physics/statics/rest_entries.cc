@@ -4,7 +4,7 @@
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/process.h>
-#include <tombolo/physics/statics/static_solver.h>
+#include <tombolo/physics/statics/static_problem.h>
 
 namespace tombolo
 {

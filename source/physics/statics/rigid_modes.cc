@@ -3,20 +3,16 @@
 
 #include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/mesh/bodies.h>
-#include <tombolo/physics/statics/far_nodes.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
-#include <utility>
 
 namespace tombolo
 {

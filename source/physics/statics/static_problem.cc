@@ -4,15 +4,15 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
 #include <tuple>
+#include <utility>
 
 namespace tombolo
 {

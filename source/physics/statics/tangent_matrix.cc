@@ -2,7 +2,6 @@
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/physics/statics/far_nodes.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 
 #include <deal.II/base/mpi.h>

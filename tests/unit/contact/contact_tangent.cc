@@ -4,7 +4,7 @@
 #include "mesh_file_testing.h"
 
 #include <tombolo/model/tangent.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <gtest/gtest.h>
 

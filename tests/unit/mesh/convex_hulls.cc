@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
-#include <tombolo/mesh/convex_hulls.h>
+#include <tombolo/mesh/joined_meshes.h>
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@ namespace
 
   /** A cuboid by its centre and half of its edges. */
   template <int dim>
-  CellCorners<dim> cuboid(const Point<dim> &centre, const std::array<Tensor<1, dim>, dim> &halves)
+  CellVertices<dim> cuboid(const Point<dim> &centre, const std::array<Tensor<1, dim>, dim> &halves)
   {
-    CellCorners<dim> result;
+    CellVertices<dim> result;
     for (unsigned int v = 0; v < result.size(); ++v)
     {
       result[v] = centre;

@@ -2,7 +2,7 @@
 // ranks: 1 3
 #include <deal.II/grid/grid_tools.h>
 
-#include <tombolo/mesh/chosen_mesh.h>
+#include <tombolo/mesh/joined_meshes.h>
 
 #include <mesh_testing.h>
 

@@ -2,7 +2,7 @@
 // ranks: 1 2 3
 #include <deal.II/base/mpi.h>
 
-#include <tombolo/mesh/partition_weights.h>
+#include <tombolo/mesh/part_cells.h>
 
 #include <mesh_testing.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
-#include <tombolo/mesh/communicator_of.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/refinement.h>
 
 #include <mesh_testing.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
-#include <tombolo/output/solution_pieces.h>
 #include <tombolo/output/visualization.h>
 
 #include <deal.II/base/mpi.h>

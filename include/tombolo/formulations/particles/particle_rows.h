@@ -6,7 +6,7 @@
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test.h>
-#include <tombolo/mesh/planes_of_bodies.h>
+#include <tombolo/mesh/bodies.h>
 
 #include <deal.II/base/index_set.h>
 

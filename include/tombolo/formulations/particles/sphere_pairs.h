@@ -4,7 +4,7 @@
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/formulations/particles/self_contact.h>
-#include <tombolo/mesh/planes_of_bodies.h>
+#include <tombolo/mesh/bodies.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <cstdint>

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace tombolo
 {
@@ -23,8 +30,30 @@ namespace tombolo
      * the present. Zero where the largest rate is not twice the usual one, which is that at the
      * last λ and follows smaller ones by 3 % a step, and where a step of @p time_step changes
      * temperatures by round-off only. Collective. */
-    double find_eigenvalue(const Model<dim> &model, double time, const NodalVector &rate,
-                           double time_step);
+    double find_eigenvalue(const Model<dim> &model, const double time, const NodalVector &rate,
+                           const double time_step)
+    {
+      const ThermalModel<dim> &heat = *model.heat;
+      largest = 0;
+      visit_free_nodes(heat, [&](const unsigned int node, const double capacity)
+                       { largest = std::max(largest, std::abs(*rate.node(node)) / capacity); });
+      largest = dealii::Utilities::MPI::max(largest, model.communicator);
+
+      if (usual > 0. && largest > 2. * usual)
+      {
+        usual = largest;
+        return changes_are_round_off(heat, time_step)
+                   ? 0.
+                   : quotient_of_rates(model, time, rate, time_step);
+      }
+      // Of what goes up and down, quotients are found in less than one of twenty steps.
+      constexpr double memory = 0.97;
+      if (usual == 0.)
+        usual = largest;
+      else if (largest < usual)
+        usual = std::max(largest, memory * usual);
+      return 0.;
+    }
 
     /** Lists what is kept between steps. */
     void list(Records &records)
@@ -33,11 +62,64 @@ namespace tombolo
     }
 
   private:
+    /** Calls @p action with each owned node whose temperature is free, and its capacity. */
+    template <typename Action>
+    static void visit_free_nodes(const ThermalModel<dim> &heat, const Action &action)
+    {
+      const auto &held = heat.conditions.constrained_components();
+      const NodalVector &temperature = heat.state.unsmoothed_temperature;
+      for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
+        if (held.empty() || held[i] == 0)
+          if (const double capacity = heat.nodal_enthalpy.capacity(i, *temperature.node(i));
+              capacity > 0.)
+            action(i, capacity);
+    }
+
     /** Whether the largest rate is that of a uniform temperature. Collective. */
-    bool changes_are_round_off(const ThermalModel<dim> &heat, double time_step) const;
+    bool changes_are_round_off(const ThermalModel<dim> &heat, const double time_step) const
+    {
+      constexpr double round_off = 1e-12;
+      const NodalVector &temperature = heat.state.unsmoothed_temperature;
+      double magnitude = 0;
+      for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
+        magnitude = std::max(magnitude, std::abs(*temperature.node(i)));
+      magnitude = dealii::Utilities::MPI::max(magnitude, temperature.partition()->communicator());
+      return !(largest * time_step > round_off * magnitude);
+    }
+
     /** The quotient for the rates. Collective. */
-    double quotient_of_rates(const Model<dim> &model, double time, const NodalVector &rate,
-                             double time_step);
+    double quotient_of_rates(const Model<dim> &model, const double time, const NodalVector &rate,
+                             const double time_step)
+    {
+      ThermalModel<dim> &heat = *model.heat;
+      const auto &partition = rate.partition();
+      if (direction.partition() != partition)
+        for (NodalVector *const vector : {&direction, &image})
+          vector->reinit(partition, Quantity::scalars);
+      direction.set_zero();
+      change_owned({&direction},
+                   [&]
+                   {
+                     visit_free_nodes(
+                         heat, [&](const unsigned int node, const double capacity)
+                         { *direction.node(node) = *rate.node(node) / capacity / largest; });
+                   });
+      heat.apply_conduction(model.state.position, heat.state.temperature, time, direction, image);
+      double norm = 0, of_direction = 0, of_image = 0;
+      visit_free_nodes(heat,
+                       [&](const unsigned int node, const double capacity)
+                       {
+                         const double d = *direction.node(node), y = *image.node(node);
+                         norm += d * capacity * d;
+                         of_direction += d * y;
+                         of_image += y / capacity * y;
+                       });
+      const auto sums =
+          ordered_sum(std::array<double, 3>{{norm, of_direction, of_image}}, model.communicator);
+      // Rates that are the same at all nodes have an image of round-off.
+      constexpr double smallest_share = 1e-6;
+      return sums[1] * time_step > smallest_share * sums[0] ? sums[2] / sums[1] : 0.;
+    }
 
     double largest = 0;           ///< of the last rates, of all ranks [temperature/T]
     double usual = 0;             ///< largest rate that was no growth; zero at the start

@@ -2,17 +2,19 @@
 #pragma once
 
 #include <tombolo/base/moment.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/impulse_account.h>
+#include <tombolo/model/model.h>
 
+#include <algorithm>
 #include <array>
+#include <string>
 #include <vector>
 
 namespace tombolo
 {
   template <int dim>
   class BalanceHistory;
-  template <int dim>
-  class Model;
 
   /** The table `conditions.csv` of all mechanical conditions. */
   constexpr const char *condition_history = "condition history";
@@ -40,7 +42,12 @@ namespace tombolo
   {
   public:
     /** Of those that prescribe motion, or of the loads. */
-    ConditionAccounts(const Model<dim> &model, bool of_prescribed_motion);
+    ConditionAccounts(const Model<dim> &model, const bool of_prescribed_motion)
+        : model(model), of_prescribed_motion(of_prescribed_motion)
+    {
+      for (const MechanicalCondition<dim> &condition : model.conditions->all())
+        accounts.push_back({prescribes(condition.type) == of_prescribed_motion, {}, 0.});
+    }
 
     /** The impulses of the last step count from now on; those that follow are of the interval
      * around t_n, which began at @p time_of_impulse = t_{n-1/2}. */
@@ -71,14 +78,78 @@ namespace tombolo
     }
 
     /** In the order of the conditions. Collective. */
-    std::vector<ConditionBalance> balances() const;
+    std::vector<ConditionBalance> balances() const
+    {
+      constexpr unsigned int n_sums = 11; // impulse, its moment, work, displacement, nodes
+      std::vector<double> sums;
+      const std::vector<std::array<double, 4>> displacement = displacements();
+      for (std::size_t c = 0; c < accounts.size(); ++c)
+      {
+        accounts[c].impulses.append(sums);
+        sums.push_back(accounts[c].work);
+        sums.insert(sums.end(), displacement[c].begin(), displacement[c].end());
+      }
+      sums = ordered_sum(sums, model.communicator);
+
+      std::vector<ConditionBalance> result;
+      for (std::size_t c = 0; c < accounts.size(); ++c)
+      {
+        if (!accounts[c].is_kept)
+          continue;
+        const double *const of_condition = sums.data() + n_sums * c;
+        ConditionBalance balance;
+        balance.name = model.conditions->all()[c].name;
+        balance.prescribes_motion = of_prescribed_motion;
+        balance.time_of_impulse = time_of_impulse;
+        balance.work = of_condition[6];
+        balance.n_nodes = of_condition[10];
+        std::copy_n(of_condition, 3, balance.impulse.begin());
+        std::copy_n(of_condition + 3, 3, balance.angular_impulse.begin());
+        for (unsigned int d = 0; d < 3 && balance.n_nodes > 0.; ++d)
+          balance.displacement[d] = of_condition[7 + d] / balance.n_nodes;
+        result.push_back(balance);
+      }
+      return result;
+    }
 
     /** Lists what is kept from step to step. */
-    void list(Records &records);
+    void list(Records &records)
+    {
+      Records &all = records.group("by condition");
+      std::vector<double *> works;
+      for (std::size_t c = 0; c < accounts.size(); ++c)
+      {
+        works.push_back(&accounts[c].work);
+        accounts[c].impulses.list(all.group(std::to_string(c)));
+      }
+      all.sums("work", works);
+      all.value("time of impulse", time_of_impulse);
+    }
 
   private:
     /** Sums of x - X over the nodes that each condition prescribes, and their number. */
-    std::vector<std::array<double, 4>> displacements() const;
+    std::vector<std::array<double, 4>> displacements() const
+    {
+      const MechanicalConditions<dim> &conditions = *model.conditions;
+      std::vector<std::array<double, 4>> result(accounts.size(), std::array<double, 4>{});
+      const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const int c = conditions.prescribing_condition(k, d);
+          bool is_new = c >= 0; // a condition can prescribe several components of a node
+          for (unsigned int before = 0; before < d && is_new; ++before)
+            is_new = conditions.prescribing_condition(k, before) != c;
+          if (!is_new)
+            continue;
+          std::array<double, 4> &sum = result[static_cast<std::size_t>(c)];
+          for (unsigned int e = 0; e < 3; ++e)
+            sum[e] += model.state.position.node(nodes[k])[e] -
+                      model.state.initial_position.node(nodes[k])[e];
+          sum[3] += 1.;
+        }
+      return result;
+    }
 
     const Model<dim> &model;
     bool of_prescribed_motion;

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/surface_contact.h>
+#include <tombolo/formulations/failure/bonds.h>
+#include <tombolo/formulations/smoothed/smoothed_cells.h>
+#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,39 +27,162 @@ namespace tombolo
 
     /** Throws the InputError of a contact that puts nodes onto a surface, where particles are
      * smoothed so that this creates energy. */
-    void refuse_blunt_smoothing(const Section &section) const;
+    void refuse_blunt_smoothing(const Section &section) const
+    {
+      // Measured: 0 makes energy, 0.98 does not.
+      constexpr double smallest_sharpening = 0.5;
+      const SmoothingSettings &smoothing = model.bridge->smoothing();
+      if (model.has_particles() && smoothing.is_active && !smoothing.affine &&
+          smoothing.gamma < smallest_sharpening)
+        section.fail("Method", "particles smoothed by `paper`, or sharpened by less than 0.5, move "
+                               "by other velocities than those that strain, and putting them onto "
+                               "a surface creates energy; allowed is penalty, or another "
+                               "`Smoothing`.");
+    }
 
     /** The initial volume of owned nodes [L^dim]. Collective. */
-    std::vector<double> volume_of_nodes() const;
+    std::vector<double> volume_of_nodes() const
+    {
+      const auto &partition = model.state.partition();
+      std::vector<double> volume(partition->n_owned(), 0.);
+      for (const Part<dim> &part : model.parts)
+      {
+        const NodalVector mass = mass_of_part(model, *part.formulation);
+        for (unsigned int i = 0; i < partition->n_owned(); ++i)
+          volume[i] += *mass.node(i) / part.material->density();
+      }
+      return volume;
+    }
 
     /** Owned nodes that can be touched inside of the body: particles, which lose bonds, and nodes
      * of cells that can be deactivated. */
-    std::vector<bool> nodes_that_can_be_exposed() const;
+    std::vector<bool> nodes_that_can_be_exposed() const
+    {
+      const auto &partition = model.state.partition();
+      std::vector<bool> can_be_exposed(partition->n_owned(), false);
+      for (const Part<dim> &part : model.parts)
+        for (const unsigned int node : part.formulation->particle_nodes())
+          can_be_exposed[node] = true;
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+        if (!cell->is_artificial() &&
+            model.parts[model.part_cells->part_of(cell)].formulation->can_lose_cells())
+        {
+          model.nodes->cell_nodes(cell, cell_nodes);
+          for (const types::global_dof_index node : cell_nodes)
+            if (model.nodes->owned().is_element(node))
+              can_be_exposed[partition->local_index(node)] = true;
+        }
+      return can_be_exposed;
+    }
 
     /** Lets contacts have the faces of the cells that are full now, where refills fill and empty
      * cells; their partition must be set then. */
     void take_faces_of_full_cells(
-        const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const;
+        const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
+    {
+      const auto is_void = void_cells();
+      for (const auto &contact : contacts)
+        if (is_void && contact->faces() != nullptr)
+          contact->faces()->take_faces(*model.nodes, is_void);
+    }
 
     /** Throws the InputError of a contact by faces, where refills fill and empty cells. */
-    void refuse_faces_of_void_cells(const Section &section, const ContactSettings &settings) const;
+    void refuse_faces_of_void_cells(const Section &section, const ContactSettings &settings) const
+    {
+      if (settings.is_of_faces && void_cells())
+        section.fail("Method",
+                     "refills of a part fill and empty cells (`Refill void cells`), whose "
+                     "faces this contact does not follow; allowed is penalty.");
+    }
 
     /** The bodies that touch the surfaces of parts, and those of these parts, on this rank, as
      * Bodies::body_of() has them. */
-    std::set<dealii::types::global_dof_index>
+    std::set<types::global_dof_index>
     bodies_of_contacts(const std::vector<const SurfaceContact<dim> *> &contacts,
-                       const Bodies<dim> &bodies) const;
+                       const Bodies<dim> &bodies) const
+    {
+      std::set<types::global_dof_index> result;
+      const NodePartition &partition = *model.state.partition();
+      for (const auto &contact : contacts)
+      {
+        if (!contact->is_with_part())
+          continue;
+        for (const unsigned int node : contact->candidate_nodes())
+          result.insert(bodies.body_of(partition.global_index(node)));
+        for (const auto &owned : contact->nodes_of_part().owned())
+          result.insert(bodies.body_of(partition.global_index(owned.node)));
+      }
+      return result;
+    }
 
     /** Tells contacts which nodes are debris now, where any of them conducts. Collective. */
     void
-    find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const;
+    find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
+    {
+      const auto particles = model.particle_parts();
+      if (std::none_of(contacts.begin(), contacts.end(),
+                       [](const auto &contact) { return contact->has_areas(); }) ||
+          std::none_of(particles.begin(), particles.end(),
+                       [](auto *part)
+                       { return part->breaking_bonds() && part->breaking_bonds()->any(); }))
+        return;
+      std::vector<unsigned int> isolated;
+      for (ParticleFormulation<dim> *const part : particles)
+        if (const Bonds<dim> *const bonds = part->breaking_bonds())
+          for (const unsigned int row : bonds->debris())
+            if (const unsigned int node = part->stencils().particle_node[row];
+                *model.element_mass.node(node) == 0.)
+              isolated.push_back(node);
+      for (const auto &contact : contacts)
+        if (OutwardAreas<dim> *const faces = contact->faces())
+          faces->set_isolated_nodes(isolated);
+    }
 
     /** Particles now faster than twice the least cutting speed of the contacts, on all ranks;
      * nothing where no contact has one. Collective. */
     std::optional<double>
-    count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const;
+    count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
+    {
+      constexpr double of_cutting_speed = 2.;
+      double speed = std::numeric_limits<double>::max();
+      for (const auto &contact : contacts)
+        if (contact->cutting_speed() > 0.)
+          speed = std::min(speed, contact->cutting_speed());
+      if (speed == std::numeric_limits<double>::max())
+        return {};
+      std::set<unsigned int> fast;
+      for (const Part<dim> &part : model.parts)
+        for (const unsigned int node : part.formulation->particle_nodes())
+          if (vector_of<dim>(model.state.velocity.node(node)).norm_square() >
+              std::pow(of_cutting_speed * speed, 2))
+            fast.insert(node);
+      return ordered_sum(static_cast<double>(fast.size()), model.communicator);
+    }
 
   private:
+    /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no
+     * such parts. Refers to the model. */
+    typename OutwardAreas<dim>::IsVoid void_cells() const
+    {
+      std::vector<const VoidCells<dim> *> of_parts;
+      bool any = false;
+      for (const Part<dim> &part : model.parts)
+      {
+        const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
+        const bool fills = cells != nullptr && cells->refill().fills_cells;
+        of_parts.push_back(fills ? &cells->void_cells() : nullptr);
+        any = any || fills;
+      }
+      if (!any)
+        return {};
+      return [of_parts, &model = model](const typename Nodes<dim>::Cell &cell)
+      {
+        const VoidCells<dim> *const voids = of_parts[model.part_cells->part_of(cell)];
+        return voids != nullptr && voids->is_void(cell);
+      };
+    }
+
     const Model<dim> &model;
   };
 } // namespace tombolo

@@ -2,11 +2,17 @@
 #pragma once
 
 #include <tombolo/contact/surface_contact.h>
+#include <tombolo/model/heat_transfer.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -35,19 +41,126 @@ namespace tombolo
 
     /** Of those of @p contacts that have a friction over the temperature, where something is
      * smoothed: of none elsewhere. They must outlive this. Lists what it keeps in @p records. */
-    HeatedFriction(const Contacts &contacts, const Model<dim> &model, Records &records);
+    HeatedFriction(const Contacts &contacts, const Model<dim> &model, Records &records)
+    {
+      if (!model.heat || model.heat->bridge.operators() == Bridge::Operators::identity)
+        return;
+      for (const auto &contact : contacts)
+      {
+        if (contact->friction().is_constant())
+          continue;
+        SpreadFriction &friction = contact->spread_friction();
+        members.push_back({contact.get(), &friction});
+        Records &of_contact = records.group("friction of " + contact->name());
+        of_contact.value("is outdated", friction.is_outdated);
+        of_contact.nodal("coefficients of receivers", 1, friction.weight);
+        of_contact.nodal("coefficient", 1, friction.coefficient);
+        of_contact.nodal("heat of friction", 1, friction.heat);
+        of_contact.nodal("heat by the coefficient 1", 1, friction.unit_heat);
+        // What waits is shared out as that of other sources.
+        of_contact.on_division(
+            [&friction](auto &)
+            {
+              friction.heat.set_zero();
+              friction.unit_heat.set_zero();
+              friction.is_outdated = true;
+            });
+      }
+      if (!members.empty())
+        set_partition(model.state.partition()); // before a checkpoint is read
+    }
 
     /** Before forces of contacts: finds coefficients where a thermal step has ended. Collective. */
-    void update(const Model<dim> &model);
+    void update(const Model<dim> &model)
+    {
+      if (members.empty())
+        return;
+      ThermalModel<dim> &of_heat = *model.heat;
+      set_partition(model.state.partition());
+      for (Member &member : members)
+      {
+        SpreadFriction &friction = *member.friction;
+        if (!std::exchange(friction.is_outdated, false))
+          continue;
+        const TemperatureTable &table = member.contact->friction();
+        const bool are_dependent = model.state.partition()->has_dependent_nodes();
+        const unsigned int n_owned = friction.weight.partition()->n_owned();
+        hottest.resize(n_owned);
+        explicit_weights.resize(n_owned);
+        // The field can be hotter than what it is made of.
+        const auto excess_of = [&](const unsigned int i)
+        {
+          return std::max(0., *of_heat.state.temperature.node(i) -
+                                  *of_heat.state.unsmoothed_temperature.node(i));
+        };
+        for (unsigned int i = 0; i < n_owned; ++i)
+          hottest[i] = *of_heat.state.unsmoothed_temperature.node(i) + excess_of(i);
+        table.evaluate(n_owned, hottest.data(), explicit_weights.data());
+        friction.weight.fill(
+            [&](const unsigned int i, double *const weight)
+            {
+              *weight = explicit_weights[i];
+              const double expected = *friction.unit_heat.node(i);
+              if (!(expected > 0.))
+                return;
+              const double enthalpy = *of_heat.state.enthalpy.node(i), excess = excess_of(i);
+              const auto with_heat = [&](const double coefficient) {
+                return of_heat.nodal_enthalpy.temperature(i, enthalpy + coefficient * expected) +
+                       excess;
+              };
+              *weight = implicit_coefficient(table, hottest[i], with_heat);
+            });
+        limit_weights(model, member);
+        if (!are_dependent)
+          find_coefficients(model, member, friction.coefficient);
+        member.is_current = !are_dependent;
+        revision_of_rows = model.revisions.stencils;
+        for (const unsigned int node : member.contact->candidate_nodes())
+        {
+          double &of_node = *friction.coefficient.node(node);
+          of_node = are_dependent ? table.value(*of_heat.state.temperature.node(node))
+                                  : std::max(0., of_node);
+        }
+      }
+    }
 
     /** The model has changed, other than its rows alone. */
-    void forget_coefficients();
+    void forget_coefficients()
+    {
+      for (Member &member : members)
+        member.is_current = false;
+    }
 
     /** At the end of a thermal step: nodes get the heat of friction, which waits no longer.
      * Collective. */
-    void give_heat(const Model<dim> &model);
+    void give_heat(const Model<dim> &model)
+    {
+      if (members.empty())
+        return;
+      set_partition(model.state.partition());
+      for (const Member &member : members)
+      {
+        if (model.state.partition()->has_dependent_nodes())
+        {
+          member.friction->heat.set_zero();
+          member.friction->unit_heat.set_zero();
+        }
+        else
+          give_heat(model, member);
+        member.friction->is_outdated = true;
+      }
+    }
 
   private:
+    /** The temperature from which on there is no friction; infinite where there always is. */
+    static double end_of_friction(const TemperatureTable &friction)
+    {
+      double result = std::numeric_limits<double>::infinity();
+      for (std::size_t k = friction.values().size(); k > 0 && friction.values()[k - 1] == 0.; --k)
+        result = friction.temperatures()[k - 1];
+      return result;
+    }
+
     struct Member
     {
       const SurfaceContact<dim> *contact;
@@ -56,13 +169,106 @@ namespace tombolo
     };
 
     /** Collective. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      const auto move = [&](NodalVector &vector, const Quantity quantity)
+      {
+        if (vector.partition() == nullptr)
+          vector.reinit(partition, quantity);
+        else if (vector.partition() != partition)
+          vector.move_to(partition);
+      };
+      for (const Member &member : members)
+      {
+        move(member.friction->weight, Quantity::scalars);
+        move(member.friction->coefficient, Quantity::scalars);
+        move(member.friction->heat, Quantity::scalar);
+        move(member.friction->unit_heat, Quantity::scalar);
+      }
+      for (NodalVector *const buffer : {&smoothed, &field, &loads, &heat, &adjoint})
+        buffer->fit_to(partition, Quantity::scalars);
+      unit_heat.fit_to(partition, Quantity::scalar);
+    }
+
     /** Takes friction from receivers whose heat raises the field where that is beyond the end of
      * friction. Collective. */
-    void limit_weights(const Model<dim> &model, const Member &member);
+    void limit_weights(const Model<dim> &model, const Member &member)
+    {
+      // Of the range up to the end of friction: a field that is beyond it by so much, at a node to
+      // which a receiver gives all its heat, takes all friction from this receiver.
+      constexpr double tolerance = 1e-3;
+      ThermalModel<dim> &of_heat = *model.heat;
+      const double end = end_of_friction(member.contact->friction());
+      heated.clear();
+      loads.set_zero();
+      for (unsigned int i = 0; i < loads.partition()->n_owned(); ++i)
+      {
+        const double excess = *of_heat.state.temperature.node(i) - end;
+        const double range = end - of_heat.nodal_enthalpy.initial_temperature(i);
+        if (!(excess > 0.) || !(range > 0.) || *of_heat.bridge.mass().node(i) == 0.)
+          continue;
+        *loads.node(i) = excess / (tolerance * range);
+        heated.push_back(i);
+      }
+      if (dealii::Utilities::MPI::max(heated.empty() ? 0 : 1, model.communicator) == 0)
+        return;
+      add_up({&heat},
+             [&] { of_heat.bridge.load_transfer().add_force_of_loads(heated, loads, heat); });
+      unit_heat.set_zero();
+      add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
+      member.friction->weight.fill([&](const unsigned int i, double *const weight)
+                                   { *weight *= 1. - std::clamp(*unit_heat.node(i), 0., 1.); });
+    }
+
     /** Σ_j G_ij m_j at nodes that can touch. Collective. */
-    void find_coefficients(const Model<dim> &model, const Member &member, NodalVector &result);
-    void give_heat(const Model<dim> &model, const Member &member);
+    void find_coefficients(const Model<dim> &model, const Member &member, NodalVector &result)
+    {
+      smooth_scalars(model.heat->bridge, model.heat->conditions, member.friction->weight, smoothed);
+      model.heat->bridge.load_transfer().interpolate(member.contact->candidate_nodes(), smoothed,
+                                                     result);
+    }
+
+    void give_heat(const Model<dim> &model, const Member &member)
+    {
+      // Below, receivers have all but no friction left, and the heat goes where others goes.
+      constexpr double smallest_share = 1e-3;
+      // What a thermal step brought is expected for some more, since a coefficient of zero hides
+      // how much would come, and what sticks slips again.
+      constexpr double remembered = 0.9;
+      SpreadFriction &friction = *member.friction;
+      ThermalModel<dim> &of_heat = *model.heat;
+      ThermalState &state = of_heat.state;
+      // Those of the forces, if nothing has changed since, but for negative ones, which count
+      // alike.
+      const bool are_current = member.is_current && revision_of_rows == model.revisions.stencils;
+      if (!are_current)
+        find_coefficients(model, member, field);
+      const NodalVector &coefficients = are_current ? friction.coefficient : field;
+      const double smallest = smallest_share * member.contact->friction().largest();
+      loads.set_zero();
+      heated.clear();
+      for (const unsigned int node : member.contact->candidate_nodes())
+      {
+        const double of_node = std::exchange(*friction.heat.node(node), 0.);
+        const double coefficient = *coefficients.node(node);
+        if (of_node == 0. || !(coefficient > smallest) || *of_heat.bridge.mass().node(node) == 0.)
+          continue; // it waits with other heat
+        *loads.node(node) = of_node / coefficient;
+        *state.pending.node(node) -= of_node;
+        heated.push_back(node);
+      }
+      add_up({&heat},
+             [&] { of_heat.bridge.load_transfer().add_force_at_positions(heated, loads, heat); });
+      unit_heat.set_zero();
+      add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
+      for (unsigned int i = 0; i < unit_heat.partition()->n_owned(); ++i)
+      {
+        const double now = *unit_heat.node(i);
+        *state.enthalpy.node(i) += *friction.weight.node(i) * now;
+        double &expected = *friction.unit_heat.node(i);
+        expected = std::max(now, remembered * expected);
+      }
+    }
 
     std::vector<Member> members;
     unsigned long revision_of_rows = 0; // of the coefficients

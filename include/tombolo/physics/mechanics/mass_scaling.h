@@ -7,7 +7,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
 

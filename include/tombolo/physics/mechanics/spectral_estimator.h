@@ -1,13 +1,56 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/entries.h>
+#include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
 
 namespace tombolo
 {
+  /** @p force := the nodal forces of the elastic stiffness of all parts in a @p motion over a time
+   * step at the present positions, as their formulations have them. @p motion has current ghosts.
+   * Where a cell or particle of this rank is turned inside out the forces of its part are left out:
+   * were it thrown here, the other ranks would wait in their exchanges. The stresses of such a
+   * place fail in the same step, which ends the run on all ranks. With @p by_groups it is that of
+   * StepGroups, which bounds the step. Collective. */
+  template <int dim>
+  void apply_elastic_stiffness(const Model<dim> &model, const NodalVector &motion,
+                               const double time_step, NodalVector &force,
+                               const bool by_groups = false)
+  {
+    Assembly<dim>(model.parts)
+        .assemble(*model.bridge, motion, force,
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &sum)
+                  {
+                    const NodalVector &x = model.state.position;
+                    try
+                    {
+                      if (by_groups)
+                        model.step_groups.apply_elastic_stiffness(
+                            static_cast<std::size_t>(&part - model.parts.data()),
+                            *part.formulation, x, seen, time_step, sum);
+                      else
+                        part.formulation->apply_elastic_stiffness(x, seen, time_step, sum);
+                    }
+                    catch (const RunError &)
+                    {}
+                  });
+  }
+
+  /** The next number below with a short mantissa: what a different order of summation does to the
+   * last digits of an estimate must not change the step. */
+  double round_down(double step);
+
+  /** Eq. (41) of Pan et al. 2019 without its factor: the smallest ratio of characteristic length
+   * (an element's, or a particle's support) to wave speed, over the ratio of a cell that takes
+   * longer steps. Not a bound of the stable step: at free
+   * corners of particles with ν ≥ 0.3, and for dilations from 1.9, it is larger. Collective. */
+  template <int dim>
+  StepLimit courant_limit(const Model<dim> &model);
+
   /**
    * The stable step from the spectrum of the real update operator, 2/√λ with λ the largest
    * eigenvalue of A = Φ_γ M⁻¹ K S_γ, which is self-adjoint in the inner product of M̂

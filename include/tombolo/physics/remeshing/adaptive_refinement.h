@@ -1,22 +1,42 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/contact/contact_settings.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/cell_divisions.h>
+#include <tombolo/mesh/mesh.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/model/point_transfer.h>
 #include <tombolo/model/process.h>
+#include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/physics/remeshing/model_content.h>
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <ostream>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
 namespace tombolo
 {
+  constexpr const char *adaptive_section = "Adaptive refinement",
+                       *adaptive_path = "Mesh/Adaptive refinement", *no_criterion = "none";
+
   /**
    * Says between two steps which cells a criterion wants to be divided or joined, and keeps the
    * books of what each new mesh takes: the run itself makes a new model of the same parameters
@@ -28,9 +48,77 @@ namespace tombolo
   {
   public:
     /** Throws InputError. */
-    explicit AdaptiveRefinement(const Entries &e);
+    explicit AdaptiveRefinement(const Entries &e) : section(e.section())
+    {
+      criterion = e.plugin<RefinementCriterion<dim>>(
+          "Criterion", no_criterion,
+          "What makes cells fine while the run goes on: the largest `plastic strain` in the cell, "
+          "or "
+          "the gradient of temperature or stress in it. `none`: the mesh stays as it is.",
+          no_criterion);
+      const std::optional<double> above = e.optional_number(
+          "Refine above", positive(), "of the criterion (1, temperature/L, M/(L^2 T^2))",
+          "Cells in which the criterion is above this value become fine.");
+      e.refuse(!above, "Criterion",
+               "the value above which cells are to be fine is missing: set \"Refine above\".");
+      refine_above = above.value_or(0.);
+      coarsen_below = e.optional_number(
+          "Coarsen below", positive(), "",
+          "Cells that were divided in the run are joined again where the criterion is below this "
+          "value in all of them, smaller than `Refine above`. Empty: never.");
+      e.refuse(coarsen_below && !(*coarsen_below < refine_above), "Coarsen below",
+               "allowed is a value below \"Refine above\", which is " + e.given("Refine above") +
+                   ": cells would be divided and joined in turn.");
+      most_levels = e.integer(
+          "Levels", "1", between(1, 12),
+          "How often the largest cells of the mesh of the file are halved along each axis, "
+          "at most, those of `Refine where` among them. A cell is halved once in a check.");
+      interval = e.integer("Steps between checks", "20", between(1, 1000000000),
+                           "The criterion is evaluated every so many steps.");
+      layers =
+          e.integer("Layers", "1", between(0, 1000),
+                    "So many layers of cells around those that the criterion names become fine, "
+                    "too, so that what moves stays among fine cells until the next check.");
+      where = e.optional<Predicate<dim>>("Where", "",
+                                         "Cells are divided only where this predicate of their "
+                                         "initial centre is true, such as `x < "
+                                         "5`, and for neighbours that are. Empty: everywhere.");
+      e.plugins<RefinementCriterion<dim>>();
+    }
 
-    AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model);
+    AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model)
+        : AdaptiveRefinement(parameters.section(adaptive_path))
+    {
+      of_file = model.mesh.of_file ? *model.mesh.of_file : divided_cells(model.mesh);
+      Records &all = this->records.group("adaptive refinement");
+      all.value("meshes", n_meshes);
+      all.value("is announced", is_announced);
+      all.value("most cells", most_cells);
+      all.sums("lost", lost, interleaved(lost_momentum, lost_angular_momentum));
+      if (model.heat)
+        model.heat->can_lose_heat = true;
+      this->observed.step_limits.connect(
+          [this](double, double &fraction) {
+            fraction = std::min(fraction, is_announced ? 0.4 : 1.);
+          }); // half the size, half the limit
+      this->observed.energy("refinement loss", EnergyKind::artificial, lost);
+      this->observed.energies.connect(
+          [this](EnergyAccounts &accounts)
+          { accounts.add_removed_momentum(lost_momentum, lost_angular_momentum); });
+      this->observed.column("cells", "1", [this] { return n_cells; });
+      this->observed.column("refinements", "1", [this] { return static_cast<double>(n_meshes); });
+      this->observed.result("refinements", [this] { return n_meshes; });
+      this->observed.result("most_cells", [this] { return most_cells; });
+      this->observed.result("refinement_loss", [this, &model]
+                            { return dealii::Utilities::MPI::sum(lost, model.communicator); });
+      this->observed.audit.connect(
+          [this](std::ostream &out)
+          {
+            out << "Adaptive refinement by " << section.get("Criterion") << " above "
+                << refine_above << ", up to " << most_levels
+                << (most_levels == 1 ? " level" : " levels") << " every " << interval << " steps\n";
+          });
+    }
 
     /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
     void validate(const std::vector<Part<dim>> &parts) const;
@@ -39,27 +127,169 @@ namespace tombolo
      * the present mesh stays. Where cells become smaller than all that there are, one step that
      * suits them is taken before: a long one would excite what only the new mesh can hold. Throws
      * InputError where the mesh does not fit into memory. Collective. */
-    std::optional<CellDivisions> next_divisions(const Model<dim> &model, unsigned long step);
+    std::optional<CellDivisions> next_divisions(const Model<dim> &model, const unsigned long step)
+    {
+      if (!is_announced && (step == 0 || step % interval != 0))
+        return std::nullopt;
+      const std::optional<Wanted> wanted = find_wanted(model);
+      const bool waits =
+          wanted && wanted->has_smaller_cells && !is_announced && model.has_mechanics;
+      is_announced = waits;
+      if (!wanted || waits)
+        return std::nullopt;
+      return wanted->divisions;
+    }
 
     /** Books that a new mesh has @p after of what the one before had. */
     void book(const ModelContent &before, const ModelContent &after, const Model<dim> &model);
 
-    void model_changed(const Model<dim> &model) override;
+    void model_changed(const Model<dim> &model) override
+    {
+      count_cells(model);
+      for (const auto &process : model.processes)
+        if (process->roles.divided_cells == ProcessRole::is_refused)
+          section.fail("Criterion",
+                       "the scene has what keeps a state of one mesh (" +
+                           words_of_type(typeid(*process)) +
+                           "). Allowed beside cells that are divided in the run are loads, "
+                           "prescribed motion, damping, sections and `Contacts`.");
+      refuse_too_many_levels(model);
+    }
 
   private:
+    /** How often a cell was divided beyond the mesh of the file. */
+    static unsigned int levels_beyond(std::uint64_t id, const int level,
+                                      const CellDivisions &source)
+    {
+      unsigned int result = 0;
+      for (int l = level; l > 0; --l, ++result)
+        if (id = parent_of<dim>(id); std::binary_search(source.begin(), source.end(), id))
+          break;
+      return result;
+    }
+
     /** What the criterion wants. */
     struct Wanted
     {
       CellDivisions divisions;
       bool has_smaller_cells = false;
     };
-    std::optional<Wanted> find_wanted(const Model<dim> &model) const;
+    std::optional<Wanted> find_wanted(const Model<dim> &model) const
+    {
+      const std::vector<double> values = criterion->values(model);
+      const std::vector<bool> is_fine = cells_to_be_fine(model, values);
+      std::size_t number = 0; // of the cell
+      const int coarsest_level = levels_of_file(model).first;
+      CellDivisions divided;
+      unsigned int finest = 0, finest_wanted = 0;
+      std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
+      for_cells(model,
+                [&](const auto &cell, const auto &)
+                {
+                  const std::uint64_t id = persistent_id(cell->id(), dim);
+                  const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
+                  const bool is_of_file =
+                      cell->level() == 0 ||
+                      std::binary_search(of_file.begin(), of_file.end(), parent_of<dim>(id));
+                  finest = std::max(finest, level);
+                  if (is_fine[number] && level < most_levels)
+                  {
+                    divided.push_back(id);
+                    finest_wanted = std::max(finest_wanted, level + 1);
+                  }
+                  else if (!is_fine[number] && !is_of_file && coarsen_below &&
+                           values[number] < *coarsen_below)
+                    ++n_joinable[parent_of<dim>(id)];
+                  ++number;
+                });
+      // Siblings are on one rank.
+      CellDivisions joined;
+      for (const auto &[parent, n] : n_joinable)
+        if (n == dealii::GeometryInfo<dim>::max_children_per_cell)
+          joined.push_back(parent);
+
+      CellDivisions all = divided_cells(model.mesh);
+      const CellDivisions present = all;
+      std::vector<std::uint64_t> removed;
+      for (const CellDivisions &of_rank :
+           dealii::Utilities::MPI::all_gather(model.communicator, joined))
+        removed.insert(removed.end(), of_rank.begin(), of_rank.end());
+      std::sort(removed.begin(), removed.end());
+      all.erase(std::remove_if(all.begin(), all.end(),
+                               [&](const std::uint64_t id)
+                               { return std::binary_search(removed.begin(), removed.end(), id); }),
+                all.end());
+      std::size_t n_divided = 0;
+      for (const CellDivisions &of_rank :
+           dealii::Utilities::MPI::all_gather(model.communicator, divided))
+      {
+        all.insert(all.end(), of_rank.begin(), of_rank.end());
+        n_divided += of_rank.size();
+      }
+      std::sort(all.begin(), all.end());
+      if (all == present)
+        return std::nullopt;
+      if (n_divided > 0)
+        refuse_more_than_memory(
+            section, "Levels", model.mesh.triangulation.n_cells(0),
+            static_cast<double>((dealii::GeometryInfo<dim>::max_children_per_cell - 1) * n_divided),
+            model.communicator);
+      return Wanted{all, dealii::Utilities::MPI::max(finest_wanted, model.communicator) >
+                             dealii::Utilities::MPI::max(finest, model.communicator)};
+    }
+
     /** Whether each cell of for_cells() is so near to one that the criterion wants fine that it is
      * to be fine, too. Collective. */
     std::vector<bool> cells_to_be_fine(const Model<dim> &model,
-                                       const std::vector<double> &values) const;
+                                       const std::vector<double> &values) const
+    {
+      std::vector<bool> result;
+      for (const double value : values)
+        result.push_back(value > refine_above);
+      std::vector<dealii::Point<dim>> centres;
+      std::vector<std::vector<unsigned int>> nodes;
+      for_cells(model,
+                [&](const auto &cell, const std::vector<unsigned int> &of_cell)
+                {
+                  centres.push_back(cell->center());
+                  nodes.push_back(of_cell);
+                });
+      for (unsigned int layer = 0;; ++layer)
+      {
+        std::string failure;
+        try
+        {
+          for (std::size_t c = 0; c < result.size(); ++c)
+            result[c] = result[c] && (!where || (*where)(centres[c]));
+        }
+        catch (const std::exception &exception)
+        {
+          failure = exception.what(); // other ranks may have no such cell
+        }
+        throw_on_all_ranks<RunError>(failure, model.communicator);
+        if (layer == layers)
+          return result;
+        result = CellMarks::cells_marked(
+            nodes, CellMarks::nodes_of(model.state.partition(), nodes, result));
+      }
+    }
+
     /** The coarsest and the finest level of the mesh of the file. Collective. */
-    std::pair<int, int> levels_of_file(const Model<dim> &model) const;
+    std::pair<int, int> levels_of_file(const Model<dim> &model) const
+    {
+      const auto &triangulation = model.mesh.triangulation;
+      int coarsest = static_cast<int>(triangulation.n_global_levels()), finest = 0;
+      for (const auto &cell : triangulation.active_cell_iterators())
+        if (cell->is_locally_owned())
+        {
+          const unsigned int divisions =
+              levels_beyond(persistent_id(cell->id(), dim), cell->level(), of_file);
+          coarsest = std::min(coarsest, cell->level() - static_cast<int>(divisions));
+          finest = std::max(finest, cell->level() - static_cast<int>(divisions));
+        }
+      return {dealii::Utilities::MPI::min(coarsest, model.communicator),
+              dealii::Utilities::MPI::max(finest, model.communicator)};
+    }
 
     void count_cells(const Model<dim> &model)
     {
@@ -67,7 +297,22 @@ namespace tombolo
       most_cells = std::max(most_cells, n_cells);
     }
 
-    void refuse_too_many_levels(const Model<dim> &model) const;
+    void refuse_too_many_levels(const Model<dim> &model) const
+    {
+      const auto [coarsest, finest_of_file] = levels_of_file(model);
+      constexpr int most_of_all = 12; // that numbers of cells can tell apart
+      const int finest = std::max(coarsest + static_cast<int>(most_levels), finest_of_file);
+      const double bits =
+          std::log2(static_cast<double>(model.mesh.triangulation.n_cells(0))) + dim * (finest + 2.);
+      if (finest > most_of_all || bits > 63.)
+        section.fail("Levels",
+                     "These are too many levels: with those of the mesh of the file there "
+                     "would be " +
+                         std::to_string(finest) +
+                         " below its coarse cells, more than numbers of nodes and cells "
+                         "can tell apart (" +
+                         std::to_string(most_of_all) + ", fewer of many coarse cells).");
+    }
 
     Section section;
     std::unique_ptr<RefinementCriterion<dim>> criterion;

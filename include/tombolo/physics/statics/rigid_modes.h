@@ -4,13 +4,60 @@
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/node_partition.h>
+
+#include <deal.II/base/mpi.h>
 
 #include <array>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
+  /** The global numbers of the nodes that contacts couple, which may be those of any rank. */
+  template <int dim>
+  std::vector<dealii::types::global_dof_index>
+  nodes_of_contacts(const std::vector<ContactStiffness<dim>> &contacts)
+  {
+    std::vector<dealii::types::global_dof_index> result;
+    for (const ContactStiffness<dim> &contact : contacts)
+      for (const auto &entry : contact.entries)
+        result.push_back(entry.node);
+    return result;
+  }
+
+  /** What @p of_owned says of the nodes in @p wanted that this rank neither owns nor has as ghosts,
+   * by global number: their owners are asked. For few nodes, since all ranks see all of them.
+   * Collective. */
+  template <typename Value, typename Function>
+  std::map<dealii::types::global_dof_index, Value>
+  values_of_far_nodes(const std::vector<dealii::types::global_dof_index> &wanted,
+                      const NodePartition &partition, const Function &of_owned)
+  {
+    using Node = dealii::types::global_dof_index;
+    std::map<Node, Value> result;
+    for (const Node node : wanted)
+      if (!partition.has(node))
+        result.try_emplace(node);
+    std::vector<Node> far;
+    for (const auto &item : result)
+      far.push_back(item.first);
+    std::vector<std::pair<Node, Value>> answers;
+    for (const std::vector<Node> &of_rank :
+         dealii::Utilities::MPI::all_gather(partition.communicator(), far))
+      for (const Node node : of_rank)
+        if (partition.owned().is_element(node))
+          answers.emplace_back(node, of_owned(partition.local_index(node)));
+    for (const auto &of_rank :
+         dealii::Utilities::MPI::all_gather(partition.communicator(), answers))
+      for (const auto &[node, value] : of_rank)
+        if (const auto found = result.find(node); found != result.end())
+          found->second = value;
+    return result;
+  }
+
   template <int dim>
   constexpr unsigned int n_rigid_modes = dim == 2 ? 3 : 6;
 

@@ -1,21 +1,166 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/registry.h>
+#include <tombolo/base/json.h>
+#include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/model/trial.h>
-#include <tombolo/physics/statics/nodal_frames.h>
+
+#include <deal.II/base/tensor.h>
+#include <deal.II/lac/la_parallel_vector.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace tombolo
 {
+  /**
+   * The orthonormal frames of nodes of which directions are prescribed that are no axes of the
+   * coordinates (ObliqueNodes). Equations of such nodes are along their frames: vectors A u and
+   * matrices A K Aᵀ, where A has the axes as rows. All ranks know all of them.
+   */
+  template <int dim>
+  class NodalFrames
+  {
+  public:
+    NodalFrames() = default;
+
+    /** Those of the conditions as they act now. Collective. */
+    explicit NodalFrames(const Model<dim> &model)
+    {
+      using Frame = std::pair<dealii::types::global_dof_index, std::array<double, dim * dim>>;
+      std::vector<Frame> of_rank;
+      for (const ObliqueNode &oblique : model.conditions->oblique_nodes().all())
+      {
+        Frame &frame = of_rank.emplace_back();
+        frame.first = model.state.partition()->global_index(oblique.node);
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            frame.second[k * dim + d] = oblique.axes[k][d];
+      }
+      for (const std::vector<Frame> &all :
+           dealii::Utilities::MPI::all_gather(model.communicator, of_rank))
+        for (const auto &[node, axes] : all)
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int d = 0; d < dim; ++d)
+              frames[node][k][d] = axes[k * dim + d];
+    }
+
+    bool is_empty() const
+    {
+      return frames.empty();
+    }
+
+    /** The axes of a node with a global number, by rows; null where they are those of the
+     * coordinates. */
+    const dealii::Tensor<2, dim> *find(const dealii::types::global_dof_index node) const
+    {
+      const auto found = frames.find(node);
+      return found == frames.end() ? nullptr : &found->second;
+    }
+
+    /** Components along the frame from those along the axes of the coordinates. */
+    void turn(const dealii::types::global_dof_index node, double *const vector) const
+    {
+      if (const dealii::Tensor<2, dim> *const axes = find(node))
+        apply(*axes, vector);
+    }
+
+    /** The way back. */
+    void turn_back(const dealii::types::global_dof_index node, double *const vector) const
+    {
+      if (const dealii::Tensor<2, dim> *const axes = find(node))
+        apply(dealii::transpose(*axes), vector);
+    }
+
+    /** A matrix with dim rows and columns for each of the @p nodes, by rows. */
+    void turn(const std::vector<dealii::types::global_dof_index> &nodes,
+              std::vector<double> &entries) const
+    {
+      if (std::none_of(nodes.begin(), nodes.end(),
+                       [this](const dealii::types::global_dof_index node)
+                       { return find(node) != nullptr; }))
+        return;
+      const std::size_t n_rows = nodes.size() * dim;
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        for (std::size_t b = 0; b < nodes.size(); ++b)
+        {
+          if (find(nodes[a]) == nullptr && find(nodes[b]) == nullptr)
+            continue;
+          const auto entry = [&](const unsigned int k, const unsigned int l) -> double &
+          { return entries[(a * dim + k) * n_rows + b * dim + l]; };
+          dealii::Tensor<2, dim> block;
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int l = 0; l < dim; ++l)
+              block[k][l] = entry(k, l);
+          turn(nodes[a], nodes[b], block);
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int l = 0; l < dim; ++l)
+              entry(k, l) = block[k][l];
+        }
+    }
+
+    /** A block of rows of one node and columns of another. */
+    void turn(const dealii::types::global_dof_index row,
+              const dealii::types::global_dof_index column, dealii::Tensor<2, dim> &block) const
+    {
+      if (const dealii::Tensor<2, dim> *const axes = find(row))
+        block = *axes * block;
+      if (const dealii::Tensor<2, dim> *const axes = find(column))
+        block = block * dealii::transpose(*axes);
+    }
+
+    /** The rows and columns of two nodes of a spring. */
+    dealii::Tensor<2, dim> block(const ContactStiffness<dim> &spring,
+                                 const typename ContactStiffness<dim>::Entry &row,
+                                 const typename ContactStiffness<dim>::Entry &column) const
+    {
+      dealii::Tensor<2, dim> result;
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          result[a][b] = (spring.normal * row.normal[a] + row.weight * spring.slip[a]) *
+                             (column.normal[b] + column.shift[b]) +
+                         row.weight * (column.weight * spring.along[a][b] + column.shares[a][b]);
+      turn(row.node, column.node, result);
+      return result;
+    }
+
+    /** A vector of nodes to one of rows, dim for each owned node. */
+    void turn(const NodalVector &nodes,
+              dealii::LinearAlgebra::distributed::Vector<double> &rows) const
+    {
+      for (unsigned int i = 0; i < nodes.partition()->n_owned(); ++i)
+      {
+        std::array<double, dim> of_node;
+        std::copy_n(nodes.node(i), dim, of_node.begin());
+        turn(nodes.partition()->global_index(i), of_node.data());
+        for (unsigned int d = 0; d < dim; ++d)
+          rows.local_element(i * dim + d) = of_node[d];
+      }
+    }
+
+  private:
+    static void apply(const dealii::Tensor<2, dim> &matrix, double *const vector)
+    {
+      dealii::Tensor<1, dim> values;
+      for (unsigned int d = 0; d < dim; ++d)
+        values[d] = vector[d];
+      values = matrix * values;
+      for (unsigned int d = 0; d < dim; ++d)
+        vector[d] = values[d];
+    }
+
+    std::unordered_map<dealii::types::global_dof_index, dealii::Tensor<2, dim>> frames;
+  };
+
   /** A step of a body at rest, from one time to the next. */
   struct StaticInterval
   {
@@ -202,5 +347,48 @@ namespace tombolo
     bool has_driven_nodes = false;
     std::string failure_text;
     std::uint64_t count = 0;
+  };
+
+  /** How the solution of a static step went. */
+  struct StaticSolution
+  {
+    bool has_converged = false;
+    unsigned int n_iterations = 0;
+    double residual = 0;      ///< |R| over the scale of forces
+    std::string report;       ///< norms by iteration, or what went wrong
+    std::string advice;       ///< where it has not converged: an entry that may help, as a sentence
+    bool was_stopped = false; ///< by StaticProblem::must_stop
+  };
+
+  /** Finds the equilibrium of a static step: a plug-in, `Time integration`. */
+  template <int dim>
+  class StaticSolver
+  {
+  public:
+    virtual ~StaticSolver() = default;
+
+    /** Solves R(u) = 0 up to |R| <= @p tolerance times the force scale, from u = 0. The last
+     * evaluation of the problem is that of the solution, where there is one. The same on all ranks.
+     * Collective. */
+    virtual StaticSolution solve(StaticProblem<dim> &problem, double tolerance) = 0;
+
+    /** Whether so many iterations are few, so that the next step may be longer. */
+    virtual bool was_easy(const StaticSolution &solution) const = 0;
+
+    /** Evaluations of the forces of all cells that it has made beside those of the problem: a
+     * matrix takes as many as a cell has components. */
+    virtual double further_evaluations() const
+    {
+      return 0.;
+    }
+
+    /** Adds what it cost so far. */
+    virtual void add_to_summary(Json & /*summary*/) const {}
+  };
+
+  template <int dim>
+  struct PluginKind<StaticSolver<dim>>
+  {
+    static constexpr const char *name = "static solver";
   };
 } // namespace tombolo

@@ -7,7 +7,6 @@
 #include <tombolo/base/log.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/statics/static_problem.h>
-#include <tombolo/physics/statics/static_solver.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <deal.II/grid/grid_tools.h>
 
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/generators/box.h>
+#include <tombolo/mesh/mesh_source.h>
 
 #include <mesh_testing.h>
 

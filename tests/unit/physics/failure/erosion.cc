@@ -5,7 +5,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/physics/failure/erosion.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>

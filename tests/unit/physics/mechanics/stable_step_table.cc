@@ -2,7 +2,7 @@
 #include "frozen_body.h"
 
 #include <tombolo/formulations/particles/particle_formulation.h>
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 // stable_step.cc.
 #include "frozen_blocks.h"
 
-#include <tombolo/physics/mechanics/courant_limit.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <gtest/gtest.h>
 
