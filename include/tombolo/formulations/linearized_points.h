@@ -72,8 +72,7 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const unsigned int i = q * n_lanes;
-        bulk[q] = load_lanes(bulk_at + i);
-        shear[q] = load_lanes(shear_at + i);
+        compliance[q] = Compliance(load_lanes(bulk_at + i), load_lanes(shear_at + i));
         old_ratio[q] = load_lanes(points.component(MaterialPoints::volume_ratio, 0) + first + i);
         for (unsigned int c = 0; c < 6; ++c)
         {
@@ -81,7 +80,6 @@ namespace tombolo
           if (is_logarithmic())
             old_stress[q][c] *= old_ratio[q];
         }
-        elastic_strain_of(old_stress[q], bulk[q], shear[q], elastic_strain[q]);
       }
     }
 
@@ -96,18 +94,21 @@ namespace tombolo
           grows ? MeanDilatation::growth_of_cell(old_volume, motion.volume) : Lanes(1.);
       MotionIncrement<Lanes> increments[n_points];
       for (unsigned int q = 0; q < n_points; ++q)
-        increments[q] = is_logarithmic() ? logarithmic_increment(h[q], elastic_strain[q])
-                                         : motion_increment(h[q]);
+      {
+        std::copy_n(old_stress[q], 6, motion.stress[q]);
+        if (is_logarithmic())
+          increments[q] = logarithmic_increment(h[q], compliance[q], motion.stress[q]);
+        else
+        {
+          increments[q] = motion_increment(h[q]);
+          rotate(increments[q].spin, motion.stress[q]);
+        }
+      }
       share(increments);
       for (unsigned int q = 0; q < n_points; ++q)
       {
-        for (unsigned int c = 0; c < 6; ++c)
-        {
-          motion.strain[q][c] = increments[q].strain[c];
-          motion.stress[q][c] = old_stress[q][c];
-        }
+        std::copy_n(increments[q].strain, 6, motion.strain[q]);
         std::copy_n(increments[q].spin, 3, motion.spin[q]);
-        rotate(increments[q].spin, motion.stress[q]);
         motion.volume_ratio[q] = old_ratio[q] * increments[q].volume_factor;
         motion.work_factor[q] = work_factor(increments[q]);
         if (grows)
@@ -148,7 +149,7 @@ namespace tombolo
         Lanes turned[6], strain[6];
         for (unsigned int c = 0; c < 6; ++c)
           turned[c] = changed.stress[q][c] - motion.stress[q][c];
-        elastic_strain_of(turned, bulk[q], shear[q], strain);
+        elastic_strain_of(turned, compliance[q], strain);
         for (unsigned int c = 0; c < 6; ++c)
           strain[c] += changed.strain[q][c] - motion.strain[q][c];
         const Lanes volume =
@@ -171,8 +172,8 @@ namespace tombolo
     // Of the points at hand at the start of the step.
     std::size_t first = 0;
     alignas(64) double old_volume[size];
-    Lanes old_ratio[n_points], old_stress[n_points][6], elastic_strain[n_points][6];
-    Lanes bulk[n_points], shear[n_points]; // at the temperature of the start
+    Lanes old_ratio[n_points], old_stress[n_points][6];
+    Compliance compliance[n_points]; // at the temperature of the start
     alignas(64) double stress_of_batch[6][size], strain_of_batch[6][size];
     alignas(64) double factor_of_batch[size], ratio_of_batch[size], temperature_increment[size];
     dealii::AlignedVector<double> tangent_values;

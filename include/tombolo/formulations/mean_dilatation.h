@@ -102,16 +102,15 @@ namespace tombolo
     void share_logarithmic(const Lanes (&volume)[n_points],
                            MotionIncrement<Lanes> (&motion)[n_points])
     {
-      Lanes old_volume = 0., growth = 0.;
+      Lanes present = 0., growth = 0.;
       Lanes dilatation[n_points];
       for (unsigned int q = 0; q < n_points; ++q)
       {
-        dilatation[q] = trace_in_plane<dim>(motion[q].strain);
-        const Lanes of_point = volume[q] / motion[q].volume_factor;
-        old_volume += of_point;
-        growth += of_point * exponential_less_one(dilatation[q], motion[q].volume_factor);
+        dilatation[q] = trace_in_plane<dim>(motion[q].strain); // of volume over old volume the ln
+        present += volume[q];
+        growth -= volume[q] * exponential_less_one(-dilatation[q]);
       }
-      growth /= old_volume;
+      growth /= present - growth;
       const Lanes shared = logarithm_of_one_and(growth);
       for (unsigned int q = 0; q < n_points; ++q)
       {

@@ -44,37 +44,39 @@ namespace tombolo
     }
 
     /** The motion of n_lanes points from number @p i of the block on by H = Δt ∂v/∂x at the end of
-     * the step, with which their Kirchhoff stress of t_{n-1} takes the place of Cauchy's where the
-     * measure is logarithmic. Once for each point. */
+     * the step. Where the measure is logarithmic their stress of t_{n-1} becomes Kirchhoff's and is
+     * turned (eq. 19). Once for each point. */
     TOMBOLO_ALWAYS_INLINE MotionIncrement<Lanes> motion(const unsigned int i,
                                                         const Matrix3<Lanes> &h)
     {
       if (!is_logarithmic)
         return motion_increment(h);
       const Lanes old_ratio = load_lanes(ratio + i);
-      Lanes stress[6], elastic_strain[6];
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        stress[c] = old_ratio * load_lanes(batch.stress[c] + i);
-        store_lanes(stress[c], batch.stress[c] + i);
-      }
-      elastic_strain_of(stress, load_lanes(bulk + i), load_lanes(shear + i), elastic_strain);
-      return logarithmic_increment(h, elastic_strain);
-    }
-
-    /** Turns the stress of these points, and tensors of the material, with their motion (eq. 19),
-     * keeps their strain and volume ratio. */
-    TOMBOLO_ALWAYS_INLINE void move(const unsigned int i, const MotionIncrement<Lanes> &motion)
-    {
       Lanes stress[6];
       for (unsigned int c = 0; c < 6; ++c)
-      {
-        store_lanes(motion.strain[c], strain[c] + i);
-        stress[c] = load_lanes(batch.stress[c] + i);
-      }
-      rotate(motion.spin, stress);
+        stress[c] = old_ratio * load_lanes(batch.stress[c] + i);
+      set_moduli(load_lanes(bulk + i), load_lanes(shear + i));
+      const MotionIncrement<Lanes> result = logarithmic_increment(h, compliance, stress);
       for (unsigned int c = 0; c < 6; ++c)
         store_lanes(stress[c], batch.stress[c] + i);
+      return result;
+    }
+
+    /** Turns the stress of the rate measure and the tensors of the material with the motion of
+     * these points, keeps their strain and volume ratio. */
+    TOMBOLO_ALWAYS_INLINE void move(const unsigned int i, const MotionIncrement<Lanes> &motion)
+    {
+      for (unsigned int c = 0; c < 6; ++c)
+        store_lanes(motion.strain[c], strain[c] + i);
+      if (!is_logarithmic)
+      {
+        Lanes stress[6];
+        for (unsigned int c = 0; c < 6; ++c)
+          stress[c] = load_lanes(batch.stress[c] + i);
+        rotate(motion.spin, stress);
+        for (unsigned int c = 0; c < 6; ++c)
+          store_lanes(stress[c], batch.stress[c] + i);
+      }
       part.turn_variables(first + i, motion.spin);
       store_lanes(load_lanes(ratio + i) * motion.volume_factor, ratio + i);
       if (is_logarithmic)
@@ -139,6 +141,16 @@ namespace tombolo
     alignas(64) double nodal_temperature[size] = {};
 
   private:
+    /** Points mostly have the moduli of those before them. */
+    TOMBOLO_ALWAYS_INLINE void set_moduli(const Lanes &bulk_modulus, const Lanes &shear_modulus)
+    {
+      if (all_of(bulk_modulus == known_bulk && shear_modulus == known_shear))
+        return;
+      known_bulk = bulk_modulus;
+      known_shear = shear_modulus;
+      compliance = Compliance(bulk_modulus, shear_modulus);
+    }
+
     PartPoints &part;
     MaterialPoints &points;
     const bool is_logarithmic;
@@ -148,6 +160,8 @@ namespace tombolo
     alignas(64) double strain[6][size];
     alignas(64) double factor[size];
     alignas(64) double bulk[size], shear[size];
+    Lanes known_bulk = 0., known_shear = 0.;
+    Compliance compliance; ///< of these
     alignas(64) double temperature_increment[size];
   };
 } // namespace tombolo

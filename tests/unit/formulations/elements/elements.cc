@@ -110,8 +110,9 @@ namespace tombolo
               Matrix3<Lanes> of_lanes;
               for (unsigned int k = 0; k < 9; ++k)
                 of_lanes.entry[k] = h.entry[k];
+              Lanes unstressed[6] = {0., 0., 0., 0., 0., 0.};
               const MotionIncrement<Lanes> logarithmic =
-                  logarithmic_increment(of_lanes, {0., 0., 0., 0., 0., 0.});
+                  logarithmic_increment(of_lanes, {1., 1.}, unstressed);
               for (unsigned int c = 0; c < 6; ++c) // of the Kirchhoff stress
                 motion.strain[c] = logarithmic.strain[c][0] / motion.volume_factor;
             }
