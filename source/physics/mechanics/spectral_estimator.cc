@@ -27,8 +27,8 @@ namespace tombolo
     std::vector<StepLimit> of_parts;
     for (const Part<dim> &part : model.parts)
     {
-      of_parts.push_back(part.formulation->courant_limit(model.state.position, part.inertia,
-                                                              part.step_ratios));
+      of_parts.push_back(
+          part.formulation->courant_limit(model.state.position, part.inertia, part.step_ratios));
       of_parts.back().entity += " of part \"" + part.name + "\"";
     }
     return smallest_limit(of_parts, model.communicator);

@@ -30,8 +30,8 @@ namespace tombolo
                     {
                       if (by_groups)
                         model.step_groups.apply_elastic_stiffness(
-                            static_cast<std::size_t>(&part - model.parts.data()),
-                            *part.formulation, x, seen, time_step, sum);
+                            static_cast<std::size_t>(&part - model.parts.data()), *part.formulation,
+                            x, seen, time_step, sum);
                       else
                         part.formulation->apply_elastic_stiffness(x, seen, time_step, sum);
                     }
