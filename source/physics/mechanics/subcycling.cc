@@ -26,10 +26,9 @@ namespace tombolo
       largest_ratio = static_cast<unsigned int>(std::stoul(e.choice(
           "Largest ratio", "1", "1|2|4|8|16",
           "Cells of elements take one step for 2, 4, 8 or 16 of the smallest of the scene, as far "
-          "as "
-          "their own stable step allows and up to this number; cells beside those with smaller "
-          "steps, and beside what touches another body, take theirs. Particles, smoothed cells and "
-          "cells that can erode or become particles take each step. 1: all cells do.")));
+          "as their own limit allows and up to this number. Particles, smoothed cells, cells that "
+          "can be removed or become particles, and cells that touch something, take each step. 1: "
+          "all cells do.")));
     }
 
     unsigned int largest_ratio;
@@ -58,8 +57,7 @@ namespace tombolo
         if (groups.parts.back() != nullptr)
           part.step_ratios.assign(part.formulation->n_cells(), 1);
       }
-      this->roles.rest = ProcessRole::is_refused;
-      this->roles.divided_cells = ProcessRole::is_refused;
+      this->roles = {ProcessRole::is_refused, ProcessRole::is_refused, ProcessRole::acts};
       model.signals.nodes_placed.connect(
           [this](const Clock &, const NodalVector &former)
           {
@@ -132,7 +130,7 @@ namespace tombolo
         if (groups.parts[p] != nullptr)
           of_cells.group("part " + model.parts[p].name)
               .archived(
-                  [this, p](StateArchive &archive)
+                  [this, p](auto &archive)
                   {
                     archive.set_rows(model.persistent_ids_of_points(p));
                     std::vector<unsigned int> &ratios = model.parts[p].step_ratios;
@@ -473,7 +471,7 @@ namespace tombolo
         };
         if (std::none_of(model.parts.begin(), model.parts.end(), can_be_grouped))
           section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
-                                        "elements that neither erode nor become particles; "
+                                        "elements that are neither removed nor become particles; "
                                         "allowed is 1.");
         if (model.bridge->is_trace())
           section.fail("Largest ratio", "elements see the field of the particles in each step "
