@@ -72,11 +72,16 @@ namespace tombolo
     for (Group &group : groups)
     {
       group.position.move_to(partition);
+      group.position.distribute();
       NodalVector all(partition, Quantity::scalar);
       for (Share &share : group.shares)
       {
-        share.force.move_to(partition);
-        share.last_force.move_to(partition);
+        for (NodalVector *const force : {&share.force, &share.last_force})
+        {
+          force->move_to(partition);
+          for (unsigned int i = partition->n_owned(); i < partition->n_local(); ++i)
+            store_node(NodeLanes(0.), force->node(i));
+        }
         NodalVector mark(partition, Quantity::scalar);
         for_group(*parts[share.part], group.ratio,
                   [&](const auto &of_part)

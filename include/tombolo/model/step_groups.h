@@ -68,7 +68,7 @@ namespace tombolo
     /** Finds stresses of all cells at the present positions, by the present smoothed velocity. */
     void synchronize(const Model<dim> &model, const Clock &clock, const NodalVector *temperature);
 
-    /** For another partition. Collective. */
+    /** For another partition, or other values of owned nodes. Collective. */
     void set_partition(const Model<dim> &model);
 
     /** Formulation::add_internal_force() of those cells of a part, by its number, that take each

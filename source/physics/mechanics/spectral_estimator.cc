@@ -137,8 +137,8 @@ namespace tombolo
     solver.add_noise(model.bridge->mass(), model.state.initial_position, dim, is_first ? 1. : 0.1,
                      n_calls);
     // A mode that the last eigenvector does not hold, of kernels that were renewed since, shows in
-    // the acceleration when it begins to grow.
-    if (!is_first)
+    // the acceleration of this step, where there is one, when it begins to grow.
+    if (!is_first && by_groups)
       solver.add(model.bridge->mass(), model.state.acceleration, 0.3);
     ++n_calls;
 

@@ -163,12 +163,7 @@ namespace tombolo
       all.value("step of choice", choice.step);
       all.value("touches slow cell", touches_slow_cell);
       estimator.list(all.group("spectral estimator"), model);
-      all.on_reading(
-          [this]
-          {
-            for (auto &group : groups.groups)
-              group.position.distribute();
-          });
+      all.on_reading([this] { groups.set_partition(model); });
     }
 
     /** Makes the first choice, if it is not made. Returns whether it was made now. Collective. */

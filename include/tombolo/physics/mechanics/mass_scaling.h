@@ -240,7 +240,7 @@ namespace tombolo
       const double internal =
           table.present("elastic energy") + table.present("plastic dissipation");
       const double kinetic = table.present("kinetic energy");
-      if (internal > 1e-15 * kinetic) // and not round-off
+      if (internal > 1e-15 * std::abs(kinetic)) // and not round-off
         table.add("kinetic over internal energy", "1", kinetic / internal);
     }
 
