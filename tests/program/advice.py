@@ -209,6 +209,14 @@ class Warnings(command_line.Case):
         self.assertNotIn("Advice: ", printed)
         self.assertNotIn("Warning: ", printed)
 
+    def test_longer_steps_where_few_small_cells_set_the_step(self):
+        small = ["set Cells        = 10, 2", "set Cells = 10 to 0.7 | 4 to 0.74 | 10 to 2; 6"]
+        scene = [small, ["set Cells       = x < 1\n", "set Cells = x < 1.8\n"], ["set End time         = 0.5", "set End time = 100"]]
+        advice = "Advice: `Time step/Subcycling/Largest ratio = 8`"
+        self.assertIn(advice, self.dry_run(*scene))
+        self.assertNotIn(advice, self.dry_run(*scene[1:]))
+        self.assertNotIn(advice, self.dry_run(*scene, options=("--set", "Time step/Subcycling/Largest ratio = 2")))
+
     def test_bodies_at_rest_are_told_nothing_of_waves_and_steps(self):
         for formulation in ("fully integrated hexahedron", "momentum consistent particle"):
             for end in ("1e-3", "1", "1e5"):

@@ -18,7 +18,8 @@ namespace tombolo
    * crossed the body, and wave speeds that no solid has where `Unit labels` names the units.
    *
    * Advice: gradients that pass the patch test, another smoothing or step, scaled
-   * inertia. A scene with an exact solution compares methods and gets no advice about its settings.
+   * inertia, longer steps of large cells. A scene with an exact solution compares methods and gets
+   * no advice about its settings.
    *
    * Bodies at rest have no waves, no stable step and no smoothing of velocities, and get none of
    * the sentences about them. @p n_steps are those expected. Collective.

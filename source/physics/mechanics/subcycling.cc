@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/subcycling.h>
+
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
@@ -19,6 +21,82 @@
 
 namespace tombolo
 {
+  namespace
+  {
+    /** The cells of a part, if they can take longer steps, else null. */
+    template <int dim>
+    GroupedCells<dim> *cells_that_can_wait(const Part<dim> &part)
+    {
+      auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get());
+      return cells != nullptr && cells->can_be_grouped() ? cells : nullptr;
+    }
+
+    /** Calls @p use(part, cell, limit) with eq. (41), with the inertia that it has, for each cell
+     * of this rank that can take longer steps. */
+    template <int dim, typename Use>
+    void for_limits(const Model<dim> &model, const Use &use)
+    {
+      std::vector<double> limits;
+      for (std::size_t p = 0; p < model.parts.size(); ++p)
+      {
+        const Part<dim> &part = model.parts[p];
+        if (cells_that_can_wait(part) == nullptr)
+          continue;
+        part.formulation->courant_limits(model.state.position, limits);
+        for (std::size_t cell = 0; cell < limits.size(); ++cell)
+          use(p, cell, limits[cell] * std::sqrt(part.inertia.empty() ? 1. : part.inertia[cell]));
+      }
+    }
+
+    /** The largest limit of a cell by the spectrum over eq. (41) that @p limit, of the scene, tells
+     * of: cells of one kind have a common factor. Collective. */
+    template <int dim>
+    double scale_of_limits(const Model<dim> &model, const double limit)
+    {
+      double smallest = StepLimit().time_step;
+      for_limits(model, [&](const std::size_t, const std::size_t, const double of_cell)
+                 { smallest = std::min(smallest, of_cell); });
+      return std::max(1., limit / Utilities::MPI::min(smallest, model.communicator));
+    }
+
+    /** The ratio of a cell that could take so many of the smallest steps in one. */
+    unsigned int ratio_up_to(const double n_steps, const unsigned int largest)
+    {
+      // Ratios are those of the mesh, which a factor near to one does not change.
+      constexpr double tolerance = 1.02;
+      unsigned int ratio = 1;
+      while (2 * ratio <= std::min(tolerance * n_steps, double(largest)))
+        ratio *= 2;
+      return ratio;
+    }
+
+    /** Of this rank. */
+    template <int dim>
+    std::size_t n_cells_or_particles(const Part<dim> &part)
+    {
+      return part.particles != nullptr ? part.formulation->particle_nodes().size()
+                                       : part.formulation->n_cells();
+    }
+  } // namespace
+
+  template <int dim>
+  double cost_with_longer_steps(const Model<dim> &model, const double limit)
+  {
+    std::array<double, 2> costs{};
+    const auto cost = [&](const std::size_t p)
+    { return model.parts[p].formulation->cost_per_cell(*model.parts[p].material, 1.); };
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+      costs[0] += cost(p) * double(n_cells_or_particles(model.parts[p]));
+    const double scale = scale_of_limits(model, limit) / limit;
+    for_limits(model, [&](const std::size_t p, const std::size_t, const double of_cell)
+               { costs[1] += cost(p) * (1. - 1. / ratio_up_to(scale * of_cell, 8)); });
+    costs = ordered_sum(costs, model.communicator);
+    return costs[0] > 0. ? 1. - costs[1] / costs[0] : 1.;
+  }
+
+  template double cost_with_longer_steps(const Model<2> &, double);
+  template double cost_with_longer_steps(const Model<3> &, double);
+
   struct SubcyclingSettings
   {
     explicit SubcyclingSettings(const Entries &e)
@@ -52,8 +130,7 @@ namespace tombolo
     {
       for (Part<dim> &part : model.parts)
       {
-        auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get());
-        groups.parts.push_back(cells != nullptr && cells->can_be_grouped() ? cells : nullptr);
+        groups.parts.push_back(cells_that_can_wait(part));
         if (groups.parts.back() != nullptr)
           part.step_ratios.assign(part.formulation->n_cells(), 1);
       }
@@ -217,34 +294,17 @@ namespace tombolo
           std::abs(clock.stable_step - choice.stable_step) > threshold * choice.stable_step)
         return true;
       std::array<double, 2> smallest = {{StepLimit().time_step, StepLimit().time_step}};
-      for_limits(
-          [&](const std::size_t p, const std::size_t cell, const double limit)
-          {
-            const unsigned int ratio = model.parts[p].step_ratios[cell];
-            double &of_kind = smallest[ratio > 1 ? 1 : 0];
-            of_kind = std::min(of_kind, choice.scale * limit / ratio);
-          });
+      for_limits(model,
+                 [&](const std::size_t p, const std::size_t cell, const double limit)
+                 {
+                   const unsigned int ratio = model.parts[p].step_ratios[cell];
+                   double &of_kind = smallest[ratio > 1 ? 1 : 0];
+                   of_kind = std::min(of_kind, choice.scale * limit / ratio);
+                 });
       for (double &of_kind : smallest)
         of_kind = Utilities::MPI::min(of_kind, model.communicator);
       constexpr double tolerance = 0.93;
       return smallest[1] < tolerance * std::min(choice.limit, smallest[0]);
-    }
-
-    /** Calls @p use(part, cell, limit) with eq. (41), with the inertia that it has, for each cell
-     * of this rank that can take longer steps. */
-    template <typename Use>
-    void for_limits(const Use &use) const
-    {
-      std::vector<double> limits;
-      for (std::size_t p = 0; p < model.parts.size(); ++p)
-      {
-        if (groups.parts[p] == nullptr)
-          continue;
-        const Part<dim> &part = model.parts[p];
-        part.formulation->courant_limits(model.state.position, limits);
-        for (std::size_t cell = 0; cell < limits.size(); ++cell)
-          use(p, cell, limits[cell] * std::sqrt(part.inertia.empty() ? 1. : part.inertia[cell]));
-      }
     }
 
     /** Finds the ratios of all cells (Part::step_ratios). Collective. */
@@ -253,22 +313,13 @@ namespace tombolo
       is_chosen = true;
       choice.limit = round_down(estimator.estimate(model, choice.limit).time_step);
       groups.first_step = choice.limit;
-      double smallest = StepLimit().time_step;
-      for_limits([&](const std::size_t, const std::size_t, const double limit)
-                 { smallest = std::min(smallest, limit); });
-      smallest = Utilities::MPI::min(smallest, model.communicator);
-      // The spectrum allows cells of one kind more than eq. (41) by a common factor.
-      choice.scale = std::max(1., choice.limit / smallest);
-      // Ratios are those of the mesh, which a factor near to one does not change.
-      constexpr double tolerance = 1.02;
-      for_limits(
-          [&](const std::size_t p, const std::size_t cell, const double limit)
-          {
-            const double allowed = tolerance * choice.scale * limit / choice.limit;
-            unsigned int &ratio = model.parts[p].step_ratios[cell];
-            for (ratio = 1; 2 * ratio <= std::min(allowed, double(settings.largest_ratio));)
-              ratio *= 2;
-          });
+      choice.scale = scale_of_limits(model, choice.limit);
+      for_limits(model,
+                 [&](const std::size_t p, const std::size_t cell, const double limit)
+                 {
+                   model.parts[p].step_ratios[cell] =
+                       ratio_up_to(choice.scale * limit / choice.limit, settings.largest_ratio);
+                 });
       spread_small_steps();
     }
 
@@ -371,9 +422,7 @@ namespace tombolo
       {
         const Part<dim> &part = model.parts[p];
         const double cost = part.formulation->cost_per_cell(*part.material, 1.);
-        const std::size_t n = part.particles != nullptr ? part.formulation->particle_nodes().size()
-                                                        : part.formulation->n_cells();
-        for (unsigned int cell = 0; cell < n; ++cell)
+        for (unsigned int cell = 0; cell < n_cells_or_particles(part); ++cell)
         {
           ++counts[ratio_of(p, cell)];
           costs[0] += cost;
@@ -459,12 +508,8 @@ namespace tombolo
         if (settings.largest_ratio == 1)
           return nullptr;
         const Section section = parameters.section("Time step").subsection(subcycling_section);
-        const auto can_be_grouped = [](const Part<dim> &part)
-        {
-          const auto *const cells = dynamic_cast<const GroupedCells<dim> *>(part.formulation.get());
-          return cells != nullptr && cells->can_be_grouped();
-        };
-        if (std::none_of(model.parts.begin(), model.parts.end(), can_be_grouped))
+        if (std::all_of(model.parts.begin(), model.parts.end(),
+                        [](const Part<dim> &part) { return cells_that_can_wait(part) == nullptr; }))
           section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
                                         "elements that are neither removed nor become particles; "
                                         "allowed is 1.");
