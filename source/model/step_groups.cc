@@ -3,8 +3,7 @@
 
 #include <tombolo/model/model.h>
 
-#include <algorithm>
-#include <set>
+#include <utility>
 
 namespace tombolo
 {

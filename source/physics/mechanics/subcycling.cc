@@ -190,6 +190,8 @@ namespace tombolo
     void model_changed(const Model<dim> &) override
     {
       const auto &partition = model.state.partition();
+      if (slow_cells.partition() == partition) // rows and masses alone are other ones
+        return;
       if (touched.partition() == nullptr)
         touched.reinit(partition, Quantity::scalar);
       else
