@@ -104,6 +104,16 @@ TEST(Subcycling, LosesNoStepToTheLimitOfSingleSteps)
   EXPECT_GT(limit_of(grouped), 0.97 * single.estimator->estimate(*single.model).time_step);
 }
 
+TEST(Subcycling, HalvesTheLimitWhereAllCellsTakeTwoSteps)
+{
+  FrozenBody<2> body(graded_body(2, "fully integrated hexahedron", 2, 0.4, 0.2));
+  Model<2> &model = *body.model;
+  const double single = body.estimator->estimate(model).time_step;
+  model.parts[0].step_ratios.assign(model.parts[0].formulation->n_cells(), 2);
+  model.step_groups.parts[0]->set_step_ratios(model.parts[0].step_ratios);
+  EXPECT_NEAR(body.estimator->estimate(model).time_step, 0.5 * single, 0.01 * single);
+}
+
 TEST(Subcycling, KeepsMomentum)
 {
   FrozenBody<3> body(graded_body(3, "hexahedron", 4, 0.2, 0.2));
