@@ -91,19 +91,9 @@ namespace tombolo
     /** Unused lanes repeat the last cell, without a volume. */
     void fill_unused_lanes()
     {
-      const CellBatches<dim> &cells = cell_points.cells();
-      if (cells.n_batches() == 0)
-        return;
-      const unsigned int n_points = rows.n_points_per_cell();
-      const unsigned int batch = cells.n_batches() - 1, last = cells.n_valid(batch) - 1;
       for (unsigned int f = 0; f < points.fields().size(); ++f)
-        for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
-          for (unsigned int q = 0; q < n_points && f != MaterialPoints::volume; ++q)
-          {
-            double *const lanes =
-                points.component(f, c) + std::size_t(batch * n_points + q) * n_lanes;
-            std::fill(lanes + last + 1, lanes + n_lanes, lanes[last]);
-          }
+        if (f != MaterialPoints::volume)
+          cell_points.fill_unused_lanes(points, f);
     }
 
     /** Lets points have the present @p temperature of the nodes (slot 0), raised by the plastic
