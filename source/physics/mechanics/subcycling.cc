@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
@@ -59,6 +60,14 @@ namespace tombolo
       return std::max(1., limit / Utilities::MPI::min(smallest, model.communicator));
     }
 
+    /** Of this rank. */
+    template <int dim>
+    std::size_t n_cells_or_particles(const Part<dim> &part)
+    {
+      return part.particles != nullptr ? part.formulation->particle_nodes().size()
+                                       : part.formulation->n_cells();
+    }
+
     /** The ratio of a cell that could take so many of the smallest steps in one. */
     unsigned int ratio_up_to(const double n_steps, const unsigned int largest)
     {
@@ -70,28 +79,40 @@ namespace tombolo
       return ratio;
     }
 
-    /** Of this rank. */
+    using Ratios = std::vector<std::vector<unsigned int>>; // by part and cell; none: one
+
+    /** Those that the limits of the cells allow, each times @p scale in the smallest steps. */
     template <int dim>
-    std::size_t n_cells_or_particles(const Part<dim> &part)
+    Ratios ratios_by_limits(const Model<dim> &model, const double scale, const unsigned int largest)
     {
-      return part.particles != nullptr ? part.formulation->particle_nodes().size()
-                                       : part.formulation->n_cells();
+      Ratios ratios(model.parts.size());
+      for_limits(model, [&](const std::size_t p, const std::size_t, const double of_cell)
+                 { ratios[p].push_back(ratio_up_to(scale * of_cell, largest)); });
+      return ratios;
+    }
+
+    /** What forces cost with these ratios over what they cost in single steps. Collective. */
+    template <int dim>
+    double relative_cost(const Model<dim> &model, const Ratios &ratios)
+    {
+      std::array<double, 2> costs{};
+      for (std::size_t p = 0; p < ratios.size(); ++p)
+      {
+        const Part<dim> &part = model.parts[p];
+        const double cost = part.formulation->cost_per_cell(*part.material, 1.);
+        costs[0] += cost * double(n_cells_or_particles(part));
+        for (const unsigned int ratio : ratios[p])
+          costs[1] += cost * (1. - 1. / ratio);
+      }
+      costs = ordered_sum(costs, model.communicator);
+      return costs[0] > 0. ? 1. - costs[1] / costs[0] : 1.;
     }
   } // namespace
 
   template <int dim>
   double cost_with_longer_steps(const Model<dim> &model, const double limit)
   {
-    std::array<double, 2> costs{};
-    const auto cost = [&](const std::size_t p)
-    { return model.parts[p].formulation->cost_per_cell(*model.parts[p].material, 1.); };
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
-      costs[0] += cost(p) * double(n_cells_or_particles(model.parts[p]));
-    const double scale = scale_of_limits(model, limit) / limit;
-    for_limits(model, [&](const std::size_t p, const std::size_t, const double of_cell)
-               { costs[1] += cost(p) * (1. - 1. / ratio_up_to(scale * of_cell, 8)); });
-    costs = ordered_sum(costs, model.communicator);
-    return costs[0] > 0. ? 1. - costs[1] / costs[0] : 1.;
+    return relative_cost(model, ratios_by_limits(model, scale_of_limits(model, limit) / limit, 8));
   }
 
   template double cost_with_longer_steps(const Model<2> &, double);
@@ -316,12 +337,10 @@ namespace tombolo
       choice.limit = round_down(estimator.estimate(model, choice.limit).time_step);
       groups.first_step = choice.limit;
       choice.scale = scale_of_limits(model, choice.limit);
-      for_limits(model,
-                 [&](const std::size_t p, const std::size_t cell, const double limit)
-                 {
-                   model.parts[p].step_ratios[cell] =
-                       ratio_up_to(choice.scale * limit / choice.limit, settings.largest_ratio);
-                 });
+      const Ratios ratios =
+          ratios_by_limits(model, choice.scale / choice.limit, settings.largest_ratio);
+      for (std::size_t p = 0; p < ratios.size(); ++p)
+        model.parts[p].step_ratios = ratios[p];
       spread_small_steps();
     }
 
@@ -329,17 +348,18 @@ namespace tombolo
     template <typename Use>
     void for_cells(const Use &use) const
     {
-      std::vector<unsigned int> next(model.parts.size(), 0);
       std::vector<types::global_dof_index> nodes;
-      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned())
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      {
+        unsigned int number = 0;
+        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
         {
-          const unsigned int part = model.part_cells->part_of(cell);
           model.nodes->cell_nodes(cell, nodes);
           for (types::global_dof_index &node : nodes)
             node = model.state.partition()->local_index(node);
-          use(part, next[part]++, nodes);
+          use(p, number++, nodes);
         }
+      }
     }
 
     unsigned int ratio_of(const unsigned int part, const unsigned int cell) const
@@ -401,17 +421,13 @@ namespace tombolo
       find_slow_cells();
     }
 
-    /** Marks nodes of cells that do not take each step. Collective. */
+    /** Marks nodes of cells that do not take each step. */
     void find_slow_cells()
     {
       slow_cells.reinit(model.state.partition(), Quantity::scalar);
-      for_cells(
-          [&](const unsigned int p, const unsigned int cell, const auto &nodes)
-          {
-            for (unsigned int k = 0; ratio_of(p, cell) > 1 && k < nodes.size(); ++k)
-              *slow_cells.node(static_cast<unsigned int>(nodes[k])) += 1.;
-          });
-      slow_cells.collect();
+      for (const auto &group : groups.groups)
+        for (const unsigned int node : group.owned)
+          *slow_cells.node(node) = 1.;
     }
 
     /** Numbers of cells and particles by ratio, over all ranks, and the cost of their steps over
@@ -419,22 +435,16 @@ namespace tombolo
     std::pair<std::vector<unsigned long>, double> extent() const
     {
       std::vector<unsigned long> counts(groups.cycle() + 1, 0);
-      std::array<double, 2> costs{};
+      Ratios ratios;
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
-        const Part<dim> &part = model.parts[p];
-        const double cost = part.formulation->cost_per_cell(*part.material, 1.);
-        for (unsigned int cell = 0; cell < n_cells_or_particles(part); ++cell)
-        {
+        ratios.push_back(model.parts[p].step_ratios);
+        for (unsigned int cell = 0; cell < n_cells_or_particles(model.parts[p]); ++cell)
           ++counts[ratio_of(p, cell)];
-          costs[0] += cost;
-          costs[1] += cost / ratio_of(p, cell);
-        }
       }
       for (unsigned long &count : counts)
         count = Utilities::MPI::sum(count, model.communicator);
-      costs = ordered_sum(costs, model.communicator);
-      return {counts, costs[0] > 0. ? costs[1] / costs[0] : 1.};
+      return {counts, relative_cost(model, ratios)};
     }
 
     void describe(std::ostream &text) const
@@ -474,7 +484,7 @@ namespace tombolo
     Choice choice;
     bool is_chosen = false, touches_slow_cell = false;
     NodalVector touched;    ///< owned nodes that have touched something: one, scalar
-    NodalVector slow_cells; ///< number of cells beside a node that do not take each step, scalar
+    NodalVector slow_cells; ///< owned nodes of cells that do not take each step: one, scalar
   };
 
   namespace
