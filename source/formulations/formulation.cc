@@ -10,10 +10,10 @@
 namespace tombolo
 {
   template <int dim>
-  double Formulation<dim>::cost_per_cell(const Material &material, const double /*box_ratio*/) const
+  StepCost Formulation<dim>::step_cost(const Material &material, const double /*box_ratio*/) const
   {
-    return StepCost::of_element(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
-                                StepCost::per_point, material);
+    return StepCosts::of_elements(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
+                                  StepCosts::per_point, material);
   }
 
   template <int dim>

@@ -332,18 +332,55 @@ namespace tombolo
 
   template <int dim>
   void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
-               const std::vector<std::function<double(double)>> &work_of_part)
+               const std::vector<std::function<StepCost(double)>> &cost_of_part)
   {
     using Triangulation = dealii::Triangulation<dim>;
+    using Cell = typename Triangulation::cell_iterator;
+    if (dealii::Utilities::MPI::n_mpi_processes(mesh.triangulation.get_communicator()) == 1)
+      return;
+    // Of ranks around a node the first along the curve of p4est owns it: the rank of the first
+    // cell.
+    std::vector<std::pair<std::pair<unsigned int, dealii::CellId>, Cell>> cells;
+    for (const auto &cell : mesh.triangulation.active_cell_iterators())
+      if (!cell->is_artificial())
+      {
+        const dealii::CellId id = cell->id();
+        cells.push_back({{mesh.triangulation
+                              .get_coarse_cell_to_p4est_tree_permutation()[id.get_coarse_cell_id()],
+                          id},
+                         cell});
+      }
+    std::sort(cells.begin(), cells.end(),
+              [](const auto &a, const auto &b) { return a.first < b.first; });
+
+    std::vector<double> work(mesh.triangulation.n_active_cells(), 0.);
+    std::vector<unsigned int> first_cell(mesh.triangulation.n_vertices(),
+                                         dealii::numbers::invalid_unsigned_int);
+    std::vector<std::vector<bool>> is_counted(
+        cost_of_part.size(), std::vector<bool>(mesh.triangulation.n_vertices(), false));
+    for (const auto &[place, cell] : cells)
+    {
+      const unsigned int part = part_cells.part_of(cell);
+      const StepCost cost = cost_of_part[part](box_ratio<dim>(cell));
+      work[cell->active_cell_index()] += cost.per_cell;
+      for (const unsigned int v : cell->vertex_indices())
+      {
+        const unsigned int vertex = cell->vertex_index(v);
+        if (first_cell[vertex] == dealii::numbers::invalid_unsigned_int)
+          first_cell[vertex] = cell->active_cell_index();
+        if (!is_counted[part][vertex])
+          work[first_cell[vertex]] += cost.per_node;
+        is_counted[part][vertex] = true;
+      }
+    }
     const auto connection = mesh.triangulation.signals.weight.connect(
-        [&](const typename Triangulation::cell_iterator &cell,
-            const typename Triangulation::CellStatus)
+        [&](const Cell &cell, const typename Triangulation::CellStatus)
         {
-          const double work = work_of_part[part_cells.part_of(cell)](box_ratio<dim>(cell));
-          Assert(work > 0 && std::isfinite(work), dealii::ExcMessage("Work must be positive."));
           // p4est adds whole numbers in 64 bits: a tenth of a cost unit is its resolution.
           constexpr double weight_per_unit = 10., largest_weight = 1e9;
-          return static_cast<unsigned int>(std::clamp(weight_per_unit * work, 1., largest_weight));
+          const double weight = weight_per_unit * work[cell->active_cell_index()];
+          Assert(std::isfinite(weight), dealii::ExcMessage("Work must be finite."));
+          return static_cast<unsigned int>(std::clamp(weight, 1., largest_weight));
         });
     mesh.triangulation.repartition();
     connection.disconnect();
@@ -352,7 +389,7 @@ namespace tombolo
   template class PartCells<2>;
   template class PartCells<3>;
   template void balance(Mesh<2> &, const PartCells<2> &,
-                        const std::vector<std::function<double(double)>> &);
+                        const std::vector<std::function<StepCost(double)>> &);
   template void balance(Mesh<3> &, const PartCells<3> &,
-                        const std::vector<std::function<double(double)>> &);
+                        const std::vector<std::function<StepCost(double)>> &);
 } // namespace tombolo

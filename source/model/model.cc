@@ -93,11 +93,11 @@ namespace tombolo
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
     refuse_unfit_gradings(mesh, *part_cells, parts, part_sections);
-    std::vector<std::function<double(double)>> work;
+    std::vector<std::function<StepCost(double)>> costs;
     for (const Part<dim> &part : parts)
-      work.push_back([&part](const double box_ratio)
-                     { return part.formulation->cost_per_cell(*part.material, box_ratio); });
-    balance(mesh, *part_cells, work);
+      costs.push_back([&part](const double box_ratio)
+                      { return part.formulation->step_cost(*part.material, box_ratio); });
+    balance(mesh, *part_cells, costs);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
     nodes->set_dependent_nodes(find_hanging_nodes(*nodes, *part_cells, parts));
   }

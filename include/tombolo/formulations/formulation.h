@@ -135,12 +135,12 @@ namespace tombolo
                               const std::vector<bool> & /*are_new*/)
     {}
 
-    /** The cost of a step for a cell of the part with points of @p material, in the relative units
-     * of StepCost, where the box along the axes around the cell has @p box_ratio times its volume:
-     * supports are such boxes. The mesh is distributed so that all ranks have the same sum of it.
-     * Called before initialize(). The default is about that of an element with
+    /** What a step costs for cells and nodes of the part with points of @p material, in the
+     * relative units of StepCosts, where the box along the axes around a cell has @p box_ratio
+     * times its volume: supports are such boxes. The mesh is distributed so that all ranks have the
+     * same sum of it. Called before initialize(). The default is about that of an element with
      * n_points_per_cell() points. */
-    virtual double cost_per_cell(const Material &material, double box_ratio) const;
+    virtual StepCost step_cost(const Material &material, double box_ratio) const;
 
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */
     virtual void initialize(const PartSetup<dim> &setup) = 0;

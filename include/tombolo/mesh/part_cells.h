@@ -60,13 +60,20 @@ namespace tombolo
     std::vector<Rule> rules;
   };
 
+  /** What a step costs in relative units. */
+  struct StepCost
+  {
+    double per_cell = 0.;
+    double per_node = 0.; ///< for each vertex of a part's cells, on the rank that owns the node
+  };
+
   /**
-   * Distributes the mesh anew so that all ranks have the same work: a cell of part k counts
-   * @p work_of_part[k](box_ratio), a positive number of relative cost units, where the box along
-   * the axes around the cell has box_ratio times its volume. Call it after PartCells::check() and
-   * before anything is numbered on the mesh. Collective.
+   * Distributes the mesh anew so that all ranks have the same work, with @p cost_of_part[k](ratio)
+   * of the cells of part k, where the box along the axes around a cell has `ratio` times its
+   * volume. Call it after PartCells::check() and before anything is numbered on the mesh.
+   * Collective.
    */
   template <int dim>
   void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
-               const std::vector<std::function<double(double)>> &work_of_part);
+               const std::vector<std::function<StepCost(double)>> &cost_of_part);
 } // namespace tombolo

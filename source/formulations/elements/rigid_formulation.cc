@@ -133,12 +133,9 @@ namespace tombolo
       return MiddleNodes::means;
     }
 
-    double cost_per_cell(const Material & /*material*/, const double /*box_ratio*/) const override
+    StepCost step_cost(const Material & /*material*/, const double /*box_ratio*/) const override
     {
-      double per_cell = StepCost::per_node;
-      for (unsigned int d = 0; d < dim; ++d)
-        per_cell *= p;
-      return per_cell;
+      return StepCosts::of_cells(dim, p, 0.);
     }
 
     void initialize(const PartSetup<dim> &setup) override

@@ -28,7 +28,7 @@ namespace tombolo
   }                                            // namespace
 
   template <int dim>
-  double ParticleMethod<dim>::cost_per_cell(const Material &material, const double box_ratio) const
+  StepCost ParticleMethod<dim>::step_cost(const Material &material, const double box_ratio) const
   {
     // Neighbours on a lattice along the axes, where a support reaches over `dilation` spacings to
     // both sides; supports around a lattice that is turned or skewed hold as many more as the box
@@ -43,7 +43,7 @@ namespace tombolo
       cost *= own_rows;
     if (kernel.is_current())
       cost += per_shape_function;
-    return StepCost::per_node + n_neighbours * cost + material.cost_per_point();
+    return {0., StepCosts::per_node + n_neighbours * cost + material.cost_per_point()};
   }
 
   template <int dim>

@@ -31,11 +31,10 @@ namespace tombolo
   {}
 
   template <int dim>
-  double SmoothedCells<dim>::cost_per_cell(const Material &material,
-                                           const double /*box_ratio*/) const
+  StepCost SmoothedCells<dim>::step_cost(const Material &material, const double /*box_ratio*/) const
   {
     constexpr double cost_per_point = 60.; // of an element's, by the time of a step
-    return StepCost::of_element(dim, 1, rows.n_points_per_cell(), cost_per_point, material);
+    return StepCosts::of_elements(dim, 1, rows.n_points_per_cell(), cost_per_point, material);
   }
 
   template <int dim>

@@ -99,7 +99,8 @@ namespace tombolo
       for (std::size_t p = 0; p < ratios.size(); ++p)
       {
         const Part<dim> &part = model.parts[p];
-        const double cost = part.formulation->cost_per_cell(*part.material, 1.);
+        const StepCost of_part = part.formulation->step_cost(*part.material, 1.);
+        const double cost = of_part.per_cell + of_part.per_node;
         costs[0] += cost * double(n_cells_or_particles(part));
         for (const unsigned int ratio : ratios[p])
           costs[1] += cost * (1. - 1. / ratio);

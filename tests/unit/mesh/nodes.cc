@@ -20,11 +20,11 @@ namespace
       "set Upper corner = 4, 2\nset Cells = 12, 8\nset Rotation = 20\n";
 
   /** For balance(): the same work for all cells of a part. */
-  std::vector<std::function<double(double)>> constant(const std::vector<double> &work_of_part)
+  std::vector<std::function<StepCost(double)>> constant(const std::vector<double> &work_of_part)
   {
-    std::vector<std::function<double(double)>> functions;
+    std::vector<std::function<StepCost(double)>> functions;
     for (const double work : work_of_part)
-      functions.push_back([work](const double /*box_ratio*/) { return work; });
+      functions.push_back([work](const double /*box_ratio*/) { return StepCost{work, 0.}; });
     return functions;
   }
 

@@ -233,10 +233,10 @@ namespace tombolo
     {
       return MiddleNodes::means;
     }
-    double cost_per_cell(const Material &material, const double /*box_ratio*/) const override
+    StepCost step_cost(const Material &material, const double /*box_ratio*/) const override
     {
-      return StepCost::of_element(dim, Element::degree, Element::n_points, Element::cost_per_point,
-                                  material);
+      return StepCosts::of_elements(dim, Element::degree, Element::n_points,
+                                    Element::cost_per_point, material);
     }
 
     void initialize(const PartSetup<dim> &setup) override

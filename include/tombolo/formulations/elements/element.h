@@ -50,9 +50,9 @@ namespace tombolo
     static constexpr bool shares_volume = false;
     /** The default of `Strain measure`. */
     static constexpr StrainMeasure measure = StrainMeasure::logarithmic;
-    /** The cost of a point in a step, without its stress, in the units of StepCost; see
-     * Formulation::cost_per_cell(). */
-    static constexpr double cost_per_point = StepCost::per_point;
+    /** The cost of a point in a step, without its stress, in the units of StepCosts; see
+     * Formulation::step_cost(). */
+    static constexpr double cost_per_point = StepCosts::per_point;
 
     static void declare_parameters(dealii::ParameterHandler & /*handler*/) {}
 

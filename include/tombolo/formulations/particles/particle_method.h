@@ -23,7 +23,7 @@ namespace tombolo
   class ParticleMethod : public NodalParticles<dim>
   {
   public:
-    double cost_per_cell(const Material &material, double box_ratio) const override;
+    StepCost step_cost(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
     std::vector<ImageNode> required_image_nodes() const override

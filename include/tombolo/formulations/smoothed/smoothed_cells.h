@@ -36,7 +36,7 @@ namespace tombolo
     {
       return MiddleNodes::free;
     }
-    double cost_per_cell(const Material &material, double box_ratio) const override;
+    StepCost step_cost(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &of_part) override;
     dealii::IndexSet required_nodes() const override;
     void set_partition(const NodePartition &partition) override;
