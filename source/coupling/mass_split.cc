@@ -169,6 +169,20 @@ namespace tombolo
               part.smoothed_fraction.data() + std::size_t(row) * node_stride);
   }
 
+  std::vector<bool> MassSplit::move_alone() const
+  {
+    std::vector<bool> result(n_particle_parts.size(), false);
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+    {
+      const double *const fraction = own_fraction.data() + k * node_stride;
+      result[own_nodes[k]] =
+          n_particle_parts[own_nodes[k]] == 0 &&
+          std::all_of(fraction, fraction + 3,
+                      [](const double of_component) { return of_component == 1.; });
+    }
+    return result;
+  }
+
   void MassSplit::add_own_momentum(const NodalVector &velocity, NodalVector &result) const
   {
     for (std::size_t k = 0; k < own_nodes.size(); ++k)

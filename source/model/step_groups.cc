@@ -85,8 +85,11 @@ namespace tombolo
         for_group(*parts[share.part], group.ratio,
                   [&](const auto &of_part)
                   {
-                    parts[share.part]->mark_nodes(of_part, mark);
-                    parts[share.part]->mark_nodes(of_part, all);
+                    for (const unsigned int node : parts[share.part]->nodes_of(of_part))
+                    {
+                      *mark.node(node) += 1.;
+                      *all.node(node) += 1.;
+                    }
                   });
         mark.collect();
         share.nodes = marked_nodes(mark, partition->n_owned());

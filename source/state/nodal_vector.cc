@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/state/work_while_waiting.h>
 
 #include <deal.II/lac/vector_operation.h>
 
@@ -23,12 +24,14 @@ namespace tombolo
       return quantity == Quantity::vector || quantity == Quantity::position;
     }
 
+    using WallClock = std::chrono::steady_clock;
+
     /** Books one exchange, from its construction to its destruction. */
     class ExchangeTimer
     {
     public:
       ExchangeTimer(ExchangeCost &cost, const std::size_t n_messages, const std::size_t n_doubles)
-          : cost(cost), start(std::chrono::steady_clock::now())
+          : cost(cost), start(WallClock::now())
       {
         ++cost.n_exchanges;
         cost.n_messages += n_messages;
@@ -40,13 +43,29 @@ namespace tombolo
 
       ~ExchangeTimer()
       {
-        cost.seconds +=
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        cost.seconds += std::chrono::duration<double>(WallClock::now() - start).count();
+      }
+
+      /** Other work, if there is any, until all @p requests are there. Its time does not count. */
+      void work_until_complete(std::vector<MPI_Request> &requests)
+      {
+        if (!WorkWhileWaiting::is_there())
+          return;
+        const auto before = WallClock::now();
+        WorkWhileWaiting::work_until(
+            [&]
+            {
+              int are_complete = 0;
+              MPI_Testall(static_cast<int>(requests.size()), requests.data(), &are_complete,
+                          MPI_STATUSES_IGNORE);
+              return are_complete != 0;
+            });
+        start += WallClock::now() - before;
       }
 
     private:
       ExchangeCost &cost;
-      const std::chrono::steady_clock::time_point start;
+      WallClock::time_point start;
     };
   } // namespace
 
@@ -122,14 +141,15 @@ namespace tombolo
         *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
     if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
     {
-      const ExchangeTimer timer(node_partition->exchange_cost(), exchange.import_targets().size(),
-                                exchange.n_import_indices());
+      ExchangeTimer timer(node_partition->exchange_cost(), exchange.import_targets().size(),
+                          exchange.n_import_indices());
       const ArrayView<double> ghosts(values + exchange.locally_owned_size(),
                                      exchange.n_ghost_indices());
       std::vector<MPI_Request> requests;
       exchange.export_to_ghosted_array_start<double, MemorySpace::Host>(
           0, ArrayView<const double>(values, exchange.locally_owned_size()),
           ArrayView<double>(exchange_buffer.data(), exchange_buffer.size()), ghosts, requests);
+      timer.work_until_complete(requests);
       exchange.export_to_ghosted_array_finish<double, MemorySpace::Host>(ghosts, requests);
     }
     fill_images();
@@ -142,14 +162,15 @@ namespace tombolo
         *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
     if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
     {
-      const ExchangeTimer timer(node_partition->exchange_cost(), exchange.ghost_targets().size(),
-                                exchange.n_ghost_indices());
+      ExchangeTimer timer(node_partition->exchange_cost(), exchange.ghost_targets().size(),
+                          exchange.n_ghost_indices());
       const ArrayView<double> buffer(exchange_buffer.data(), exchange_buffer.size());
       const ArrayView<double> ghosts(values + exchange.locally_owned_size(),
                                      exchange.n_ghost_indices());
       std::vector<MPI_Request> requests;
       exchange.import_from_ghosted_array_start<double, MemorySpace::Host>(VectorOperation::add, 0,
                                                                           ghosts, buffer, requests);
+      timer.work_until_complete(requests);
       exchange.import_from_ghosted_array_finish<double, MemorySpace::Host>(
           VectorOperation::add, ArrayView<const double>(buffer.data(), buffer.size()),
           ArrayView<double>(values, exchange.locally_owned_size()), ghosts, requests);

@@ -107,6 +107,10 @@ namespace tombolo
     /** ½ v·m v of a nodal field with scalar masses. Collective. */
     static double kinetic_energy(const NodalVector &mass, const NodalVector &velocity);
 
+    /** Of each owned node: whether its mass is its own in all components, so that smoothing leaves
+     * its velocity, and no plane of symmetry changes it. */
+    std::vector<bool> move_alone() const;
+
     /** Adds the own part of W @p velocity at owned nodes. */
     void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
 

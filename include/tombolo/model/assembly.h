@@ -23,15 +23,16 @@ namespace tombolo
 
     /**
      * @p result := Σ over parts of what @p of_part(part, field, result) adds at local nodes, with
-     * ghosts collected. @p field has current ghosts; what a part is handed as field is what it
-     * sees. Collective.
+     * ghosts collected, and of what @p result has already, where it @p has_begun. @p field has
+     * current ghosts; what a part is handed as field is what it sees. Collective.
      */
     template <typename Operator>
     void assemble(Bridge &bridge, const NodalVector &field, NodalVector &result,
-                  const Operator &of_part)
+                  const Operator &of_part, const bool has_begun = false)
     {
       const bool is_trace = bridge.is_trace();
-      result.set_zero();
+      if (!has_begun)
+        result.set_zero();
       if (is_trace)
       {
         if (of_elements.partition() != result.partition())

@@ -4,6 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/state/work_while_waiting.h>
 
 #include <cmath>
 #include <string>
@@ -18,6 +19,12 @@ namespace tombolo
       for (unsigned int i = 0; i < target.partition()->n_owned(); ++i)
         store_node(load_node(target.node(i)) + load_node(increment.node(i)) * factor,
                    target.node(i));
+    }
+
+    template <int dim>
+    const NodalVector *present_temperature(const Model<dim> &model)
+    {
+      return model.heat ? &model.heat->state.present_temperature : nullptr;
     }
   } // namespace
 
@@ -79,8 +86,7 @@ namespace tombolo
     for (const auto &process : model.processes)
       change |= process->change_model(model, clock); // cells, φ, ∇φ, masses
     stopwatch.lap("neighbourhoods");
-    model.bridge->smooth_velocity(model.state); // (10)-(12), (48)-(50)
-    stopwatch.lap("smoothing");
+    smooth_velocity(clock);    // (10)-(12), (48)-(50)
     add_internal_force(clock); // (13), (5), (16), (19), (51)
     for (const auto &process : model.processes)
       process->act(model, clock, model.state.force);
@@ -121,43 +127,84 @@ namespace tombolo
   {}
 
   template <int dim>
+  void MechanicalStep<dim>::evaluate_part(const std::size_t number, const Clock &clock,
+                                          const std::function<void()> &add_force)
+  {
+    const Part<dim> &part = model.parts[number];
+    // A failure is known to one rank alone; all must hear of it before any leaves.
+    std::string failure;
+    try
+    {
+      add_force();
+      failure = part.formulation->failure();
+    }
+    catch (const RunError &error)
+    {
+      failure = error.what();
+    }
+    if (!failure.empty())
+      failures.note("At time " + format_number(clock.time) + ", step " +
+                    std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::smooth_velocity(const Clock &clock)
+  {
+    NodalState &state = model.state;
+    state.force.set_zero();
+    forces_while_waiting.begin(model);
+    const auto add_next = [&](const bool as_a_piece)
+    {
+      forces_while_waiting.add_next(
+          {&state.position, &state.unsmoothed_velocity, clock.previous_step,
+           present_temperature(model)},
+          [&](const std::size_t number, const auto &add_force)
+          { evaluate_part(number, clock, add_force); },
+          as_a_piece, state.force);
+    };
+    const auto work = [&](const WorkWhileWaiting::HasArrived &has_arrived)
+    {
+      stopwatch.lap("smoothing");
+      while (forces_while_waiting.are_left() && !has_arrived())
+        add_next(true);
+      stopwatch.lap("element forces");
+    };
+    {
+      const WorkWhileWaiting while_waiting(work);
+      model.bridge->smooth_velocity(state);
+    }
+    stopwatch.lap("smoothing");
+    while (forces_while_waiting.are_left())
+      add_next(false);
+    stopwatch.lap("element forces");
+  }
+
+  template <int dim>
   void MechanicalStep<dim>::add_internal_force(const Clock &clock)
   {
-    const NodalVector *const temperature =
-        model.heat ? &model.heat->state.present_temperature : nullptr;
-    const auto evaluate = [&](const std::size_t number, const auto &add_force)
+    const auto evaluate = [&](const std::size_t number, const std::function<void()> &add_force)
     {
-      const Part<dim> &part = model.parts[number];
-      // A failure is known to one rank alone; all must hear of it before any leaves.
-      std::string failure;
-      try
-      {
-        add_force();
-        failure = part.formulation->failure();
-      }
-      catch (const RunError &error)
-      {
-        failure = error.what();
-      }
-      if (!failure.empty())
-        failures.note("At time " + format_number(clock.time) + ", step " +
-                      std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
-      stopwatch.lap(part.formulation->phase());
+      evaluate_part(number, clock, add_force);
+      stopwatch.lap(model.parts[number].formulation->phase());
     };
+    const NodalVector *const temperature = present_temperature(model);
     const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
+      const MechanicalInput input{&model.state.position, &velocity, clock.previous_step,
+                                  temperature};
       model.signals.part_force(number, force, false);
       evaluate(number,
                [&]
                {
-                 model.step_groups.add_internal_force(
-                     number, *part.formulation,
-                     {&model.state.position, &velocity, clock.previous_step, temperature}, force);
+                 if (forces_while_waiting.are_in(number))
+                   forces_while_waiting.add_rest_of(number, input, force);
+                 else
+                   model.step_groups.add_internal_force(number, *part.formulation, input, force);
                });
       model.signals.part_force(number, force, true);
     };
-    assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
+    assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add, true);
     model.step_groups.add_further_forces(model, clock, temperature, evaluate, model.state.force);
   }
 

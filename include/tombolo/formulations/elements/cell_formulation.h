@@ -416,14 +416,16 @@ namespace tombolo
     {
       return cell_points.cells().groups();
     }
-    void mark_nodes(const typename GroupedCells<dim>::Group &group,
-                    NodalVector &mark) const override
+    std::vector<unsigned int>
+    nodes_of(const typename GroupedCells<dim>::Group &group) const override
     {
       const CellBatches<dim> &cells = cell_points.cells();
+      std::vector<unsigned int> nodes;
       for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
         for (unsigned int k = 0; k < Points::n_nodes; ++k)
           for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-            *mark.node(cells.nodes(batch)[k * n_lanes + lane]) += 1.;
+            nodes.push_back(cells.nodes(batch)[k * n_lanes + lane]);
+      return nodes;
     }
     void add_force_of_group(const MechanicalInput &input,
                             const typename GroupedCells<dim>::Group &group,

@@ -34,10 +34,10 @@ namespace tombolo
 
     virtual const std::vector<Group> &groups() const = 0;
 
-    /** Adds one at the local nodes of each cell of a group (scalar). */
-    virtual void mark_nodes(const Group &group, NodalVector &mark) const = 0;
+    /** The local nodes of a group, cell by cell. */
+    virtual std::vector<unsigned int> nodes_of(const Group &group) const = 0;
 
-    /** Formulation::add_internal_force() of the cells of a group. */
+    /** Formulation::add_internal_force() of the cells of a group, or of some of its batches. */
     virtual void add_force_of_group(const MechanicalInput &input, const Group &group,
                                     NodalVector &force) = 0;
 

@@ -5,6 +5,7 @@
 #include <tombolo/base/failure_agreement.h>
 #include <tombolo/base/stopwatch.h>
 #include <tombolo/model/assembly.h>
+#include <tombolo/model/forces_while_waiting.h>
 #include <tombolo/model/model.h>
 
 namespace tombolo
@@ -73,11 +74,16 @@ namespace tombolo
     }
 
   private:
+    void smooth_velocity(const Clock &clock);
     void add_internal_force(const Clock &clock);
+    /** Has @p add_force add forces of a part, and notes what it has failed at. */
+    void evaluate_part(std::size_t number, const Clock &clock,
+                       const std::function<void()> &add_force);
     void divide_by_mass(const Clock &clock);
 
     Model<dim> &model;
     Assembly<dim> assembly;
+    ForcesWhileWaiting<dim> forces_while_waiting;
     CentralDifferences<dim> differences;
     FailureAgreement failures;
     Stopwatch stopwatch;

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/forces_while_waiting.h>
+
+#include <tombolo/model/model.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace tombolo
+{
+  template <int dim>
+  void ForcesWhileWaiting<dim>::begin(const Model<dim> &model)
+  {
+    next = 0;
+    next_batch = 0;
+    if (std::exchange(revision, model.bridge->revision()) != model.bridge->revision())
+      find_cells(model);
+  }
+
+  template <int dim>
+  void ForcesWhileWaiting<dim>::add_next(const MechanicalInput &input,
+                                         const typename StepGroups<dim>::Evaluation &evaluate,
+                                         const bool as_a_piece, NodalVector &force)
+  {
+    const Cells &cells = early[next];
+    auto batches = cells.batches;
+    batches.first_batch = std::max(batches.first_batch, next_batch);
+    if (as_a_piece)
+      batches.end_batch =
+          std::min(batches.end_batch, batches.first_batch + cells.n_batches_of_piece);
+    evaluate(cells.part, [&] { cells.of_part->add_force_of_group(input, batches, force); });
+    next_batch = batches.end_batch;
+    if (next_batch == cells.batches.end_batch)
+    {
+      ++next;
+      next_batch = 0;
+    }
+  }
+
+  template <int dim>
+  bool ForcesWhileWaiting<dim>::are_in(const std::size_t part) const
+  {
+    return std::any_of(early.begin(), early.end(),
+                       [&](const Cells &cells) { return cells.part == part; });
+  }
+
+  template <int dim>
+  void ForcesWhileWaiting<dim>::add_rest_of(const std::size_t part, const MechanicalInput &input,
+                                            NodalVector &force) const
+  {
+    for (const Cells &cells : late)
+      if (cells.part == part)
+        cells.of_part->add_force_of_group(input, cells.batches, force);
+  }
+
+  template <int dim>
+  void ForcesWhileWaiting<dim>::find_cells(const Model<dim> &model)
+  {
+    early.clear();
+    late.clear();
+    if (dealii::Utilities::MPI::n_mpi_processes(model.communicator) == 1 ||
+        model.bridge->is_trace() || model.signals.part_force.is_connected() ||
+        !model.step_groups.parts.empty())
+      return;
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    const std::vector<bool> move_alone = model.bridge->mass_split().move_alone();
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+    {
+      auto *const of_part = dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
+      if (of_part == nullptr || !of_part->can_be_grouped())
+        continue;
+      // Some microseconds.
+      constexpr unsigned int n_points_of_lane = 16;
+      const unsigned int n_batches_of_piece = std::max(
+          1u, n_points_of_lane / std::max(1u, model.parts[p].formulation->n_points_per_cell()));
+      bool were_early = false;
+      for (unsigned int batch = 0; batch < of_part->groups().front().end_batch; ++batch)
+      {
+        const std::vector<unsigned int> nodes = of_part->nodes_of({1, batch, batch + 1});
+        const bool are_early = std::all_of(nodes.begin(), nodes.end(),
+                                           [&](const unsigned int node)
+                                           { return node < n_owned && move_alone[node]; });
+        std::vector<Cells> &list = are_early ? early : late;
+        if (batch > 0 && are_early == were_early)
+          ++list.back().batches.end_batch;
+        else
+          list.push_back({p, of_part, {1, batch, batch + 1}, n_batches_of_piece});
+        were_early = are_early;
+      }
+    }
+  }
+
+  template class ForcesWhileWaiting<2>;
+  template class ForcesWhileWaiting<3>;
+} // namespace tombolo
