@@ -339,17 +339,11 @@ namespace tombolo
     if (dealii::Utilities::MPI::n_mpi_processes(mesh.triangulation.get_communicator()) == 1)
       return;
     // Of ranks around a node the first along the curve of p4est owns it: the rank of the first
-    // cell.
-    std::vector<std::pair<std::pair<unsigned int, dealii::CellId>, Cell>> cells;
+    // cell. Identifiers of cells are in the order of this curve.
+    std::vector<std::pair<dealii::CellId, Cell>> cells;
     for (const auto &cell : mesh.triangulation.active_cell_iterators())
       if (!cell->is_artificial())
-      {
-        const dealii::CellId id = cell->id();
-        cells.push_back({{mesh.triangulation
-                              .get_coarse_cell_to_p4est_tree_permutation()[id.get_coarse_cell_id()],
-                          id},
-                         cell});
-      }
+        cells.emplace_back(cell->id(), cell);
     std::sort(cells.begin(), cells.end(),
               [](const auto &a, const auto &b) { return a.first < b.first; });
 
