@@ -3,6 +3,8 @@
 
 #include <deal.II/base/tensor.h>
 
+#include <boost/pending/disjoint_sets.hpp>
+
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -19,16 +21,17 @@ namespace tombolo
     public:
       using Ends = std::pair<unsigned int, unsigned int>; // of an edge, in its direction
 
-      explicit ParallelEdges(const std::vector<CellData<3>> &cells)
+      explicit ParallelEdges(const std::vector<CellData<3>> &cells) : sets(12 * cells.size())
       {
         for (const CellData<3> &cell : cells)
           for (unsigned int axis = 0; axis < 3; ++axis)
-          {
-            const unsigned int first = number_of(ends_in(cell, axis, 0));
-            for (unsigned int corner = 1; corner < 8; ++corner)
+            for (unsigned int corner = 0; corner < 8; ++corner)
               if (((corner >> axis) & 1u) == 0)
-                parent[set_of(number_of(ends_in(cell, axis, corner)))] = set_of(first);
-          }
+              {
+                const std::size_t edge =
+                    numbers.try_emplace(ends_in(cell, axis, corner), numbers.size()).first->second;
+                sets.union_set(edge, numbers.at(ends_in(cell, axis, 0)));
+              }
       }
 
       /** The edge of a cell along an axis from @p corner, which is at its lower end. */
@@ -47,44 +50,28 @@ namespace tombolo
                             });
       }
 
-      unsigned int set_of(const Ends &ends)
+      std::size_t set_of(const Ends &ends)
       {
-        return set_of(numbers.at(ends));
+        return sets.find_set(numbers.at(ends));
       }
 
-      const std::map<Ends, unsigned int> &edges() const
+      const std::map<Ends, std::size_t> &edges() const
       {
         return numbers;
       }
 
     private:
-      unsigned int number_of(const Ends &ends)
-      {
-        const auto added = static_cast<unsigned int>(parent.size());
-        const auto [position, is_new] = numbers.try_emplace(ends, added);
-        if (is_new)
-          parent.push_back(added);
-        return position->second;
-      }
-
-      unsigned int set_of(unsigned int edge)
-      {
-        while (parent[edge] != edge)
-          edge = parent[edge] = parent[parent[edge]];
-        return edge;
-      }
-
-      std::map<Ends, unsigned int> numbers;
-      std::vector<unsigned int> parent;
+      std::map<Ends, std::size_t> numbers;
+      boost::disjoint_sets_with_storage<> sets;
     };
 
     /** By set of parallel edges: whether they descend where they are lowest. */
-    std::map<unsigned int, bool> descending_sets(const std::vector<Point<3>> &vertices,
-                                                 ParallelEdges &edges)
+    std::map<std::size_t, bool> descending_sets(const std::vector<Point<3>> &vertices,
+                                                ParallelEdges &edges)
     {
       // No plane of a mesh that somebody draws is normal to it.
       const Tensor<1, 3> up({1., 0.7548776662466927, 0.5698402909980532});
-      std::map<unsigned int, std::pair<double, bool>> lowest;
+      std::map<std::size_t, std::pair<double, bool>> lowest;
       for (const auto &edge : edges.edges())
       {
         const Point<3> &from = vertices[edge.first.first], &to = vertices[edge.first.second];
@@ -94,7 +81,7 @@ namespace tombolo
         if (!is_new && height < known->second.first)
           known->second = {height, (to - from) * up < 0.};
       }
-      std::map<unsigned int, bool> result;
+      std::map<std::size_t, bool> result;
       for (const auto &[set, of_lowest] : lowest)
         result[set] = of_lowest.second;
       return result;
@@ -105,7 +92,7 @@ namespace tombolo
       ParallelEdges edges(cells);
       if (!edges.are_consistent())
         return;
-      const std::map<unsigned int, bool> descends = descending_sets(vertices, edges);
+      const std::map<std::size_t, bool> descends = descending_sets(vertices, edges);
       for (CellData<3> &cell : cells)
       {
         unsigned int reversed = 0, n_reversed = 0;
