@@ -10,7 +10,6 @@
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 #include <tombolo/physics/mechanics/subcycling.h>
 #include <tombolo/physics/statics/static_steps.h>
-#include <tombolo/simulation/rotation.h>
 #include <tombolo/simulation/spacings.h>
 
 #include <deal.II/base/mpi.h>
@@ -296,6 +295,73 @@ namespace tombolo
       if (taken > 1.001 * limit)
         log.warn("The step " + short_number(taken) + " of `Time step/Fixed` is above the limit " +
                  short_number(limit) + " of the spectral estimate: the motion will not be stable.");
+    }
+
+    template <int dim>
+    Tensor<1, 3> in_space(const double *const vector)
+    {
+      Tensor<1, 3> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = vector[d];
+      return result;
+    }
+
+    /**
+     * The speed of the outermost node of a model that spins, by the rotation that has its angular
+     * momentum about its centre of mass [L/T]:
+     * @verbatim
+     *   |L| R / I,  I about the axis of L, R the largest distance from this axis
+     * @endverbatim
+     * Zero where less than half of the kinetic energy about the centre is that of this rotation.
+     * Collective.
+     */
+    template <int dim>
+    double speed_of_rim(const Model<dim> &model)
+    {
+      const MPI_Comm communicator = model.communicator;
+      const NodalVector &positions = model.state.position,
+                        &velocities = model.state.unsmoothed_velocity;
+      const unsigned int n_nodes = model.state.partition()->n_owned();
+      const auto mass = [&](const unsigned int i) { return *model.state.mass.node(i); };
+
+      double total = 0;
+      Tensor<1, 3> centre, mean;
+      for (unsigned int i = 0; i < n_nodes; ++i)
+      {
+        total += mass(i);
+        centre += mass(i) * in_space<dim>(positions.node(i));
+        mean += mass(i) * in_space<dim>(velocities.node(i));
+      }
+      total = Utilities::MPI::sum(total, communicator);
+      centre = Utilities::MPI::sum(centre, communicator) / total;
+      mean = Utilities::MPI::sum(mean, communicator) / total;
+
+      double energy = 0;
+      Tensor<1, 3> momentum;
+      for (unsigned int i = 0; i < n_nodes; ++i)
+      {
+        const Tensor<1, 3> velocity = in_space<dim>(velocities.node(i)) - mean;
+        energy += 0.5 * mass(i) * velocity.norm_square();
+        momentum += mass(i) * cross_product_3d(in_space<dim>(positions.node(i)) - centre, velocity);
+      }
+      energy = Utilities::MPI::sum(energy, communicator);
+      momentum = Utilities::MPI::sum(momentum, communicator);
+      if (!(momentum.norm() > 0.))
+        return 0.;
+
+      const Tensor<1, 3> axis = momentum / momentum.norm();
+      double inertia = 0, radius = 0;
+      for (unsigned int i = 0; i < n_nodes; ++i)
+      {
+        const double distance =
+            cross_product_3d(axis, in_space<dim>(positions.node(i)) - centre).norm();
+        inertia += mass(i) * distance * distance;
+        radius = std::max(radius, distance);
+      }
+      inertia = Utilities::MPI::sum(inertia, communicator);
+      radius = Utilities::MPI::max(radius, communicator);
+      const bool spins = 0.5 * momentum.norm_square() / inertia > 0.5 * energy;
+      return spins ? momentum.norm() / inertia * radius : 0.;
     }
 
     /** Advises against a smoothing with which such scenes were measured to be wrong. @p speed is

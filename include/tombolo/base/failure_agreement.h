@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/exceptions.h>
+
+#include <deal.II/base/mpi.h>
+
 #include <mpi.h>
 
 #include <string>
@@ -14,14 +18,22 @@ namespace tombolo
   class FailureAgreement
   {
   public:
-    explicit FailureAgreement(MPI_Comm communicator);
-    ~FailureAgreement();
+    explicit FailureAgreement(const MPI_Comm communicator) : communicator(communicator) {}
+    ~FailureAgreement()
+    {
+      if (request != MPI_REQUEST_NULL)
+        MPI_Wait(&request, MPI_STATUS_IGNORE);
+    }
 
     FailureAgreement(const FailureAgreement &) = delete;
     FailureAgreement &operator=(const FailureAgreement &) = delete;
 
     /** Remembers the first failure of this rank; an empty @p text is none. Not collective. */
-    void note(const std::string &text);
+    void note(const std::string &text)
+    {
+      if (failure.empty())
+        failure = text;
+    }
 
     /** Whether this rank has one. */
     bool has_failure() const
@@ -30,11 +42,22 @@ namespace tombolo
     }
 
     /** Starts to agree on what was noted. Collective. */
-    void begin();
+    void begin()
+    {
+      has_failed = failure.empty() ? 0 : 1;
+      MPI_Iallreduce(&has_failed, &any_has_failed, 1, MPI_INT, MPI_MAX, communicator, &request);
+    }
 
     /** Ends what begin() has begun, if anything. Throws the RunError of the first rank that has
      * failed on all ranks. Collective. */
-    void end();
+    void end()
+    {
+      if (request == MPI_REQUEST_NULL)
+        return;
+      MPI_Wait(&request, MPI_STATUS_IGNORE);
+      if (any_has_failed != 0)
+        throw_on_all_ranks<RunError>(failure, communicator);
+    }
 
   private:
     MPI_Comm communicator;

@@ -1,24 +1,194 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/part.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
+  /** A face of a cell of one part beside cells of half its size of another or the same part. */
+  template <int dim>
+  struct UnequalFace
+  {
+    CellId::binary_type cell = {};
+    unsigned int face = 0;
+    Point<dim> place;
+    unsigned int part = 0, fine_part = 0;
+
+    bool operator<(const UnequalFace &other) const
+    {
+      return cell != other.cell ? cell < other.cell : face < other.face;
+    }
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      for (auto &number : cell)
+        archive &number;
+      archive &face &place &part &fine_part;
+    }
+  };
+
+  /** Why cells of a part cannot be the larger or the smaller ones at a face; empty: they can. */
+  template <int dim>
+  std::string why_unfit(const unsigned int number, const std::vector<Part<dim>> &parts)
+  {
+    const Formulation<dim> &formulation = *parts[number].formulation;
+    const MiddleNodes middle_nodes = formulation.middle_nodes();
+    if (middle_nodes == MiddleNodes::refused)
+      return "take no nodes in the middle of their faces";
+    if (formulation.degree() > 1)
+      return "of a degree above one take no nodes in the middle of their faces";
+    const bool becomes_particles = std::any_of(
+        parts.begin(), parts.end(), [&](const Part<dim> &other) { return other.source == number; });
+    if (middle_nodes != MiddleNodes::free && (formulation.can_lose_cells() || becomes_particles))
+      return "whose cells can leave while the run goes on take no nodes in the middle of their "
+             "faces";
+    return {};
+  }
+
+  /** The same of the large cells of a part beside small ones of another. */
+  template <int dim>
+  std::string why_unfit_beside(const unsigned int number, const unsigned int small_part,
+                               const std::vector<Part<dim>> &parts)
+  {
+    std::string reason = why_unfit(number, parts);
+    if (reason.empty() && number != small_part &&
+        parts[number].formulation->middle_nodes() == MiddleNodes::free)
+      reason = "take nodes in the middle of their faces beside cells of their own part only";
+    if (reason.empty() && parts[number].particles != nullptr &&
+        parts[small_part].particles != nullptr)
+      reason = "take no nodes in the middle of their faces beside cells of particles";
+    return reason;
+  }
+
+  /** The first face of this rank that is refused; none, or one. */
+  template <int dim>
+  std::vector<UnequalFace<dim>> first_refused_face(const Mesh<dim> &mesh,
+                                                   const PartCells<dim> &part_cells,
+                                                   const std::vector<Part<dim>> &parts)
+  {
+    std::vector<UnequalFace<dim>> result;
+    for (const auto &cell : mesh.triangulation.active_cell_iterators())
+    {
+      if (!cell->is_locally_owned())
+        continue;
+      const unsigned int part = part_cells.part_of(cell);
+      for (const unsigned int f : cell->face_indices())
+      {
+        const auto face = cell->face(f);
+        if (cell->at_boundary(f) || !face->has_children())
+          continue;
+        for (unsigned int child = 0; child < face->n_children(); ++child)
+        {
+          const unsigned int fine = part_cells.part_of(cell->neighbor_child_on_subface(f, child));
+          if (why_unfit_beside(part, fine, parts).empty() && why_unfit(fine, parts).empty())
+            continue;
+          const UnequalFace<dim> found{cell->id().template to_binary<dim>(), f, face->center(),
+                                       part, fine};
+          if (result.empty())
+            result.push_back(found);
+          result[0] = std::min(result[0], found);
+        }
+      }
+    }
+    return result;
+  }
+
+  /** Nodes on which another one depends, by global numbers. */
+  using NodeWeights = std::vector<std::pair<types::global_dof_index, double>>;
+
+  /** Adds the nodes in the middle of a face and of its edges, with those between which they lie.
+   * Child k of a face has its corner k; numbers of opposite corners add up to the last one. */
+  template <int dim>
+  void add_middle_nodes(const typename Nodes<dim>::Cell &cell, const unsigned int f,
+                        std::map<types::global_dof_index, NodeWeights> &rows)
+  {
+    constexpr unsigned int n = GeometryInfo<dim>::vertices_per_face;
+    const auto face = cell->face(f);
+    // The nodes of a small face are known where the rank sees the cell behind it, which it does
+    // around the nodes that it owns.
+    std::set<unsigned int> known;
+    for (unsigned int child = 0; child < n; ++child)
+      if (const auto behind = cell->neighbor_child_on_subface(f, child); !behind->is_artificial())
+        for (const unsigned int g : behind->face_indices())
+          known.insert(static_cast<unsigned int>(behind->face_index(g)));
+    for (unsigned int k = 0; k < n; ++k)
+      for (unsigned int other = 0; other < n; ++other)
+      {
+        if (other == k || known.count(static_cast<unsigned int>(face->child_index(k))) == 0)
+          continue;
+        NodeWeights weights;
+        if (dim == 3 && (other ^ k) == n - 1)
+          for (unsigned int corner = 0; corner < n; ++corner)
+            weights.emplace_back(face->vertex_dof_index(corner, 0), 1. / n);
+        else
+          for (const unsigned int corner : {k, other})
+            weights.emplace_back(face->vertex_dof_index(corner, 0), 0.5);
+        std::sort(weights.begin(), weights.end());
+        rows[face->child(k)->vertex_dof_index(other, 0)] = weights;
+      }
+  }
+
   /** Refuses a mesh in which the size of cells changes where a formulation does not take it (see
    * MiddleNodes), with the place of the first such face. Throws InputError. Collective. */
   template <int dim>
   void refuse_unfit_gradings(const Mesh<dim> &mesh, const PartCells<dim> &part_cells,
                              const std::vector<Part<dim>> &parts,
-                             const std::vector<Section> &part_sections);
+                             const std::vector<Section> &part_sections)
+  {
+    const auto own = first_refused_face(mesh, part_cells, parts);
+    std::vector<UnequalFace<dim>> all;
+    for (const auto &of_rank : Utilities::MPI::all_gather(communicator_of(mesh.triangulation), own))
+      all.insert(all.end(), of_rank.begin(), of_rank.end());
+    if (all.empty())
+      return;
+    const UnequalFace<dim> &first = *std::min_element(all.begin(), all.end());
+    const std::string of_large = why_unfit_beside(first.part, first.fine_part, parts);
+    const unsigned int unfit = of_large.empty() ? first.fine_part : first.part;
+    const Section &section = part_sections[unfit];
+    std::ostringstream message;
+    message << "At " << place_text(first.place) << " a cell of the part \""
+            << part_sections[first.part].name() << "\" lies beside cells of half its size";
+    if (first.fine_part != first.part)
+      message << " of the part \"" << part_sections[first.fine_part].name() << "\"";
+    message << ", and cells of \"" << section.get("Formulation") << "\" "
+            << (of_large.empty() ? why_unfit(unfit, parts) : of_large)
+            << ". Refine all of the part or nothing of it (`Refine where` in section Mesh), or "
+               "choose \"smoothed cells\" or elements of degree one that stay.";
+    section.fail("Formulation", message.str());
+  }
 
   /** The nodes in the middle of faces and edges of cells where these are means, ascending: as far
    * as this rank sees cells, so all around nodes that it owns. */
   template <int dim>
   std::vector<DependentNode> find_hanging_nodes(const Nodes<dim> &nodes,
                                                 const PartCells<dim> &part_cells,
-                                                const std::vector<Part<dim>> &parts);
+                                                const std::vector<Part<dim>> &parts)
+  {
+    std::map<types::global_dof_index, NodeWeights> rows;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      if (!cell->is_artificial() &&
+          parts[part_cells.part_of(cell)].formulation->middle_nodes() == MiddleNodes::means)
+        for (const unsigned int f : cell->face_indices())
+          if (!cell->at_boundary(f) && cell->face(f)->has_children())
+            add_middle_nodes<dim>(cell, f, rows);
+    std::vector<DependentNode> result;
+    for (const auto &[node, weights] : rows)
+      result.push_back({node, weights});
+    return result;
+  }
 } // namespace tombolo

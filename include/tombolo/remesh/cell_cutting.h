@@ -4,8 +4,7 @@
 #include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/remesh/cell_overlap.h>
-#include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/simplex_overlaps.h>
+#include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/tensor.h>
@@ -18,95 +17,6 @@
 
 namespace tombolo
 {
-  /** An old cell by its points and simplices. */
-  template <int dim>
-  class SimplexCell
-  {
-  public:
-    explicit SimplexCell(const typename SubCells<dim>::Corners &corners);
-
-    dealii::Point<dim> lower, upper;             ///< of the box around its points
-    double place[dim][16];                       ///< of points; those beyond repeat the first
-    double volume[SimplexPoints<dim>::n_padded]; ///< of simplices
-    /** Bits of the simplices that count: those that are not turned over or flat, or some of them.
-     */
-    unsigned int counts = 0;
-
-    /** The gradients of the coordinates of a simplex of a positive volume, by component and
-     * vertex. Entries beyond the last vertex are zero. */
-    const double (&gradients(const unsigned int simplex) const)[dim][4]
-    {
-      return gradients_of_simplices[simplex].entries;
-    }
-
-  private:
-    struct Gradients
-    {
-      double entries[dim][4];
-    };
-
-    std::array<Gradients, SimplexPoints<dim>::n_simplices> gradients_of_simplices;
-  };
-
-  /** A new simplex, and what the simplices of old cells have in common with it. Buffers are kept
-   * from one to the next. */
-  template <int dim>
-  class SimplexPairs
-  {
-  public:
-    /** An old simplex that may have something in common with the new one. */
-    struct Pair
-    {
-      /** The coordinates of the old simplex at the vertices of the new one, rows. In two
-       * dimensions the last row repeats the first. */
-      double old_at_new[4][4];
-      unsigned int cell; ///< its place in the order of add_cell()
-      unsigned int simplex;
-    };
-
-    /** Forgets all old cells. */
-    void clear_cells()
-    {
-      cells.clear();
-    }
-
-    /** Adds an old cell, which must stay where it is. */
-    void add_cell(const SimplexCell<dim> &cell);
-
-    /** Goes on to another new simplex, of a positive volume, with all old simplices that may have
-     * something in common with it. */
-    void start(const SimplexCell<dim> &of_new, unsigned int simplex);
-
-    /** Calls @p use(pair, OverlapMoments of it) for all old simplices, where the volume is
-     * positive. */
-    template <typename Use>
-    void for_moments(const Use &use)
-    {
-      overlaps.clip();
-      OverlapMoments<dim> moments;
-      for (const unsigned int number : overlaps.left())
-      {
-        overlaps.find_moments(number, moments);
-        if (moments.volume() > 0.)
-          use(pairs[number], moments);
-      }
-    }
-
-  private:
-    void set_place(const SimplexCell<dim> &of_new, unsigned int simplex);
-    void add_pairs(unsigned int number);
-    void add_pair(const SimplexCell<dim> &cell, unsigned int number, unsigned int simplex);
-
-    std::vector<const SimplexCell<dim> *> cells;
-    std::vector<double> box; // of cells: lower and upper ends by component, eight cells at a time
-    dealii::Point<dim> lower, upper;        // of the new simplex
-    double origin[dim], gradient[dim][dim]; // of coordinates but the first
-    double place[dim][16];                  // each component of vertices four times
-    SimplexOverlaps<dim> overlaps;
-    std::vector<Pair> pairs; // the first n_pairs of them, and room for those of one cell
-    std::size_t n_pairs = 0;
-  };
-
   /** The number of pairs of fields: they are added two at a time. */
   inline std::size_t n_pairs_of(const std::size_t n_fields)
   {
@@ -394,22 +304,116 @@ namespace tombolo
     /** Adds what the cell with the number @p cell and these corners has of received cells, of which
      * those with the numbers @p near are all that it can have something of: to its integrals, with
      * the densities, to the cells, and its shares. */
-    void cut(unsigned int cell, const Corners &corners, const std::vector<std::size_t> &near,
-             Integrals &of_cell, std::vector<Share> &shares);
+    void cut(const unsigned int cell, const Corners &corners, const std::vector<std::size_t> &near,
+             Integrals &of_cell, std::vector<Share> &shares)
+    {
+      const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
+      const SimplexCell<dim> of_after(corners);
+      double centre[4] = {};
+      for (unsigned int d = 0; d < dim; ++d)
+        centre[d] = of_after.place[d][SimplexPoints<dim>::centre];
+      offsets.resize(near.size() * 4);
+      for (std::size_t k = 0; k < near.size(); ++k)
+        for (unsigned int d = 0; d < 4; ++d)
+          offsets[k * 4 + d] = received[near[k]].centre[d] - centre[d];
+      found.assign(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
+      const auto note = [&](const unsigned int after, const typename SimplexPairs<dim>::Pair &pair,
+                            const NodeLanes &sum)
+      {
+        const unsigned int sub_cell = of_cells.sub_cell[pair.simplex];
+        double *const share =
+            found.data() +
+            ((of_cells.sub_cell[after] * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
+        store_node(load_node(share) + sum, share);
+        double *const common = received[near[pair.cell]].common[pair.simplex];
+        const double volume = sum[3];
+        store_node(load_node(common) + (sum - volume * load_node(offsets.data() + pair.cell * 4)),
+                   common);
+      };
+      add_pairs(of_after, near, &ReceivedCell<dim>::density, of_cell, note);
+      for (std::size_t i = 0; i < found.size() / 4; ++i)
+      {
+        const double *const moment = found.data() + i * 4;
+        if (!(moment[3] > 0.))
+          continue;
+        Share share;
+        const auto sub_cell = static_cast<unsigned int>(i / (near.size() * n_sub_cells));
+        const auto from = static_cast<unsigned int>(near[i / n_sub_cells % near.size()]);
+        share.to = cell * n_sub_cells + sub_cell;
+        share.from = from * n_sub_cells + static_cast<unsigned int>(i % n_sub_cells);
+        share.volume = moment[3];
+        for (unsigned int d = 0; d < dim; ++d)
+          share.moment[d] = moment[d] + moment[3] * centre[d];
+        shares.push_back(share);
+      }
+    }
 
     /** Adds what the changes of densities change of the integrals. */
     void add_changes(const Corners &corners, const std::vector<std::size_t> &near,
-                     Integrals &of_cell);
+                     Integrals &of_cell)
+    {
+      add_pairs(
+          SimplexCell<dim>(corners), near, &ReceivedCell<dim>::change, of_cell,
+          [](const unsigned int, const typename SimplexPairs<dim>::Pair &, const NodeLanes &) {});
+    }
 
   private:
     static constexpr unsigned int n_sub_cells = SubCells<dim>::n_sub_cells;
 
     using Densities = std::array<double, n_sub_cells> ReceivedCell<dim>::*;
 
+    /** ∫ (x - centre) and, at the end, ∫ 1 over the volume of a new simplex, as linear functions of
+     * the first row of moments. */
+    static void find_rows_of_places(const SimplexCell<dim> &cell, const unsigned int simplex,
+                                    NodeLanes (&rows)[dim + 1])
+    {
+      const std::uint8_t *const points = SimplexPoints<dim>::instance().vertices[simplex].data();
+      for (unsigned int k = 0; k <= dim; ++k)
+      {
+        double row[4] = {0., 0., 0., k == 0 ? 1. : 0.};
+        for (unsigned int d = 0; d < dim; ++d)
+          row[d] = cell.place[d][points[k]] -
+                   cell.place[d][k == 0 ? SimplexPoints<dim>::centre : points[0]];
+        rows[k] = cell.volume[simplex] * load_node(row);
+      }
+    }
+
     /** Calls @p note(simplex of the cell, pair, moments) for each pair as well. */
     template <typename Note>
     void add_pairs(const SimplexCell<dim> &of_after, const std::vector<std::size_t> &near,
-                   Densities densities, Integrals &of_cell, const Note &note);
+                   const Densities densities, Integrals &of_cell, const Note &note)
+    {
+      const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
+      pairs.clear_cells();
+      for (const std::size_t r : near)
+        pairs.add_cell(received[r].simplices);
+      of_points.clear();
+      for (unsigned int after = 0; after < SimplexPoints<dim>::n_simplices; ++after)
+      {
+        if (((of_after.counts >> after) & 1u) == 0)
+          continue;
+        NodeLanes rows[dim + 1];
+        find_rows_of_places(of_after, after, rows);
+        integrals.clear();
+        pairs.start(of_after, after);
+        pairs.for_moments(
+            [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
+            {
+              const ReceivedCell<dim> &from = received[near[pair.cell]];
+              const double density = (from.*densities)[of_cells.sub_cell[pair.simplex]];
+              integrals.add(moments, density * of_after.volume[after], pair.old_at_new, from.values,
+                            of_cells.vertices[pair.simplex].data());
+              NodeLanes sum = moments.products[0][0] * rows[0];
+              TOMBOLO_UNROLL
+              for (unsigned int k = 1; k <= dim; ++k)
+                sum += moments.products[0][k] * rows[k];
+              note(after, pair, sum);
+            });
+        integrals.take_coordinates();
+        of_points.add(integrals, of_cells.vertices[after].data());
+      }
+      of_points.give(of_cell);
+    }
 
     std::vector<ReceivedCell<dim>> &received;
     SimplexPairs<dim> pairs;

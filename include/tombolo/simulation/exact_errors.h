@@ -7,7 +7,11 @@
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/time_table.h>
 
+#include <nlohmann/json.hpp>
+
+#include <cmath>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -20,7 +24,21 @@ namespace tombolo
   {
   public:
     /** Throws InputError. */
-    explicit ExactErrors(const Section &section);
+    explicit ExactErrors(const Section &section)
+    {
+      if (ExactSolution<dim>::is_given(section))
+        exact = std::make_unique<ExactSolution<dim>>(section);
+      if (exact == nullptr)
+        return;
+      exact->list(records);
+      records.items(of_outputs)
+          .numbers("errors",
+                   [](Errors &errors) -> std::vector<double *>
+                   {
+                     return {&errors.time, &errors.axial_stress, &errors.stress, &errors.velocity,
+                             &errors.temperature};
+                   });
+    }
 
     /** Null where the case has no exact solution. */
     const ExactSolution<dim> *solution() const
@@ -30,14 +48,94 @@ namespace tombolo
 
     /** Computes the errors at the present time and adds them to the present row of @p statistics.
      * Collective. */
-    void evaluate(const Model<dim> &model, const Clock &clock, TimeTable &statistics);
+    void evaluate(const Model<dim> &model, const Clock &clock, TimeTable &statistics)
+    {
+      if (exact == nullptr)
+        return;
+      Errors errors;
+      errors.time = clock.time;
+      if (exact->has_stress() || exact->has_velocity())
+      {
+        std::vector<const Formulation<dim> *> formulations;
+        for (const Part<dim> &part : model.parts)
+          formulations.push_back(part.formulation.get());
+        const ExactSolutionErrors mechanical =
+            exact->errors(formulations, model.state.initial_position, model.state.velocity,
+                          model.state.mass, clock.time, clock.time - 0.5 * clock.previous_step);
+        errors.axial_stress = mechanical.axial_stress;
+        errors.stress = mechanical.stress;
+        errors.velocity = mechanical.velocity;
+      }
+      if (exact->has_temperature())
+        errors.temperature = exact->temperature_error(model.state.initial_position,
+                                                      model.heat->state.present_temperature,
+                                                      model.heat->bridge.mass(), clock.time);
+      of_outputs.push_back(errors);
+
+      if (exact->has_stress())
+      {
+        statistics.add("relative error of stress xx", "1", errors.axial_stress);
+        statistics.add("relative error of stress", "1", errors.stress);
+      }
+      if (exact->has_velocity())
+        statistics.add("relative error of velocity", "1", errors.velocity);
+      if (exact->has_temperature())
+        statistics.add("relative error of temperature", "1", errors.temperature);
+    }
 
     /** The errors of the last evaluate() for the screen; empty at the start, where they are those
      * of the initial conditions. */
-    std::string report() const;
+    std::string report() const
+    {
+      if (of_outputs.empty() || !(of_outputs.back().time > 0.))
+        return "";
+      const Errors &errors = of_outputs.back();
+      std::ostringstream line;
+      line.precision(4);
+      line << "  t = " << errors.time << ": relative L2 error";
+      const auto print = [&](const char *of_what, const double error)
+      {
+        line << of_what;
+        if (std::isfinite(error))
+          line << error;
+        else
+          line << "undefined (the exact one vanishes)";
+      };
+      if (exact->has_stress())
+      {
+        print(" of stress xx ", errors.axial_stress);
+        print(", of all stress ", errors.stress);
+      }
+      if (exact->has_velocity())
+        print(exact->has_stress() ? ", of velocity " : " of velocity ", errors.velocity);
+      if (exact->has_temperature())
+        print(" of temperature ", errors.temperature);
+      return line.str();
+    }
 
     /** Adds `errors`, a list over outputs. */
-    void add_to(Json &results) const;
+    void add_to(Json &results) const
+    {
+      if (exact == nullptr)
+        return;
+      Json list = Json::array();
+      for (const Errors &errors : of_outputs)
+      {
+        Json entry = Json::object();
+        entry["time"] = errors.time;
+        if (exact->has_stress())
+        {
+          entry["stress_xx"] = errors.axial_stress;
+          entry["stress"] = errors.stress;
+        }
+        if (exact->has_velocity())
+          entry["velocity"] = errors.velocity;
+        if (exact->has_temperature())
+          entry["temperature"] = errors.temperature;
+        list.push_back(entry);
+      }
+      results["errors"] = list;
+    }
 
     /** What is kept from output to output. */
     Records records;

@@ -407,15 +407,15 @@ namespace tombolo
   void Parameters::print(std::ostream &out, const std::string &format,
                          const bool with_documentation, const std::string &section) const
   {
-    const ParameterPrinter printer(
-        used.empty() || main_file.empty(),
-        [&](const std::string &path) { return setting(path) != nullptr || used.count(path) > 0; },
-        [&](const std::string &path) { return value(path); });
+    const PrintedEntries entries{used.empty() || main_file.empty(),
+                                 [&](const std::string &path)
+                                 { return setting(path) != nullptr || used.count(path) > 0; },
+                                 [&](const std::string &path) { return value(path); }};
     const ParameterDeclaration &printed = find_section(declarations(), section);
     if (format == "prm")
-      printer.print_prm(out, with_documentation, printed);
+      print_prm(out, entries, printed, with_documentation);
     else if (format == "json")
-      printer.print_json(out, printed);
+      print_json(out, entries, printed);
     else if (format == "xml" && section.empty())
       parameter_handler.print_parameters(
           out,

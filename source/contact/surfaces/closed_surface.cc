@@ -3,13 +3,17 @@
 
 #include <tombolo/base/format.h>
 
+#include <deal.II/base/bounding_box.h>
+#include <deal.II/base/point.h>
+#include <deal.II/numerics/rtree.h>
+
+#include <boost/pending/disjoint_sets.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
+#include <iterator>
 #include <stdexcept>
 #include <tuple>
-#include <unordered_map>
 
 namespace tombolo
 {
@@ -50,66 +54,6 @@ namespace tombolo
     constexpr const char *facets_text = dim == 2 ? "sides" : "triangles";
 
     constexpr unsigned int no_number = static_cast<unsigned int>(-1);
-
-    /** Finds vertices at almost the same place. */
-    template <int dim>
-    class VertexMerger
-    {
-    public:
-      VertexMerger(const Tensor<1, dim> &low, const double tolerance)
-          : low(low), tolerance(tolerance)
-      {}
-
-      /** The number of a vertex that was given before, or of a new one. */
-      unsigned int number(const Tensor<1, dim> &place, std::vector<Tensor<1, dim>> &vertices)
-      {
-        // Cells that the ball of the tolerance reaches: one or two along each axis.
-        std::uint64_t first[dim], last[dim];
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          first[d] = cell(place[d] - low[d] - tolerance);
-          last[d] = cell(place[d] - low[d] + tolerance);
-        }
-        for (unsigned int choice = 0; choice < (1u << dim); ++choice)
-        {
-          std::uint64_t key = 0;
-          bool is_another = true;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            const bool takes_last = (choice >> d) & 1u;
-            is_another = is_another && (!takes_last || last[d] != first[d]);
-            key = (key << bits) | (takes_last ? last[d] : first[d]);
-          }
-          const auto found = is_another ? head.find(key) : head.end();
-          if (found != head.end())
-            for (unsigned int v = found->second; v != no_number; v = next[v])
-              if ((vertices[v] - place).norm_square() <= tolerance * tolerance)
-                return v;
-        }
-        const auto added = static_cast<unsigned int>(vertices.size());
-        vertices.push_back(place);
-        std::uint64_t key = 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          key = (key << bits) | cell(place[d] - low[d]);
-        const auto [position, is_first] = head.emplace(key, added);
-        next.push_back(is_first ? no_number : position->second);
-        position->second = added;
-        return added;
-      }
-
-    private:
-      static constexpr unsigned int bits = 21;
-
-      std::uint64_t cell(const double distance) const
-      {
-        return static_cast<std::uint64_t>(std::max(distance, 0.) / (4. * tolerance));
-      }
-
-      Tensor<1, dim> low;
-      double tolerance;
-      std::unordered_map<std::uint64_t, unsigned int> head; // of the list of a cell
-      std::vector<unsigned int> next;
-    };
   } // namespace
 
   template <int dim>
@@ -188,8 +132,27 @@ namespace tombolo
                                   "resolve it, from " +
                                   place_text(low) + " to " + place_text(high));
 
-    VertexMerger<dim> merger(low, tolerance());
+    const std::vector<Point<dim>> places(list.vertices.begin(), list.vertices.end());
+    const auto tree = pack_rtree_of_indices(places);
     std::vector<unsigned int> number(list.vertices.size(), no_number);
+    std::vector<std::size_t> near;
+    // The number of a vertex that is at almost the same place and has one, or a new one.
+    const auto merged_number = [&](const Tensor<1, dim> &place)
+    {
+      BoundingBox<dim> box({Point<dim>(place), Point<dim>(place)});
+      box.extend(tolerance());
+      near.clear();
+      tree.query(boost::geometry::index::intersects(box), std::back_inserter(near));
+      unsigned int result = no_number;
+      for (const std::size_t v : near)
+        if (number[v] < result &&
+            (vertices[number[v]] - place).norm_square() <= tolerance() * tolerance())
+          result = number[v];
+      if (result != no_number)
+        return result;
+      vertices.push_back(place);
+      return static_cast<unsigned int>(vertices.size() - 1);
+    };
     std::size_t n_without_extent = 0;
     for (const Facet &facet : list.facets)
     {
@@ -199,7 +162,7 @@ namespace tombolo
       {
         unsigned int &of_vertex = number[facet.vertex[k]];
         if (of_vertex == no_number)
-          of_vertex = merger.number(list.vertices[facet.vertex[k]], vertices);
+          of_vertex = merged_number(list.vertices[facet.vertex[k]]);
         merged.vertex[k] = of_vertex;
         for (unsigned int other = 0; other < k; ++other)
           has_extent = has_extent && merged.vertex[other] != of_vertex;
@@ -442,14 +405,7 @@ namespace tombolo
     if constexpr (dim == 3)
     {
       // The corners of facets at a vertex are one set if ways across edges lead through all.
-      std::vector<unsigned int> parent(dim * facets.size());
-      std::iota(parent.begin(), parent.end(), 0u);
-      const auto root = [&](unsigned int corner)
-      {
-        while (parent[corner] != corner)
-          corner = parent[corner] = parent[parent[corner]];
-        return corner;
-      };
+      boost::disjoint_sets_with_storage<> sets(dim * facets.size());
       const auto corner = [&](const unsigned int facet, const unsigned int vertex)
       {
         unsigned int k = 0;
@@ -459,14 +415,14 @@ namespace tombolo
       };
       for (std::size_t i = 0; i < sides.size(); i += 2)
         for (const unsigned int vertex : {sides[i].first, sides[i].second})
-          parent[root(corner(sides[i].facet, vertex))] = root(corner(sides[i + 1].facet, vertex));
-      std::vector<unsigned int> root_of_vertex(vertices.size(), no_number);
-      for (unsigned int c = 0; c < parent.size(); ++c)
+          sets.union_set(corner(sides[i].facet, vertex), corner(sides[i + 1].facet, vertex));
+      std::vector<std::size_t> set_of_vertex(vertices.size(), no_number);
+      for (unsigned int c = 0; c < dim * facets.size(); ++c)
       {
-        unsigned int &known = root_of_vertex[facets[c / dim].vertex[c % dim]];
+        std::size_t &known = set_of_vertex[facets[c / dim].vertex[c % dim]];
         if (known == no_number)
-          known = root(c);
-        else if (known != root(c))
+          known = sets.find_set(c);
+        else if (known != sets.find_set(c))
           throw std::invalid_argument("it touches itself in the point " +
                                       place_text(vertices[facets[c / dim].vertex[c % dim]]));
       }

@@ -21,6 +21,32 @@
 
 namespace tombolo
 {
+  namespace
+  {
+    using dealii::numbers::PI;
+
+    /** A quarter turn, any number of times, without rounding. */
+    dealii::Point<2> turned(const dealii::Point<2> &point, const unsigned int quarters)
+    {
+      dealii::Point<2> result = point;
+      for (unsigned int i = 0; i < quarters; ++i)
+        result = dealii::Point<2>(-result[1], result[0]);
+      // Adding zero takes the sign from a negative zero.
+      return {result[0] + 0., result[1] + 0.};
+    }
+
+    /** The point of the unit circle beside the place v in [-1, 1] of the edge of the core that
+     * crosses the first axis. Mirrored places have mirrored points, to the last bit. */
+    dealii::Point<2> circle_point(const double v)
+    {
+      if (std::abs(v) == 1)
+        return {std::sqrt(0.5), v * std::sqrt(0.5)};
+      return {std::cos(PI / 4 * v), std::sin(PI / 4 * v)};
+    }
+
+    constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
+  } // namespace
+
   /**
    * The section of a cylinder or disc in quadrilaterals: a core of n x n cells, a square with round
    * edges, and rings of 4 n cells around it up to the circle. Entries: `Radius`, `Core cells`,
@@ -44,7 +70,52 @@ namespace tombolo
 
     /** @p axes are the names of the two axes of the section, @p whole the name of the body for
      * messages. Throws InputError where the entries make no section. */
-    RoundSection(const Entries &e, const std::array<char, 2> &axes, const std::string &whole);
+    RoundSection(const Entries &e, const std::array<char, 2> &axes, const std::string &whole)
+    {
+      const double radius = e.number("Radius", mandatory, positive(0.), "",
+                                     "The radius of the circumference. Units: length");
+      n_core_cells =
+          e.integer("Core cells", mandatory, at_least(1),
+                    "The number of cells along each edge of the square core; the circumference has "
+                    "four times as many. With symmetry planes it must be even.");
+      const std::string text = e.text(
+          "Rings", mandatory, "",
+          std::string("The rings of cells from the core to the circumference: ") + segments_syntax +
+              ". Places are radii. The rings of the first segment lead from the core to a circle, "
+              "those of the others are concentric circles.");
+      core_radius = e.number(
+          "Core radius", "0", at_least(0.), "",
+          "The distance from the axis to the middle of each edge of the core. 0: such that the "
+          "smallest cells of the core and of the first segment of rings are alike. Units: length");
+      const double angle = e.number(
+          "Core corner angle", "120", between(90., 150.), "",
+          "The angle between two edges of the core, which are arcs: 90 is a square; at 120 the "
+          "core "
+          "cell and the two ring cells at a corner share the full angle evenly. Units: degrees");
+      e.text(
+          "Symmetry planes", "", "",
+          "Axes across the body: for each, the body is cut by the plane through its axis that is "
+          "normal to it, and the positive side is kept (\"x\" a half, \"x, y\" a quarter). The "
+          "cut is called \"symmetry x\", and so on. The nodes are those of the full mesh.");
+      if (e.declares())
+        return;
+      const Section &section = e.section();
+      rings = parse_segments(section, text,
+                             {"Rings", " in the rings", whole,
+                              std::string("The rings are ") + segments_syntax, 0, radius, true});
+      arc = (angle - 90) / 2 * PI / 180;
+      read_core_radius(section, whole);
+      read_cuts(section, axes, whole);
+
+      const double n = n_core_cells;
+      const double n_in_section = n * n + 4 * n * static_cast<double>(n_cells(rings));
+      if (n_in_section > static_cast<double>(most_coarse_cells))
+        section.fail("Core cells",
+                     as_text("Each section of the ", whole, " would have ", n_in_section,
+                             " cells; at most ", most_coarse_cells, " are allowed."));
+      make_full_section();
+      keep_positive_sides();
+    }
 
     /** The vertices of the cells() in the order of the full section: core, then ring by ring. */
     const std::vector<Vertex> &vertices() const
@@ -71,14 +142,144 @@ namespace tombolo
 
   private:
     void read_cuts(const Section &section, const std::array<char, 2> &axes,
-                   const std::string &whole);
-    void read_core_radius(const Section &section, const std::string &whole);
+                   const std::string &whole)
+    {
+      const auto fail = [&](const std::string &message)
+      {
+        section.fail("Symmetry planes", message + " Give \"" + axes[0] + "\", \"" + axes[1] +
+                                            "\", or \"" + axes[0] + ", " + axes[1] +
+                                            "\": the axes across the " + whole + ".");
+      };
+      for (const std::string &name : section.get_list("Symmetry planes"))
+      {
+        const auto found =
+            name.size() == 1 ? std::find(axes.begin(), axes.end(), name[0]) : axes.end();
+        if (found == axes.end())
+          fail("\"" + name + "\" is not an axis across the " + whole + ".");
+        bool &is_cut = cuts[static_cast<std::size_t>(found - axes.begin())];
+        if (is_cut)
+          fail("\"" + name + "\" stands twice.");
+        is_cut = true;
+      }
+      if ((cuts[0] || cuts[1]) && n_core_cells % 2 != 0)
+        section.fail("Core cells", "A symmetry plane would cut the cells in the middle. The number "
+                                   "must be even with `Symmetry planes`.");
+    }
+    void read_core_radius(const Section &section, const std::string &whole)
+    {
+      const double first_circle = rings.front().end;
+      // The distance of the corners of the core over that of the middle of its edges.
+      const double corner = std::sqrt(2.) / (1 + std::tan(arc / 2));
+      if (core_radius == 0)
+        core_radius = first_circle /
+                      (1 + 2. * rings.front().n_cells / (n_core_cells * std::sqrt(2.))) / corner;
+      if (!(core_radius > 0 && core_radius * corner < first_circle))
+        section.fail("Core radius", as_text("The corners of the core would be at the radius ",
+                                            core_radius * corner,
+                                            ". They must be inside of the first circle of the ",
+                                            whole, ", which has ", first_circle,
+                                            ": give less than ", first_circle / corner, ", or 0."));
+      rings.front().begin = core_radius;
+    }
 
     /** A point of the core, (u, v) in [-1, 1]^2. */
-    dealii::Point<2> core_point(double u, double v) const;
+    dealii::Point<2> core_point(const double u, const double v) const
+    {
+      // Half of the chord from corner to corner. Each edge is an arc over it, and the inside their
+      // transfinite interpolation, which for these four reads as below.
+      const double half = core_radius / (1 + std::tan(arc / 2));
+      const auto bulge = [&](const double w)
+      { return arc == 0 ? 0 : half * (std::cos(arc * w) - std::cos(arc)) / std::sin(arc); };
+      const auto along = [&](const double w)
+      { return arc == 0 ? half * w : half * std::sin(arc * w) / std::sin(arc); };
+      if (std::abs(u) == 1 && std::abs(v) == 1)
+        return {u * half, v * half};
+      return {u * bulge(v) + along(u), v * bulge(u) + along(v)};
+    }
 
-    void make_full_section();
-    void keep_positive_sides();
+    void make_full_section()
+    {
+      const unsigned int n = n_core_cells;
+      const auto lattice = [n](const unsigned int i)
+      { return (2. * i - static_cast<double>(n)) / static_cast<double>(n); };
+      for (unsigned int j = 0; j <= n; ++j)
+        for (unsigned int i = 0; i <= n; ++i)
+        {
+          const auto place = core_point(lattice(i), lattice(j));
+          section_vertices.push_back({{place[0] + 0., place[1] + 0.}, false});
+        }
+      for (unsigned int j = 0; j < n; ++j)
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          const unsigned int first = j * (n + 1) + i;
+          section_cells.push_back({{first, first + 1, first + n + 1, first + n + 2}});
+        }
+
+      // Around the core, from the corner below the first axis, positively.
+      std::vector<unsigned int> inner;
+      std::vector<dealii::Point<2>> circle;
+      for (unsigned int side = 0; side < 4; ++side)
+        for (unsigned int q = 0; q < n; ++q)
+        {
+          const unsigned int i[] = {n, n - q, 0, q};
+          const unsigned int j[] = {q, n, n - q, 0};
+          inner.push_back(j[side] * (n + 1) + i[side]);
+          circle.push_back(turned(circle_point(lattice(q)), side));
+        }
+      const std::vector<unsigned int> edge_of_core = inner;
+
+      const std::vector<double> radii = segment_coordinates(rings);
+      const double first_circle = rings.front().end;
+      for (unsigned int ring = 1; ring < radii.size(); ++ring)
+      {
+        std::vector<unsigned int> outer;
+        for (unsigned int p = 0; p < circle.size(); ++p)
+        {
+          dealii::Point<2> place(radii[ring] * circle[p]);
+          if (radii[ring] < first_circle)
+          {
+            const double part = (radii[ring] - core_radius) / (first_circle - core_radius);
+            place = (1 - part) * section_vertices[edge_of_core[p]].place +
+                    part * first_circle * dealii::Tensor<1, 2>(circle[p]);
+          }
+          outer.push_back(static_cast<unsigned int>(section_vertices.size()));
+          section_vertices.push_back({place, ring + 1 == radii.size()});
+        }
+        for (unsigned int p = 0; p < circle.size(); ++p)
+        {
+          const unsigned int next = (p + 1) % static_cast<unsigned int>(circle.size());
+          section_cells.push_back({{inner[p], outer[p], inner[next], outer[next]}});
+        }
+        inner = outer;
+      }
+    }
+    void keep_positive_sides()
+    {
+      const auto is_kept = [this](const unsigned int vertex)
+      {
+        const auto &place = section_vertices[vertex].place;
+        return !(cuts[0] && place[0] < 0) && !(cuts[1] && place[1] < 0);
+      };
+      constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
+      std::vector<unsigned int> new_number(section_vertices.size(), none);
+      std::vector<Vertex> kept_vertices;
+      for (unsigned int vertex = 0; vertex < section_vertices.size(); ++vertex)
+        if (is_kept(vertex))
+        {
+          new_number[vertex] = static_cast<unsigned int>(kept_vertices.size());
+          kept_vertices.push_back(section_vertices[vertex]);
+        }
+      std::vector<std::array<unsigned int, 4>> kept_cells;
+      for (auto cell : section_cells)
+        if (std::all_of(cell.begin(), cell.end(), is_kept))
+        {
+          for (auto &vertex : cell)
+            vertex = new_number[vertex];
+          kept_cells.push_back(cell);
+        }
+      section_vertices = std::move(kept_vertices);
+      section_cells = std::move(kept_cells);
+    }
 
     unsigned int n_core_cells = 0;
     std::vector<AxisSegment> rings; ///< the first one begins at `core_radius`
@@ -110,12 +311,111 @@ namespace tombolo
     };
 
     /** Throws InputError where the entries make no cylinder. */
-    explicit Cylinder(const Entries &e);
+    explicit Cylinder(const Entries &e)
+        : Cylinder(e, Words{"cylinder", "Length", "Cells along axis", "Foot", "foot", "rear"})
+    {}
 
-    void create(Mesh<3> &mesh) const override;
+    void create(Mesh<3> &mesh) const override
+    {
+      const double n_all = static_cast<double>(round_section->cells().size()) *
+                           static_cast<double>(heights.size() - 1);
+      refuse_more_than_memory(section, words.layers, n_all, n_all,
+                              communicator_of(mesh.triangulation));
+      const auto &section_vertices = round_section->vertices();
+      const auto n_in_section = static_cast<unsigned int>(section_vertices.size());
+      std::vector<dealii::Point<3>> vertices;
+      vertices.reserve(heights.size() * n_in_section);
+      for (const double height : heights)
+        for (const auto &vertex : section_vertices)
+        {
+          dealii::Point<3> place = foot;
+          for (unsigned int d = 0; d < 2; ++d)
+            place[across[d]] += vertex.place[d];
+          place[axis] += height;
+          vertices.push_back(place);
+        }
+
+      const auto last_layer = static_cast<unsigned int>(heights.size() - 1);
+      std::vector<dealii::CellData<3>> cells =
+          cells_of_layers(round_section->cells(), last_layer, n_in_section);
+      // p4est needs the directions of common edges to agree.
+      dealii::GridTools::consistently_order_cells(cells);
+
+      dealii::Triangulation<3> coarse;
+      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+      for (const auto &cell : coarse.active_cell_iterators())
+        for (const unsigned int f : cell->face_indices())
+          if (cell->face(f)->at_boundary())
+          {
+            const auto all = [&](const auto &condition)
+            {
+              for (unsigned int v = 0; v < 4; ++v)
+              {
+                const unsigned int vertex = cell->face(f)->vertex_index(v);
+                if (!condition(vertex / n_in_section, section_vertices[vertex % n_in_section]))
+                  return false;
+              }
+              return true;
+            };
+            dealii::types::boundary_id id = side_id;
+            if (all([](const unsigned int layer, const auto &) { return layer == 0; }))
+              id = lower_id;
+            else if (all([&](const unsigned int layer, const auto &)
+                         { return layer == last_layer; }))
+              id = upper_id;
+            else if (!all([](unsigned int, const auto &vertex) { return vertex.is_at_rim; }))
+              for (unsigned int d = 0; d < 2; ++d)
+                if (all([&](unsigned int, const auto &vertex) { return vertex.place[d] == 0; }))
+                  id = first_cut_id + across[d];
+            cell->face(f)->set_boundary_id(id);
+          }
+      mesh.triangulation.copy_triangulation(coarse);
+
+      mesh.boundary_names[words.lower_boundary] = lower_id;
+      mesh.boundary_names[words.upper_boundary] = upper_id;
+      mesh.boundary_names["side"] = side_id;
+      for (unsigned int d = 0; d < 2; ++d)
+        if (round_section->is_cut(d))
+          mesh.boundary_names[name_of_cut("xyz"[across[d]])] = first_cut_id + across[d];
+    }
 
   protected:
-    Cylinder(const Entries &e, const Words &words);
+    Cylinder(const Entries &e, const Words &words) : words(words), section(e.section())
+    {
+      const std::string body = words.body;
+      const std::string lower = words.lower_boundary;
+      if (e.declares())
+        declare<RoundSection>(e, std::array<char, 2>(), words.body);
+      axis =
+          static_cast<unsigned int>(e.choice("Axis", "z", "x|y|z",
+                                             "The direction from the " + lower + " of the " + body +
+                                                 " to its " + words.upper_boundary + ".")[0] -
+                                    'x');
+      across = {{(axis + 1) % 3, (axis + 2) % 3}};
+      const std::vector<double> position = e.numbers(
+          words.position, "0, 0, 0", 3, "", "The centre of the " + lower + ". Units: length");
+      const double length = e.number(words.length, mandatory, positive(0.), "",
+                                     "The extent along the axis. Units: length");
+      const std::string text =
+          e.text(words.layers, mandatory, "",
+                 "The layers of cells from the " + lower + " on: " + segments_syntax +
+                     ". Places are heights above the " + lower + ".");
+      if (e.declares())
+        return;
+      for (unsigned int d = 0; d < 3; ++d)
+        foot[d] = position[d];
+      const auto layers =
+          parse_segments(section, text,
+                         {words.layers, " along the axis", words.body,
+                          std::string("The layers are ") + segments_syntax, 0, length, true});
+      round_section = std::make_unique<RoundSection>(
+          section, std::array<char, 2>{{"xyz"[across[0]], "xyz"[across[1]]}}, words.body);
+
+      const double n_all =
+          static_cast<double>(round_section->cells().size()) * static_cast<double>(n_cells(layers));
+      refuse_too_many_cells(section, words.layers, words.body, n_all);
+      heights = segment_coordinates(layers);
+    }
 
   private:
     Words words;
@@ -138,9 +438,53 @@ namespace tombolo
   {
   public:
     /** Throws InputError where the entries make no disc. */
-    explicit Disc(const Entries &e);
+    explicit Disc(const Entries &e) : section(e.section()), round_section(e, {{'x', 'y'}}, "disc")
+    {
+      const std::vector<double> position =
+          e.numbers("Position", "0, 0", 2, "", "The centre of the disc. Units: length");
+      for (unsigned int d = 0; d < 2; ++d)
+        centre[d] = position[d];
+    }
 
-    void create(Mesh<2> &mesh) const override;
+    void create(Mesh<2> &mesh) const override
+    {
+      const auto n_all = static_cast<double>(round_section.cells().size());
+      refuse_more_than_memory(section, "Core cells", n_all, n_all,
+                              communicator_of(mesh.triangulation));
+      std::vector<dealii::Point<2>> vertices;
+      for (const auto &vertex : round_section.vertices())
+        vertices.push_back(centre + vertex.place);
+      std::vector<dealii::CellData<2>> cells;
+      for (const auto &quadrilateral : round_section.cells())
+      {
+        dealii::CellData<2> cell;
+        cell.vertices.assign(quadrilateral.begin(), quadrilateral.end());
+        cell.material_id = 0;
+        cells.push_back(cell);
+      }
+      // Nodes on a common edge have one order only if both cells see it in the same direction.
+      dealii::GridTools::consistently_order_cells(cells);
+
+      dealii::Triangulation<2> coarse;
+      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+      for (const auto &cell : coarse.active_cell_iterators())
+        for (const unsigned int f : cell->face_indices())
+          if (cell->face(f)->at_boundary())
+          {
+            const auto &first = round_section.vertices()[cell->face(f)->vertex_index(0)];
+            const auto &second = round_section.vertices()[cell->face(f)->vertex_index(1)];
+            dealii::types::boundary_id id = 0;
+            if (!first.is_at_rim || !second.is_at_rim)
+              id = first.place[0] == 0 && second.place[0] == 0 ? 1 : 2;
+            cell->face(f)->set_boundary_id(id);
+          }
+      mesh.triangulation.copy_triangulation(coarse);
+
+      mesh.boundary_names["side"] = 0;
+      for (unsigned int d = 0; d < 2; ++d)
+        if (round_section.is_cut(d))
+          mesh.boundary_names[name_of_cut("xy"[d])] = d + 1;
+    }
 
   private:
     Section section;
@@ -153,388 +497,14 @@ namespace tombolo
   {
   public:
     /** Throws InputError where the entries make no disc. */
-    explicit Disc(const Entries &e);
+    explicit Disc(const Entries &e)
+        : Cylinder(e, Words{"disc", "Thickness", "Cells through thickness", "Position",
+                            "lower face", "upper face"})
+    {}
   };
-
-  namespace
-  {
-    using dealii::numbers::PI;
-
-    /** A quarter turn, any number of times, without rounding. */
-    dealii::Point<2> turned(const dealii::Point<2> &point, const unsigned int quarters)
-    {
-      dealii::Point<2> result = point;
-      for (unsigned int i = 0; i < quarters; ++i)
-        result = dealii::Point<2>(-result[1], result[0]);
-      // Adding zero takes the sign from a negative zero.
-      return {result[0] + 0., result[1] + 0.};
-    }
-
-    /** The point of the unit circle beside the place v in [-1, 1] of the edge of the core that
-     * crosses the first axis. Mirrored places have mirrored points, to the last bit. */
-    dealii::Point<2> circle_point(const double v)
-    {
-      if (std::abs(v) == 1)
-        return {std::sqrt(0.5), v * std::sqrt(0.5)};
-      return {std::cos(PI / 4 * v), std::sin(PI / 4 * v)};
-    }
-  } // namespace
-
-  RoundSection::RoundSection(const Entries &e, const std::array<char, 2> &axes,
-                             const std::string &whole)
-  {
-    const double radius = e.number("Radius", mandatory, positive(0.), "",
-                                   "The radius of the circumference. Units: length");
-    n_core_cells =
-        e.integer("Core cells", mandatory, at_least(1),
-                  "The number of cells along each edge of the square core; the circumference has "
-                  "four times as many. With symmetry planes it must be even.");
-    const std::string text = e.text(
-        "Rings", mandatory, "",
-        std::string("The rings of cells from the core to the circumference: ") + segments_syntax +
-            ". Places are radii. The rings of the first segment lead from the core to a circle, "
-            "those of the others are concentric circles.");
-    core_radius = e.number(
-        "Core radius", "0", at_least(0.), "",
-        "The distance from the axis to the middle of each edge of the core. 0: such that the "
-        "smallest cells of the core and of the first segment of rings are alike. Units: length");
-    const double angle = e.number(
-        "Core corner angle", "120", between(90., 150.), "",
-        "The angle between two edges of the core, which are arcs: 90 is a square; at 120 the core "
-        "cell and the two ring cells at a corner share the full angle evenly. Units: degrees");
-    e.text("Symmetry planes", "", "",
-           "Axes across the body: for each, the body is cut by the plane through its axis that is "
-           "normal to it, and the positive side is kept (\"x\" a half, \"x, y\" a quarter). The "
-           "cut is called \"symmetry x\", and so on. The nodes are those of the full mesh.");
-    if (e.declares())
-      return;
-    const Section &section = e.section();
-    rings = parse_segments(section, text,
-                           {"Rings", " in the rings", whole,
-                            std::string("The rings are ") + segments_syntax, 0, radius, true});
-    arc = (angle - 90) / 2 * PI / 180;
-    read_core_radius(section, whole);
-    read_cuts(section, axes, whole);
-
-    const double n = n_core_cells;
-    const double n_in_section = n * n + 4 * n * static_cast<double>(n_cells(rings));
-    if (n_in_section > static_cast<double>(most_coarse_cells))
-      section.fail("Core cells",
-                   as_text("Each section of the ", whole, " would have ", n_in_section,
-                           " cells; at most ", most_coarse_cells, " are allowed."));
-    make_full_section();
-    keep_positive_sides();
-  }
-
-  void RoundSection::read_core_radius(const Section &section, const std::string &whole)
-  {
-    const double first_circle = rings.front().end;
-    // The distance of the corners of the core over that of the middle of its edges.
-    const double corner = std::sqrt(2.) / (1 + std::tan(arc / 2));
-    if (core_radius == 0)
-      core_radius =
-          first_circle / (1 + 2. * rings.front().n_cells / (n_core_cells * std::sqrt(2.))) / corner;
-    if (!(core_radius > 0 && core_radius * corner < first_circle))
-      section.fail("Core radius",
-                   as_text("The corners of the core would be at the radius ", core_radius * corner,
-                           ". They must be inside of the first circle of the ", whole,
-                           ", which has ", first_circle, ": give less than ", first_circle / corner,
-                           ", or 0."));
-    rings.front().begin = core_radius;
-  }
-
-  void RoundSection::read_cuts(const Section &section, const std::array<char, 2> &axes,
-                               const std::string &whole)
-  {
-    const auto fail = [&](const std::string &message)
-    {
-      section.fail("Symmetry planes", message + " Give \"" + axes[0] + "\", \"" + axes[1] +
-                                          "\", or \"" + axes[0] + ", " + axes[1] +
-                                          "\": the axes across the " + whole + ".");
-    };
-    for (const std::string &name : section.get_list("Symmetry planes"))
-    {
-      const auto found =
-          name.size() == 1 ? std::find(axes.begin(), axes.end(), name[0]) : axes.end();
-      if (found == axes.end())
-        fail("\"" + name + "\" is not an axis across the " + whole + ".");
-      bool &is_cut = cuts[static_cast<std::size_t>(found - axes.begin())];
-      if (is_cut)
-        fail("\"" + name + "\" stands twice.");
-      is_cut = true;
-    }
-    if ((cuts[0] || cuts[1]) && n_core_cells % 2 != 0)
-      section.fail("Core cells", "A symmetry plane would cut the cells in the middle. The number "
-                                 "must be even with `Symmetry planes`.");
-  }
-
-  dealii::Point<2> RoundSection::core_point(const double u, const double v) const
-  {
-    // Half of the chord from corner to corner. Each edge is an arc over it, and the inside their
-    // transfinite interpolation, which for these four reads as below.
-    const double half = core_radius / (1 + std::tan(arc / 2));
-    const auto bulge = [&](const double w)
-    { return arc == 0 ? 0 : half * (std::cos(arc * w) - std::cos(arc)) / std::sin(arc); };
-    const auto along = [&](const double w)
-    { return arc == 0 ? half * w : half * std::sin(arc * w) / std::sin(arc); };
-    if (std::abs(u) == 1 && std::abs(v) == 1)
-      return {u * half, v * half};
-    return {u * bulge(v) + along(u), v * bulge(u) + along(v)};
-  }
-
-  void RoundSection::make_full_section()
-  {
-    const unsigned int n = n_core_cells;
-    const auto lattice = [n](const unsigned int i)
-    { return (2. * i - static_cast<double>(n)) / static_cast<double>(n); };
-    for (unsigned int j = 0; j <= n; ++j)
-      for (unsigned int i = 0; i <= n; ++i)
-      {
-        const auto place = core_point(lattice(i), lattice(j));
-        section_vertices.push_back({{place[0] + 0., place[1] + 0.}, false});
-      }
-    for (unsigned int j = 0; j < n; ++j)
-      for (unsigned int i = 0; i < n; ++i)
-      {
-        const unsigned int first = j * (n + 1) + i;
-        section_cells.push_back({{first, first + 1, first + n + 1, first + n + 2}});
-      }
-
-    // Around the core, from the corner below the first axis, positively.
-    std::vector<unsigned int> inner;
-    std::vector<dealii::Point<2>> circle;
-    for (unsigned int side = 0; side < 4; ++side)
-      for (unsigned int q = 0; q < n; ++q)
-      {
-        const unsigned int i[] = {n, n - q, 0, q};
-        const unsigned int j[] = {q, n, n - q, 0};
-        inner.push_back(j[side] * (n + 1) + i[side]);
-        circle.push_back(turned(circle_point(lattice(q)), side));
-      }
-    const std::vector<unsigned int> edge_of_core = inner;
-
-    const std::vector<double> radii = segment_coordinates(rings);
-    const double first_circle = rings.front().end;
-    for (unsigned int ring = 1; ring < radii.size(); ++ring)
-    {
-      std::vector<unsigned int> outer;
-      for (unsigned int p = 0; p < circle.size(); ++p)
-      {
-        dealii::Point<2> place(radii[ring] * circle[p]);
-        if (radii[ring] < first_circle)
-        {
-          const double part = (radii[ring] - core_radius) / (first_circle - core_radius);
-          place = (1 - part) * section_vertices[edge_of_core[p]].place +
-                  part * first_circle * dealii::Tensor<1, 2>(circle[p]);
-        }
-        outer.push_back(static_cast<unsigned int>(section_vertices.size()));
-        section_vertices.push_back({place, ring + 1 == radii.size()});
-      }
-      for (unsigned int p = 0; p < circle.size(); ++p)
-      {
-        const unsigned int next = (p + 1) % static_cast<unsigned int>(circle.size());
-        section_cells.push_back({{inner[p], outer[p], inner[next], outer[next]}});
-      }
-      inner = outer;
-    }
-  }
-
-  void RoundSection::keep_positive_sides()
-  {
-    const auto is_kept = [this](const unsigned int vertex)
-    {
-      const auto &place = section_vertices[vertex].place;
-      return !(cuts[0] && place[0] < 0) && !(cuts[1] && place[1] < 0);
-    };
-    constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
-    std::vector<unsigned int> new_number(section_vertices.size(), none);
-    std::vector<Vertex> kept_vertices;
-    for (unsigned int vertex = 0; vertex < section_vertices.size(); ++vertex)
-      if (is_kept(vertex))
-      {
-        new_number[vertex] = static_cast<unsigned int>(kept_vertices.size());
-        kept_vertices.push_back(section_vertices[vertex]);
-      }
-    std::vector<std::array<unsigned int, 4>> kept_cells;
-    for (auto cell : section_cells)
-      if (std::all_of(cell.begin(), cell.end(), is_kept))
-      {
-        for (auto &vertex : cell)
-          vertex = new_number[vertex];
-        kept_cells.push_back(cell);
-      }
-    section_vertices = std::move(kept_vertices);
-    section_cells = std::move(kept_cells);
-  }
-
-  namespace
-  {
-    constexpr dealii::types::boundary_id lower_id = 0, upper_id = 1, side_id = 2, first_cut_id = 3;
-
-    constexpr Cylinder::Words words_of_cylinder = {"cylinder", "Length", "Cells along axis",
-                                                   "Foot",     "foot",   "rear"};
-  } // namespace
-
-  Cylinder::Cylinder(const Entries &e) : Cylinder(e, words_of_cylinder) {}
-
-  Cylinder::Cylinder(const Entries &e, const Words &words) : words(words), section(e.section())
-  {
-    const std::string body = words.body;
-    const std::string lower = words.lower_boundary;
-    if (e.declares())
-      declare<RoundSection>(e, std::array<char, 2>(), words.body);
-    axis =
-        static_cast<unsigned int>(e.choice("Axis", "z", "x|y|z",
-                                           "The direction from the " + lower + " of the " + body +
-                                               " to its " + words.upper_boundary + ".")[0] -
-                                  'x');
-    across = {{(axis + 1) % 3, (axis + 2) % 3}};
-    const std::vector<double> position = e.numbers(
-        words.position, "0, 0, 0", 3, "", "The centre of the " + lower + ". Units: length");
-    const double length = e.number(words.length, mandatory, positive(0.), "",
-                                   "The extent along the axis. Units: length");
-    const std::string text =
-        e.text(words.layers, mandatory, "",
-               "The layers of cells from the " + lower + " on: " + segments_syntax +
-                   ". Places are heights above the " + lower + ".");
-    if (e.declares())
-      return;
-    for (unsigned int d = 0; d < 3; ++d)
-      foot[d] = position[d];
-    const auto layers =
-        parse_segments(section, text,
-                       {words.layers, " along the axis", words.body,
-                        std::string("The layers are ") + segments_syntax, 0, length, true});
-    round_section = std::make_unique<RoundSection>(
-        section, std::array<char, 2>{{"xyz"[across[0]], "xyz"[across[1]]}}, words.body);
-
-    const double n_all =
-        static_cast<double>(round_section->cells().size()) * static_cast<double>(n_cells(layers));
-    refuse_too_many_cells(section, words.layers, words.body, n_all);
-    heights = segment_coordinates(layers);
-  }
-
-  void Cylinder::create(Mesh<3> &mesh) const
-  {
-    const double n_all = static_cast<double>(round_section->cells().size()) *
-                         static_cast<double>(heights.size() - 1);
-    refuse_more_than_memory(section, words.layers, n_all, n_all,
-                            communicator_of(mesh.triangulation));
-    const auto &section_vertices = round_section->vertices();
-    const auto n_in_section = static_cast<unsigned int>(section_vertices.size());
-    std::vector<dealii::Point<3>> vertices;
-    vertices.reserve(heights.size() * n_in_section);
-    for (const double height : heights)
-      for (const auto &vertex : section_vertices)
-      {
-        dealii::Point<3> place = foot;
-        for (unsigned int d = 0; d < 2; ++d)
-          place[across[d]] += vertex.place[d];
-        place[axis] += height;
-        vertices.push_back(place);
-      }
-
-    const auto last_layer = static_cast<unsigned int>(heights.size() - 1);
-    std::vector<dealii::CellData<3>> cells =
-        cells_of_layers(round_section->cells(), last_layer, n_in_section);
-    // p4est needs the directions of common edges to agree.
-    dealii::GridTools::consistently_order_cells(cells);
-
-    dealii::Triangulation<3> coarse;
-    coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-    for (const auto &cell : coarse.active_cell_iterators())
-      for (const unsigned int f : cell->face_indices())
-        if (cell->face(f)->at_boundary())
-        {
-          const auto all = [&](const auto &condition)
-          {
-            for (unsigned int v = 0; v < 4; ++v)
-            {
-              const unsigned int vertex = cell->face(f)->vertex_index(v);
-              if (!condition(vertex / n_in_section, section_vertices[vertex % n_in_section]))
-                return false;
-            }
-            return true;
-          };
-          dealii::types::boundary_id id = side_id;
-          if (all([](const unsigned int layer, const auto &) { return layer == 0; }))
-            id = lower_id;
-          else if (all([&](const unsigned int layer, const auto &) { return layer == last_layer; }))
-            id = upper_id;
-          else if (!all([](unsigned int, const auto &vertex) { return vertex.is_at_rim; }))
-            for (unsigned int d = 0; d < 2; ++d)
-              if (all([&](unsigned int, const auto &vertex) { return vertex.place[d] == 0; }))
-                id = first_cut_id + across[d];
-          cell->face(f)->set_boundary_id(id);
-        }
-    mesh.triangulation.copy_triangulation(coarse);
-
-    mesh.boundary_names[words.lower_boundary] = lower_id;
-    mesh.boundary_names[words.upper_boundary] = upper_id;
-    mesh.boundary_names["side"] = side_id;
-    for (unsigned int d = 0; d < 2; ++d)
-      if (round_section->is_cut(d))
-        mesh.boundary_names[name_of_cut("xyz"[across[d]])] = first_cut_id + across[d];
-  }
 
   TOMBOLO_REGISTER(MeshSource<3>, Cylinder, "cylinder",
                    "A cylinder along an axis, or its half or quarter: a core and rings of cells")
-
-  namespace
-  {
-    constexpr Cylinder::Words words_of_disc = {"disc",     "Thickness",  "Cells through thickness",
-                                               "Position", "lower face", "upper face"};
-  } // namespace
-
-  Disc<2>::Disc(const Entries &e) : section(e.section()), round_section(e, {{'x', 'y'}}, "disc")
-  {
-    const std::vector<double> position =
-        e.numbers("Position", "0, 0", 2, "", "The centre of the disc. Units: length");
-    for (unsigned int d = 0; d < 2; ++d)
-      centre[d] = position[d];
-  }
-
-  void Disc<2>::create(Mesh<2> &mesh) const
-  {
-    const auto n_all = static_cast<double>(round_section.cells().size());
-    refuse_more_than_memory(section, "Core cells", n_all, n_all,
-                            communicator_of(mesh.triangulation));
-    std::vector<dealii::Point<2>> vertices;
-    for (const auto &vertex : round_section.vertices())
-      vertices.push_back(centre + vertex.place);
-    std::vector<dealii::CellData<2>> cells;
-    for (const auto &quadrilateral : round_section.cells())
-    {
-      dealii::CellData<2> cell;
-      cell.vertices.assign(quadrilateral.begin(), quadrilateral.end());
-      cell.material_id = 0;
-      cells.push_back(cell);
-    }
-    // Nodes on a common edge have one order only if both cells see it in the same direction.
-    dealii::GridTools::consistently_order_cells(cells);
-
-    dealii::Triangulation<2> coarse;
-    coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-    for (const auto &cell : coarse.active_cell_iterators())
-      for (const unsigned int f : cell->face_indices())
-        if (cell->face(f)->at_boundary())
-        {
-          const auto &first = round_section.vertices()[cell->face(f)->vertex_index(0)];
-          const auto &second = round_section.vertices()[cell->face(f)->vertex_index(1)];
-          dealii::types::boundary_id id = 0;
-          if (!first.is_at_rim || !second.is_at_rim)
-            id = first.place[0] == 0 && second.place[0] == 0 ? 1 : 2;
-          cell->face(f)->set_boundary_id(id);
-        }
-    mesh.triangulation.copy_triangulation(coarse);
-
-    mesh.boundary_names["side"] = 0;
-    for (unsigned int d = 0; d < 2; ++d)
-      if (round_section.is_cut(d))
-        mesh.boundary_names[name_of_cut("xy"[d])] = d + 1;
-  }
-
-  Disc<3>::Disc(const Entries &e) : Cylinder(e, words_of_disc) {}
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(MeshSource, Disc, "disc",
                                   "A disc, or its half or quarter: a core and rings of cells")

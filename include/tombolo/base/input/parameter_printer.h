@@ -18,34 +18,23 @@ namespace tombolo
    */
   void print_parameter_page(std::ostream &out, const ParameterDeclaration &root);
 
-  /** Prints entries with their values as they are declared, in files that can be read again. */
-  class ParameterPrinter
+  /** Entries with their values as they are declared, for files that can be read again. */
+  struct PrintedEntries
   {
-  public:
-    /** Of an entry by its path. */
-    using IsInUse = std::function<bool(const std::string &path)>;
-    using Value = std::function<std::string(const std::string &path)>;
+    bool are_all; ///< or only those in use
+    // Of an entry by its path.
+    std::function<bool(const std::string &path)> is_in_use;
+    std::function<std::string(const std::string &path)> value;
 
-    /** Of the entries that are in use, or of all if @p prints_all. */
-    ParameterPrinter(bool prints_all, IsInUse is_in_use, Value value);
-
-    /** As a deal.II parameter file, @p section with the lines of those that it is in. @p
-     * with_documentation all entries are printed, those that are not in use as comments. */
-    void print_prm(std::ostream &out, bool with_documentation,
-                   const ParameterDeclaration &section) const;
-
-    /** What is in @p section. */
-    void print_json(std::ostream &out, const ParameterDeclaration &section) const;
-
-  private:
-    bool is_printed(const ParameterDeclaration &declaration) const;
-    void print_prm(std::ostream &out, const ParameterDeclaration &section, unsigned int depth,
-                   bool with_documentation) const;
-    void print_json(std::ostream &out, const ParameterDeclaration &section,
-                    unsigned int depth) const;
-
-    bool prints_all;
-    IsInUse is_in_use;
-    Value value;
+    bool has(const ParameterDeclaration &declaration) const;
   };
+
+  /** Prints @p section as a deal.II parameter file, with the lines of those that it is in. @p
+   * with_documentation all entries are printed, those that are not in use as comments. */
+  void print_prm(std::ostream &out, const PrintedEntries &entries,
+                 const ParameterDeclaration &section, bool with_documentation);
+
+  /** Prints what is in @p section as JSON. */
+  void print_json(std::ostream &out, const PrintedEntries &entries,
+                  const ParameterDeclaration &section);
 } // namespace tombolo

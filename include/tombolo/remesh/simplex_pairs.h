@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/remesh/simplex_overlaps.h>
+
+#include <deal.II/base/point.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /** An old cell by its points and simplices. */
+  template <int dim>
+  class SimplexCell
+  {
+  public:
+    explicit SimplexCell(const typename SubCells<dim>::Corners &corners)
+    {
+      constexpr unsigned int n_simplices = SimplexPoints<dim>::n_simplices;
+      const SimplexLanes<dim> lanes(corners);
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        std::copy_n(lanes.place[d], 16, place[d]);
+        lower[d] = *std::min_element(place[d], place[d] + 16);
+        upper[d] = *std::max_element(place[d], place[d] + 16);
+      }
+      for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
+      {
+        const auto edges = lanes.edges(group);
+        counts |= bits_of(SimplexLanes<dim>::volume_factor * edges.determinant > 0.) << (8 * group);
+        store_eight(SimplexLanes<dim>::volume_factor * edges.determinant,
+                    volume + std::size_t(8) * group);
+        EightDoubles determinant = edges.determinant;
+        std::experimental::where(determinant == 0., determinant) = 1.;
+        const EightDoubles inverse = 1. / determinant;
+        double gradient[dim + 1][dim][8];
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          EightDoubles of_centre = 0.;
+          for (unsigned int k = 0; k < dim; ++k)
+          {
+            const EightDoubles value = inverse * edges.cofactor[k][d];
+            store_eight(value, gradient[k][d]);
+            of_centre -= value;
+          }
+          store_eight(of_centre, gradient[dim][d]);
+        }
+        for (unsigned int s = 8 * group; s < std::min(8 * (group + 1), n_simplices); ++s)
+          for (unsigned int d = 0; d < dim; ++d)
+            for (unsigned int k = 0; k < 4; ++k)
+              gradients_of_simplices[s].entries[d][k] = k <= dim ? gradient[k][d][s % 8] : 0.;
+      }
+      counts &= (1u << n_simplices) - 1;
+    }
+
+    dealii::Point<dim> lower, upper;             ///< of the box around its points
+    double place[dim][16];                       ///< of points; those beyond repeat the first
+    double volume[SimplexPoints<dim>::n_padded]; ///< of simplices
+    /** Bits of the simplices that count: those that are not turned over or flat, or some of them.
+     */
+    unsigned int counts = 0;
+
+    /** The gradients of the coordinates of a simplex of a positive volume, by component and
+     * vertex. Entries beyond the last vertex are zero. */
+    const double (&gradients(const unsigned int simplex) const)[dim][4]
+    {
+      return gradients_of_simplices[simplex].entries;
+    }
+
+  private:
+    struct Gradients
+    {
+      double entries[dim][4];
+    };
+
+    std::array<Gradients, SimplexPoints<dim>::n_simplices> gradients_of_simplices;
+  };
+
+  /** A new simplex, and what the simplices of old cells have in common with it. Buffers are kept
+   * from one to the next. */
+  template <int dim>
+  class SimplexPairs
+  {
+  public:
+    /** An old simplex that may have something in common with the new one. */
+    struct Pair
+    {
+      /** The coordinates of the old simplex at the vertices of the new one, rows. In two
+       * dimensions the last row repeats the first. */
+      double old_at_new[4][4];
+      unsigned int cell; ///< its place in the order of add_cell()
+      unsigned int simplex;
+    };
+
+    /** Forgets all old cells. */
+    void clear_cells()
+    {
+      cells.clear();
+    }
+
+    /** Adds an old cell, which must stay where it is. */
+    void add_cell(const SimplexCell<dim> &cell)
+    {
+      constexpr double nowhere = 1e300;
+      const std::size_t number = cells.size(), first = number / 8 * dim * 16;
+      if (number % 8 == 0)
+      {
+        if (box.size() < first + dim * 16)
+          box.resize(first + dim * 16);
+        std::fill_n(box.begin() + std::ptrdiff_t(first), dim * 16, nowhere);
+      }
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        box[first + d * 16 + number % 8] = cell.lower[d];
+        box[first + d * 16 + 8 + number % 8] = cell.upper[d];
+      }
+      cells.push_back(&cell);
+    }
+
+    /** Goes on to another new simplex, of a positive volume, with all old simplices that may have
+     * something in common with it. */
+    void start(const SimplexCell<dim> &of_new, const unsigned int simplex)
+    {
+      overlaps.clear();
+      n_pairs = 0;
+      set_place(of_new, simplex);
+      for (unsigned int first = 0; first < cells.size(); first += 8)
+      {
+        unsigned int is_apart = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double *const of_group = box.data() + (std::size_t(first) / 8 * dim + d) * 16;
+          is_apart |= bits_of(load_eight(of_group) > upper[d]) |
+                      bits_of(load_eight(of_group + 8) < lower[d]);
+        }
+        for (unsigned int is_near = ~is_apart & 0xFFu; is_near != 0; is_near &= is_near - 1)
+          add_pairs(first + first_bit(is_near));
+      }
+    }
+
+    /** Calls @p use(pair, OverlapMoments of it) for all old simplices, where the volume is
+     * positive. */
+    template <typename Use>
+    void for_moments(const Use &use)
+    {
+      overlaps.clip();
+      OverlapMoments<dim> moments;
+      for (const unsigned int number : overlaps.left())
+      {
+        overlaps.find_moments(number, moments);
+        if (moments.volume() > 0.)
+          use(pairs[number], moments);
+      }
+    }
+
+  private:
+    /** The number of the lowest bit that is set; there must be one. */
+    static unsigned int first_bit(const unsigned int bits)
+    {
+      return static_cast<unsigned int>(__builtin_ctz(bits));
+    }
+
+    void set_place(const SimplexCell<dim> &of_new, const unsigned int simplex)
+    {
+      const std::uint8_t *const points = SimplexPoints<dim>::instance().vertices[simplex].data();
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        lower[d] = upper[d] = origin[d] = of_new.place[d][points[0]];
+        for (unsigned int k = 0; k < 4; ++k)
+        {
+          const double of_vertex = of_new.place[d][points[k <= dim ? k : 0]];
+          std::fill_n(place[d] + 4 * k, 4, of_vertex);
+          lower[d] = std::min(lower[d], of_vertex);
+          upper[d] = std::max(upper[d], of_vertex);
+        }
+        for (unsigned int k = 0; k < dim; ++k)
+          gradient[k][d] = of_new.gradients(simplex)[d][k + 1];
+      }
+    }
+    void add_pairs(const unsigned int number)
+    {
+      const SimplexCell<dim> &cell = *cells[number];
+      const SimplexPoints<dim> &of_cell = SimplexPoints<dim>::instance();
+      typename SimplexOverlaps<dim>::Points points; // in the new simplex
+      unsigned int in_front[dim + 1] = {};
+      for (unsigned int first = 0; first < 16; first += 8)
+      {
+        EightDoubles offset[dim], last = 1.;
+        TOMBOLO_UNROLL
+        for (unsigned int d = 0; d < dim; ++d)
+          offset[d] = load_eight(cell.place[d] + first) - origin[d];
+        TOMBOLO_UNROLL
+        for (unsigned int k = 0; k < dim; ++k)
+        {
+          EightDoubles value = gradient[k][0] * offset[0];
+          TOMBOLO_UNROLL
+          for (unsigned int d = 1; d < dim; ++d)
+            value += gradient[k][d] * offset[d];
+          last -= value;
+          store_eight(value, points[k + 1] + first);
+          in_front[k + 1] |= bits_of(value > 0.) << first;
+        }
+        store_eight(last, points[0] + first);
+        in_front[0] |= bits_of(last > 0.) << first;
+      }
+      // Those that are not all behind one side of the new simplex.
+      unsigned int candidates = cell.counts;
+      for (const unsigned int of_side : in_front)
+        candidates &= of_cell.simplices_at(of_side);
+      const std::size_t first_pair = n_pairs;
+      if (pairs.size() < n_pairs + SimplexPoints<dim>::n_simplices)
+        pairs.resize(n_pairs + SimplexPoints<dim>::n_simplices);
+      for (; candidates != 0; candidates &= candidates - 1)
+        add_pair(cell, number, first_bit(candidates));
+      for (std::size_t pair = first_pair; pair < n_pairs; ++pair)
+        overlaps.add(points, of_cell.vertices[pairs[pair].simplex].data());
+    }
+    void add_pair(const SimplexCell<dim> &cell, const unsigned int number,
+                  const unsigned int simplex)
+    {
+      Pair &pair = pairs[n_pairs];
+      // Coordinates at the centre; with an entry beyond, which is always in front.
+      alignas(32) static constexpr double of_centre[4] = {0., 0., dim == 2 ? 1. : 0., 1.};
+      const double(&of_old)[dim][4] = cell.gradients(simplex);
+      EightDoubles low = repeat_four(of_centre), high = low; // of two vertices each
+      TOMBOLO_UNROLL
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const EightDoubles of_component = repeat_four(of_old[d]);
+        const double centre = cell.place[d][SimplexPoints<dim>::centre];
+        low += (load_eight(place[d]) - centre) * of_component;
+        high += (load_eight(place[d] + 8) - centre) * of_component;
+      }
+      store_eight(low, pair.old_at_new[0]);
+      store_eight(high, pair.old_at_new[2]);
+      pair.cell = number;
+      pair.simplex = simplex;
+      // Unless the new one is behind a side of the old one; a sum in place of a branch, which would
+      // follow no pattern.
+      const unsigned int in_front = bits_of(std::experimental::max(low, high) > 0.);
+      n_pairs += ((in_front | (in_front >> 4)) & 15u) == 15u ? 1 : 0;
+    }
+
+    std::vector<const SimplexCell<dim> *> cells;
+    std::vector<double> box; // of cells: lower and upper ends by component, eight cells at a time
+    dealii::Point<dim> lower, upper;        // of the new simplex
+    double origin[dim], gradient[dim][dim]; // of coordinates but the first
+    double place[dim][16];                  // each component of vertices four times
+    SimplexOverlaps<dim> overlaps;
+    std::vector<Pair> pairs; // the first n_pairs of them, and room for those of one cell
+    std::size_t n_pairs = 0;
+  };
+} // namespace tombolo
