@@ -6,8 +6,16 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/state/node_partition.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -28,7 +36,7 @@ namespace tombolo
   {
   public:
     /** Neighbours are candidates up to (1 + skin) times the support. */
-    explicit Neighbourhoods(double skin = 0.);
+    explicit Neighbourhoods(const double skin = 0.) : skin(skin) {}
 
     /** From the next search on, the neighbours of a row are in the order of their offsets from the
      * particle, whatever their numbers are. */
@@ -50,7 +58,81 @@ namespace tombolo
      */
     void search(const std::vector<dealii::types::global_dof_index> &particles,
                 const std::vector<double> &position, const std::vector<double> &support,
-                MPI_Comm communicator, Stencils &shape);
+                MPI_Comm communicator, Stencils &shape)
+    {
+      Assert(std::is_sorted(particles.begin(), particles.end()), dealii::ExcInternalError());
+      Assert(position.size() == particles.size() * node_stride, dealii::ExcInternalError());
+      Assert(support.size() == particles.size() * node_stride, dealii::ExcInternalError());
+      const RemoteParticles remote =
+          ghost_finder.exchange(particles, position.data(), support.data(), skin, communicator);
+      n_own = static_cast<unsigned int>(particles.size());
+      all_positions = position;
+      all_supports = support;
+      all_positions.insert(all_positions.end(), remote.position.begin(), remote.position.end());
+      all_supports.insert(all_supports.end(), remote.support.begin(), remote.support.end());
+      count_up(rows, n_own);
+      all_images.clear();
+      image_source.clear();
+      if (!images_of_body->empty())
+        add_images(remote);
+      const auto n_places = static_cast<unsigned int>(all_positions.size() / node_stride);
+      const unsigned int n_received = n_own + static_cast<unsigned int>(remote.node.size());
+      count_up(columns, n_places);
+      finder.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
+                  neighbour_place);
+      if (skin == 0.) // the next search is not near
+        finder = NeighbourSearch<dim>();
+
+      // Of the particles received and of images only those that are neighbours keep a place, and
+      // the sources of these images. They stay ascending by global number, and so do the rows.
+      constexpr unsigned int unused = std::numeric_limits<unsigned int>::max();
+      std::vector<unsigned int> place(n_places - n_own, unused);
+      for (const unsigned int j : neighbour_place)
+        if (j >= n_own)
+        {
+          place[j - n_own] = 0;
+          if (j >= n_received && image_source[j - n_received] >= n_own)
+            place[image_source[j - n_received] - n_own] = 0;
+        }
+      all_nodes = particles;
+      for (std::size_t k = 0; k < remote.node.size(); ++k)
+        if (place[k] != unused)
+        {
+          place[k] = static_cast<unsigned int>(all_nodes.size());
+          all_nodes.push_back(remote.node[k]);
+          std::copy_n(&remote.position[k * node_stride], node_stride,
+                      &all_positions[place[k] * node_stride]);
+          std::copy_n(&remote.support[k * node_stride], node_stride,
+                      &all_supports[place[k] * node_stride]);
+        }
+      // Images keep their order; what is in their way has moved to its place before.
+      unsigned int n_images = 0;
+      for (std::size_t k = 0; k < all_images.size(); ++k)
+        if (place[n_received - n_own + k] != unused)
+        {
+          const unsigned int source =
+              image_source[k] < n_own ? image_source[k] : place[image_source[k] - n_own];
+          const auto new_place = static_cast<unsigned int>(all_nodes.size()) + n_images;
+          place[n_received - n_own + k] = new_place;
+          all_images[n_images++] = {all_nodes[source], all_images[k].mirrors};
+          std::copy_n(&all_positions[(n_received + k) * node_stride], node_stride,
+                      &all_positions[std::size_t(new_place) * node_stride]);
+          std::copy_n(&all_supports[(n_received + k) * node_stride], node_stride,
+                      &all_supports[std::size_t(new_place) * node_stride]);
+        }
+      all_images.resize(n_images);
+      all_positions.resize((all_nodes.size() + n_images) * node_stride);
+      all_supports.resize((all_nodes.size() + n_images) * node_stride);
+      if (!place.empty())
+        for (unsigned int &j : neighbour_place)
+          if (j >= n_own)
+            j = place[j - n_own];
+      if (is_ordered_by_offset)
+        sort_by_offset(shape.row_start);
+      count_up(numbers_in_use, all_nodes.size() + n_images);
+      shape.particle_node = rows;
+      shape.neighbour = neighbour_place;
+    }
 
     /** Global numbers of the nodes of the rows, by place; sources of images are among them. */
     const std::vector<dealii::types::global_dof_index> &global_nodes() const
@@ -77,12 +159,40 @@ namespace tombolo
 
     /** Particles and neighbours of @p shape become local numbers of @p partition, which must have
      * all global_nodes() and images(). */
-    void set_partition(const NodePartition &partition, Stencils &shape);
+    void set_partition(const NodePartition &partition, Stencils &shape)
+    {
+      for (std::size_t place = 0; place < all_nodes.size(); ++place)
+        numbers_in_use[place] = partition.local_index(all_nodes[place]);
+      for (std::size_t k = 0; k < all_images.size(); ++k)
+        numbers_in_use[all_nodes.size() + k] = partition.local_index(all_images[k]);
+      std::copy_n(numbers_in_use.begin(), n_own, shape.particle_node.begin());
+      for (std::size_t entry = 0; entry < neighbour_place.size(); ++entry)
+        shape.neighbour[entry] = numbers_in_use[neighbour_place[entry]];
+    }
 
     /** Takes the neighbours for which @p is_removed(row, place) holds out of the rows, which stay
      * in their order; the places of nodes remain. They come back with the next search. */
     void remove_neighbours(const std::function<bool(unsigned int, unsigned int)> &is_removed,
-                           Stencils &shape);
+                           Stencils &shape)
+    {
+      std::size_t kept = 0;
+      for (unsigned int row = 0; row < n_own; ++row)
+      {
+        const std::size_t begin = shape.row_start[row], end = shape.row_start[row + 1];
+        shape.row_start[row] = kept;
+        for (std::size_t entry = begin; entry < end; ++entry)
+        {
+          if (is_removed(row, neighbour_place[entry]))
+            continue;
+          neighbour_place[kept] = neighbour_place[entry];
+          shape.neighbour[kept] = shape.neighbour[entry];
+          ++kept;
+        }
+      }
+      shape.row_start[n_own] = kept;
+      neighbour_place.resize(kept);
+      shape.neighbour.resize(kept);
+    }
 
     /** The place of each neighbour in the rows. Particles of this rank have the place of their row.
      */
@@ -107,14 +217,113 @@ namespace tombolo
      * are seen. Collective, the same answer on all ranks.
      */
     bool candidates_hold(const std::vector<double> &position, const std::vector<double> &support,
-                         MPI_Comm communicator) const;
+                         MPI_Comm communicator) const
+    {
+      // Largest displacement either way, largest growth beyond the skin, by axis.
+      constexpr double lowest = std::numeric_limits<double>::lowest();
+      std::array<double, 3 * dim> local;
+      local.fill(lowest);
+      for (unsigned int i = 0; i < n_own; ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const std::size_t slot = std::size_t(i) * node_stride + d;
+          const double displacement = position[slot] - all_positions[slot];
+          local[d] = std::max(local[d], displacement);
+          local[dim + d] = std::max(local[dim + d], -displacement);
+          local[2 * dim + d] =
+              std::max(local[2 * dim + d], support[slot] - all_supports[slot] * (1. + skin));
+        }
+      for (unsigned int d = 0; d < dim; ++d)
+        if (images_of_body->are_opposite_along(d))
+          local[d] = local[dim + d] = std::max(local[d], local[dim + d]);
+      std::array<double, 3 * dim> global;
+      dealii::Utilities::MPI::max(dealii::ArrayView<const double>(local.data(), local.size()),
+                                  communicator,
+                                  dealii::ArrayView<double>(global.data(), global.size()));
+      for (unsigned int d = 0; d < dim; ++d)
+        if (global[d] > lowest && !(global[d] + global[dim + d] + global[2 * dim + d] <= 0.))
+          return false;
+      return true;
+    }
 
   private:
+    /** Makes a list 0, 1, ..., @p n - 1. */
+    static void count_up(std::vector<unsigned int> &list, const std::size_t n)
+    {
+      list.resize(n);
+      std::iota(list.begin(), list.end(), 0u);
+    }
+
     /** Appends the images of particles that can reach a particle of this rank to the positions and
      * supports by place. */
-    void add_images(const RemoteParticles &remote);
+    void add_images(const RemoteParticles &remote)
+    {
+      // Closer than this share of its support a particle is on a mirror, and its own image.
+      constexpr double on_mirror = 1e-6;
+      const unsigned int n_sources = n_own + static_cast<unsigned int>(remote.node.size());
+      std::vector<unsigned int> is_near(n_sources, 0), is_on(n_sources, 0);
+      for (unsigned int j = 0; j < n_sources; ++j)
+      {
+        const double *const x = &all_positions[std::size_t(j) * node_stride];
+        const double *const reach = &all_supports[std::size_t(j) * node_stride];
+        // An image is farther from all particles than from the mirror.
+        is_near[j] = images_of_body->near(x, reach, 1. + skin);
+        is_on[j] = images_of_body->near(x, reach, on_mirror);
+      }
+      for (const unsigned int through : images_of_body->combinations())
+      {
+        const Images::Map map = images_of_body->map(through);
+        for (unsigned int j = 0; j < n_sources; ++j)
+        {
+          if ((is_near[j] & through) != through || (is_on[j] & through) != 0)
+            continue;
+          image_source.push_back(j);
+          all_images.push_back({0, through});
+          for (unsigned int d = 0; d < node_stride; ++d)
+          {
+            const std::size_t slot = std::size_t(j) * node_stride + d;
+            all_positions.push_back(map.sign[d] * all_positions[slot] + map.offset[d]);
+            all_supports.push_back(all_supports[slot]);
+          }
+        }
+      }
+    }
 
-    void sort_by_offset(const std::vector<std::size_t> &row_start);
+    void sort_by_offset(const std::vector<std::size_t> &row_start)
+    {
+      // Offsets in a millionth of the particle's reach, of which the sign fits into 21 bits.
+      constexpr double resolution = 5e5;
+      constexpr unsigned int n_bits = 21;
+      std::vector<std::pair<std::uint64_t, unsigned int>> keys;
+      for (unsigned int row = 0; row < n_own; ++row)
+      {
+        const double *const own = &all_positions[std::size_t(row) * node_stride];
+        const double *const reach = &all_supports[std::size_t(row) * node_stride];
+        double largest[dim];
+        std::copy_n(reach, dim, largest);
+        for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
+        {
+          const double *const other =
+              &all_positions[std::size_t(neighbour_place[entry]) * node_stride];
+          for (unsigned int d = 0; d < dim; ++d)
+            largest[d] = std::max(largest[d], std::abs(other[d] - own[d]));
+        }
+        keys.clear();
+        for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
+        {
+          const unsigned int place = neighbour_place[entry];
+          const double *const other = &all_positions[std::size_t(place) * node_stride];
+          std::uint64_t key = 0;
+          for (unsigned int d = dim; d-- > 0;)
+            key = (key << n_bits) | static_cast<std::uint64_t>(std::llrint(
+                                        (1. + (other[d] - own[d]) / largest[d]) * resolution));
+          keys.emplace_back(key, place);
+        }
+        std::sort(keys.begin(), keys.end());
+        for (std::size_t k = 0; k < keys.size(); ++k)
+          neighbour_place[row_start[row] + k] = keys[k].second;
+      }
+    }
 
     double skin;
     bool is_ordered_by_offset = false;

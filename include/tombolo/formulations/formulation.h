@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/index_set.h>
-#include <deal.II/base/point.h>
-
 #include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/formulations/part_points.h>
+#include <tombolo/formulations/step_cost.h>
 #include <tombolo/mesh/bodies.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/point.h>
+
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -140,7 +144,11 @@ namespace tombolo
      * times its volume: supports are such boxes. The mesh is distributed so that all ranks have the
      * same sum of it. Called before initialize(). The default is about that of an element with
      * n_points_per_cell() points. */
-    virtual StepCost step_cost(const Material &material, double box_ratio) const;
+    virtual StepCost step_cost(const Material &material, const double /*box_ratio*/) const
+    {
+      return StepCosts::of_elements(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
+                                    StepCosts::per_point, material);
+    }
 
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */
     virtual void initialize(const PartSetup<dim> &setup) = 0;
@@ -209,17 +217,50 @@ namespace tombolo
      * particle of this rank with the inertial density of the material: cells in the order of active
      * cells of the triangulation, particles in that of their shape functions, 1e300 of cells that
      * are removed. None where the formulation does not know them. */
-    virtual void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const;
+    virtual void courant_limits(const NodalVector & /*position*/,
+                                std::vector<double> &time_steps) const
+    {
+      time_steps.clear();
+    }
 
     /** The smallest of courant_limits(), each times the root of its factor among @p inertia
      * (Part::inertia), over its ratio (Part::step_ratios). */
     StepLimit courant_limit(const NodalVector &position, const std::vector<double> &inertia = {},
-                            const std::vector<unsigned int> &step_ratios = {}) const;
+                            const std::vector<unsigned int> &step_ratios = {}) const
+    {
+      std::vector<double> time_steps;
+      courant_limits(position, time_steps);
+      StepLimit limit;
+      limit.entity = particle_nodes().empty() ? "cell" : "particle";
+      unsigned int shortest = 0;
+      for (unsigned int i = 0; i < time_steps.size(); ++i)
+        if (const double step = time_steps[i] * std::sqrt(inertia.empty() ? 1. : inertia[i]) /
+                                (step_ratios.empty() ? 1 : step_ratios[i]);
+            step < limit.time_step)
+        {
+          limit.time_step = step;
+          shortest = i;
+        }
+      if (limit.time_step == StepLimit().time_step)
+        return limit;
+      std::vector<dealii::Point<dim>> points;
+      point_positions(position, points);
+      const bool is_point = !particle_nodes().empty();
+      const unsigned int n_points = is_point ? 1 : n_points_per_cell();
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int d = 0; d < dim; ++d)
+          limit.place[d] += points[is_point ? shortest : point_of_cell(shortest, q)][d] / n_points;
+      return limit;
+    }
 
     /** Adds, as add_mass() does, what is more than the mass where each cell, in the order of
      * courant_limits(), has its factor among @p inertia times it. Elements only: the masses of
      * particles are those of their rows (Bridge::reinit()). */
-    virtual void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const;
+    virtual void add_extra_mass(const std::vector<double> & /*inertia*/,
+                                NodalVector & /*mass*/) const
+    {
+      throw InputError("A part has a formulation whose cells cannot be given mass one by one.");
+    }
 
     /** Energies of the part, this rank's shares, from the stored state of its points:
      * "elastic energy" (Σ ½ σ : C⁻¹ : σ V), "hourglass energy" (of zero-energy modes),
@@ -236,12 +277,21 @@ namespace tombolo
      * of_conductivity and θ is slot 0 of @p temperature, so that with two fields this is a linear
      * operator. All have node_stride a node and are in the present positions. Throws InputError
      * where the formulation conducts no heat. */
-    virtual void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
-                                const NodalVector &temperature, NodalVector &heat_rate) const;
+    virtual void add_conduction(const NodalVector & /*position*/,
+                                const NodalVector & /*of_conductivity*/,
+                                const NodalVector & /*temperature*/,
+                                NodalVector & /*heat_rate*/) const
+    {
+      throw InputError(
+          "A part has a formulation that conducts no heat, but its material has heat.");
+    }
 
     /** eq. (41) for heat without its factor: ρ c l²/(2 k), smallest over this rank's cells or
      * particles, with the largest k/c of the material. */
-    virtual StepLimit diffusion_limit(const NodalVector &position) const;
+    virtual StepLimit diffusion_limit(const NodalVector & /*position*/) const
+    {
+      return {};
+    }
 
     /** Adds the heat of the plastic work since the last call to @p heat (scalar; ghosts are
      * collected by the caller), and counts it as given. */

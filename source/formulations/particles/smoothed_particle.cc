@@ -161,10 +161,6 @@ namespace tombolo
         present_volumes[i] = copies[i] * volumes[i];
     }
 
-    bool are_corrected() const
-    {
-      return is_corrected;
-    }
     const RadialKernel<dim> &radial_kernel() const
     {
       return radial_rows->kernel();

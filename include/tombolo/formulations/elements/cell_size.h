@@ -3,8 +3,11 @@
 
 #include <deal.II/base/point.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/simd/vectorization.h>
 
+#include <cmath>
+#include <sstream>
 #include <string>
 
 namespace tombolo
@@ -13,7 +16,20 @@ namespace tombolo
    * its initial one where the nodes are lost. */
   template <int dim>
   std::string describe_unusable_cell(const dealii::Point<dim> &centre,
-                                     const dealii::Point<dim> &initial_centre, double volume);
+                                     const dealii::Point<dim> &initial_centre, const double volume)
+  {
+    bool is_finite = true;
+    for (unsigned int d = 0; d < dim; ++d)
+      is_finite = is_finite && std::isfinite(centre[d]);
+    std::ostringstream message;
+    message << "the cell at " << place_text(is_finite ? centre : initial_centre);
+    if (is_finite && std::isfinite(volume))
+      message << " is turned inside out, at least in one of its integration points (volume "
+              << volume << ")";
+    else
+      message << (is_finite ? "" : " at the start") << " has nodes that are not finite";
+    return message.str();
+  }
 
   namespace internal
   {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/state/material_points.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +24,11 @@ namespace tombolo
     };
 
     /** One that this entry gives; nothing: none. */
-    void add(const std::string &entry, const std::optional<double> &limit, Of measure);
+    void add(const std::string &entry, const std::optional<double> &limit, const Of measure)
+    {
+      if (limit)
+        limits.push_back({entry, *limit, measure, 0});
+    }
 
     const std::string &first_entry() const
     {
@@ -35,10 +41,36 @@ namespace tombolo
 
     /** Finds the fields in @p points. Throws the InputError of @p section where the material has
      * none. */
-    void initialize(const Section &section, const MaterialPoints &points);
+    void initialize(const Section &section, const MaterialPoints &points)
+    {
+      for (Limit &limit : limits)
+      {
+        const bool is_strain = limit.measure == Of::strain;
+        limit.field = points.find_field(is_strain ? "effective plastic strain" : "damage");
+        if (limit.field == points.fields().size())
+          section.fail(limit.entry,
+                       is_strain
+                           ? "the material of the part has no plastic strain; allowed is one "
+                             "with plastic flow, such as \"j2 plasticity\"."
+                           : "the material of the part has no damage; allowed is one that has, "
+                             "such as \"j2 plasticity\" with \"Damage = johnson cook damage\".");
+      }
+    }
 
     /** Whether the cell at a place, with @p n_points points, reaches one. */
-    bool are_reached(const MaterialPoints &points, unsigned int place, unsigned int n_points) const;
+    bool are_reached(const MaterialPoints &points, const unsigned int place,
+                     const unsigned int n_points) const
+    {
+      return std::any_of(limits.begin(), limits.end(),
+                         [&](const Limit &limit)
+                         {
+                           const double *const values = points.component(limit.field, 0);
+                           double sum = 0;
+                           for (unsigned int q = 0; q < n_points; ++q)
+                             sum += values[point_in_lanes(place, n_points, q)];
+                           return sum / n_points >= limit.value;
+                         });
+    }
 
   private:
     struct Limit

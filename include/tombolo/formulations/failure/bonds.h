@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/approximation/row_deformation.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/failure/bond_check.h>
 #include <tombolo/formulations/failure/partner_lists.h>
 #include <tombolo/formulations/part_points.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/formulations/particles/particle_rows.h>
+#include <tombolo/state/records.h>
 
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
-  class Records;
-
   /** Bonds between particles that have failed. */
   struct BondCounts
   {
@@ -56,7 +63,12 @@ namespace tombolo
     /** Takes the criterion of the section of the formulation, or none. The other arguments must
      * outlive this object, which changes rows and points. Throws InputError. */
     Bonds(const Section &section, const ParticleSet<dim> &particles,
-          const KernelConfiguration<dim> &kernel, ParticleRows<dim> &rows, PartPoints &points);
+          const KernelConfiguration<dim> &kernel, ParticleRows<dim> &rows, PartPoints &points)
+        : particles(particles), kernel(kernel), rows(rows), points(points)
+    {
+      if (section.get("Bond failure") != "none")
+        check = std::make_unique<BondCheck<dim>>(section);
+    }
 
     /** Whether bonds can break. */
     bool is_on() const
@@ -70,11 +82,31 @@ namespace tombolo
     }
 
     /** What points must hold; none if off. */
-    std::vector<FieldDescription> variables() const;
+    std::vector<FieldDescription> variables() const
+    {
+      if (!is_on())
+        return {};
+      return {{fraction_name, "1", FieldLocation::material_point, 1, true},
+              {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
+               OnDivision::held}};
+    }
 
     /** Takes the rows of the start, whose neighbours with φ ≠ 0 are the bonds. Throws InputError
      * where the points cannot be judged. */
-    void initialize();
+    void initialize()
+    {
+      if (!is_on())
+        return;
+      check->start(points.points());
+      fraction_field = points.points().find_field(fraction_name);
+      dissipation_field = points.points().find_field(dissipation_name);
+      own_ids = particles.persistent_ids();
+      broken.reset(own_ids.size());
+      refused.reset(own_ids.size());
+      n_initial_bonds.assign(own_ids.size(), 0);
+      initial_gradient.assign(own_ids.size(), 0.);
+      measure_rows(rows.stencils());
+    }
 
     /** What is called before stencils change in a run, on all ranks. */
     void set_before_change(const std::function<void()> &to_call)
@@ -82,47 +114,200 @@ namespace tombolo
       before_change = to_call;
     }
     /** Calls it, and remembers the rows as they are. */
-    void prepare_change();
+    void prepare_change()
+    {
+      reference_gradient.clear();
+      if (before_change)
+        before_change();
+      if (is_broken_anywhere)
+        former_rows.remember(rows.stencils());
+    }
 
     /** Before a search: keeps in mind the bonds that particles with broken ones still have.
      * Collective. */
-    void prepare_search();
+    void prepare_search()
+    {
+      if (!is_broken_anywhere)
+        return;
+      // Who is damaged may have changed since.
+      partners.find(rows.partition(particles), rows.neighbourhoods(), own_ids, broken, growth);
+      previous.reset(own_ids.size());
+      add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
+                { return is_damaged(i, place); },
+                previous);
+    }
     /** After it: takes out broken bonds, and new ones of particles that have lost some.
      * Collective. */
-    void finish_search();
+    void finish_search()
+    {
+      partners.forget();
+      reference_gradient.clear();
+      if (is_broken_anywhere)
+      {
+        const auto partition = rows.partition(particles);
+        partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+        previous.resize(own_ids.size());
+        refused.reset(own_ids.size());
+        add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
+                  { return is_refused(i, place) && !broken.has(i, partners[place].partner); },
+                  refused);
+        previous.reset(0);
+        remove_broken(partition);
+      }
+      growth.clear();
+    }
 
     /** Checks the bonds at @p position (current ghosts) if that is due; where any breaks, rows,
      * values and gradients change. Returns whether they did, the same on all ranks. Collective. */
-    bool update(const NodalVector &position);
+    bool update(const NodalVector &position)
+    {
+      const bool has_broken = is_on() && check->is_due() && break_bonds(position);
+      return isolate_distorted(position) || has_broken;
+    }
 
     /** Breaks all bonds of particles that are not sound any more at @p position (current ghosts):
      * of those that have lost some, or of all; until none is left. Returns as update().
      * Collective. */
-    bool isolate_distorted(const NodalVector &position);
+    bool isolate_distorted(const NodalVector &position)
+    {
+      const auto &partition = position.partition();
+      const Stencils &shape = rows.stencils();
+      bool has_changed = false;
+      // What one loses, others lose too; each time there is one particle less that can.
+      for (; can_isolate(); has_changed = true)
+      {
+        NodalSmoothing::try_inverse_deformation<dim>(position.data(), rows.stencils());
+        for (auto i = static_cast<unsigned int>(reference_gradient.size()); i < shape.n_particles();
+             ++i)
+          reference_gradient.push_back(gradient_of_reference<dim>(shape, i));
+        std::vector<unsigned int> distorted;
+        for (unsigned int i = 0; i < shape.n_particles(); ++i)
+          if ((check->isolates_all() || !broken[i].empty()) && !shape.is_undeformed(i) &&
+              exceeds_gradient<dim>(shape, i, position, reference_gradient[i],
+                                    largest_gradient_growth * initial_gradient[i]))
+            distorted.push_back(shape.particle_node[i]);
+        if (dealii::Utilities::MPI::max(distorted.empty() ? 0 : 1, particles.communicator()) == 0)
+          break;
+
+        // Also from the rows of others, who may have such a particle without being in its row.
+        if (!partners.are_current())
+          partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+        const NodalVector mark =
+            marked_nodes(partition, [&](const auto &mark_node)
+                         { std::for_each(distorted.begin(), distorted.end(), mark_node); });
+        std::vector<PartnerMessage> messages;
+        for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        {
+          const unsigned int own = shape.particle_node[i];
+          for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+            if (shape.neighbour[entry] != own &&
+                (*mark.node(own) > 0. || *mark.node(shape.neighbour[entry]) > 0.))
+              break_entry(i, entry, messages);
+        }
+        if (!complete_breaking(partition, messages))
+          break;
+      }
+      return has_changed;
+    }
     /** The same at the positions of the reference, after a search whose numbers the rows still
      * have; they get those of a partition. Collective. */
-    void isolate_distorted_in_reference();
+    void isolate_distorted_in_reference()
+    {
+      if (!can_isolate())
+        return;
+      const auto partition = rows.partition(particles);
+      rows.set_partition(*partition);
+      isolate_distorted(
+          nodal_field(partition, Quantity::position, rows.stencils().particle_node,
+                      [&](const std::size_t i, double *const place)
+                      { std::copy_n(&kernel.positions()[i * node_stride], node_stride, place); }));
+    }
 
     /** Books the elastic energy of debris, and takes its stress away. */
-    void release_debris();
+    void release_debris()
+    {
+      const std::vector<unsigned int> released = debris();
+      if (released.empty())
+        return;
+      MaterialPoints &of_part = points.points();
+      const std::vector<double> elastic_energies = points.elastic_energies();
+      const unsigned int work_field = of_part.find_field("pressure work"); // stored, too
+      for (const unsigned int row : released)
+      {
+        if (work_field < of_part.fields().size())
+          of_part.component(work_field, 0)[row] = 0.;
+        of_part.component(dissipation_field, 0)[row] +=
+            elastic_energies[row] / particles.initial_volumes()[row];
+        for (unsigned int c = 0; c < 6; ++c)
+          of_part.component(MaterialPoints::stress, c)[row] = 0.;
+      }
+    }
 
     /** There are more particles; the one at place old_place[i] is now number i, others are new.
      * Where gains[i] it is a node of cells that came. Follows prepare_search(); with the search
      * after it a new particle gets a bond also with a damaged one if cells came to both, since
      * these have joined them. */
-    void add_particles(const std::vector<unsigned int> &old_place, const std::vector<bool> &gains);
+    void add_particles(const std::vector<unsigned int> &old_place, const std::vector<bool> &gains)
+    {
+      if (!is_on())
+        return;
+      const std::vector<std::uint64_t> ids = particles.persistent_ids();
+      const std::size_t n_old = own_ids.size();
+      for (PartnerLists *const lists : {&broken, &refused, &previous})
+        lists->rearrange(old_place);
+      rearrange(old_place, n_initial_bonds);
+      rearrange(old_place, initial_gradient);
+      own_ids = ids;
+      growth.clear();
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        growth.push_back(old_place[i] >= n_old ? ParticleGrowth::is_new
+                         : gains[i]            ? ParticleGrowth::gains
+                                               : ParticleGrowth::none);
+      has_grown = true;
+      partners.forget();
+    }
 
     /** Between add_particles() and finish_search(): takes those pairs out of rows in another
      * configuration that finish_search() will refuse. @p partition has all nodes and images of @p
      * neighbourhoods. Collective. */
     void remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
-                         Neighbourhoods<dim> &neighbourhoods, Stencils &shape);
+                         Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
+    {
+      if (!is_broken_anywhere)
+        return;
+      partners.find(partition, neighbourhoods, own_ids, broken, growth);
+      neighbourhoods.remove_neighbours(
+          [&](const unsigned int row, const unsigned int place)
+          { return broken.has(row, partners[place].partner) || is_refused(row, place); },
+          shape);
+      partners.forget();
+    }
 
     /** Takes @p shape as the rows of the start, for particles without broken bonds. */
-    void measure_rows(const Stencils &shape);
+    void measure_rows(const Stencils &shape)
+    {
+      for (unsigned int i = 0; i < own_ids.size(); ++i)
+      {
+        if (!broken[i].empty())
+          continue;
+        const Stencils::Row row = shape.row(i);
+        n_initial_bonds[i] = 0;
+        for (unsigned int k = 0; k < row.size; ++k)
+          if (row.is_within_support(k) && row.neighbour[k] != shape.particle_node[i])
+            ++n_initial_bonds[i];
+        initial_gradient[i] = gradient_of_reference<dim>(shape, i);
+      }
+    }
 
     /** Rigid rows with broken bonds, ascending. */
-    std::vector<unsigned int> debris() const;
+    std::vector<unsigned int> debris() const
+    {
+      std::vector<unsigned int> result;
+      for (const unsigned int row : rows.stencils().rank_deficient_rows)
+        if (is_broken_anywhere && !broken[row].empty())
+          result.push_back(row);
+      return result;
+    }
     /** Of the debris() of the last update those that it made, and those that it took further
      * neighbours from. */
     std::vector<LeavingParticle> take_leaving_particles()
@@ -130,7 +315,16 @@ namespace tombolo
       return former_rows.leaving(rows.stencils(), debris());
     }
     /** Over this rank's particles. */
-    BondCounts counts() const;
+    BondCounts counts() const
+    {
+      BondCounts result;
+      result.criterion = is_on() ? check->criterion_name() : "";
+      for (std::size_t i = 0; i < broken.size(); ++i)
+        for (const BondPartner &partner : broken[i])
+          result.n_broken += partner.id == own_ids[i] ? 1. : 0.5;
+      result.n_debris = debris().size();
+      return result;
+    }
     /** Elastic energy of debris, over this rank. */
     double dissipated_energy() const
     {
@@ -138,37 +332,164 @@ namespace tombolo
     }
 
     /** Lists what is kept from step to step; rows are the particles. */
-    void list(Records &records);
+    void list(Records &records)
+    {
+      if (!is_on())
+        return;
+      check->list(records);
+      records.archived(
+          [this](StateArchive &archive)
+          {
+            broken.serialize(archive, "partners that broke off");
+            refused.serialize(archive, "partners that were refused");
+          });
+      records.value("has grown", has_grown);
+      records.list(
+          [this](Records &now)
+          {
+            if (!has_grown)
+              return;
+            now.rows("bonds at the start", 1, n_initial_bonds);
+            now.rows("gradient at the start", 1, initial_gradient);
+          });
+      records.on_reading(
+          [this]
+          {
+            partners.forget();
+            bool is_broken = false;
+            for (std::size_t i = 0; i < broken.size(); ++i)
+              is_broken = is_broken || !broken[i].empty();
+            is_broken_anywhere =
+                dealii::Utilities::MPI::max(is_broken ? 1 : 0, particles.communicator()) == 1;
+          });
+    }
     /** Takes broken bonds out of rows that were searched anew, on @p partition. Returns whether
      * there are any on any rank. Collective. */
-    bool complete_reading(const std::shared_ptr<const NodePartition> &partition);
+    bool complete_reading(const std::shared_ptr<const NodePartition> &partition)
+    {
+      reference_gradient.clear();
+      if (is_broken_anywhere)
+        remove_broken(partition);
+      return is_broken_anywhere;
+    }
 
   private:
+    static constexpr char fraction_name[] = "broken bonds";
+
     bool can_isolate() const
     {
       return is_broken_anywhere || (is_on() && check->isolates_all());
     }
     /** Breaks what the criterion tells. Returns whether any bond broke on any rank. Collective. */
-    bool break_bonds(const NodalVector &position);
+    bool break_bonds(const NodalVector &position)
+    {
+      const Stencils &shape = rows.stencils();
+      std::vector<dealii::Tensor<2, 3>> deformation;
+      for (unsigned int i = 0; i < shape.n_particles() && check->needs_deformation(); ++i)
+      {
+        const dealii::Tensor<2, dim> total = kernel.total_deformation(i, shape, position);
+        deformation.emplace_back(dealii::unit_symmetric_tensor<3>());
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            deformation.back()[a][b] = total[a][b];
+      }
+      if (!check->measure(points.points(), deformation, particles.communicator()))
+        return false;
+      const auto &partition = position.partition();
+      check->exchange(partition, particles.initial_positions(), shape);
+      if (!partners.are_current())
+        partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+      std::vector<PartnerMessage> messages;
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        for (const unsigned int k : check->find_breaking(i, position, shape))
+          break_entry(i, shape.row_start[i] + k, messages);
+      return complete_breaking(partition, messages);
+    }
     /** Breaks the bond at an entry of the rows; its other end goes to @p messages. */
-    void break_entry(unsigned int row, std::size_t entry, std::vector<PartnerMessage> &messages);
+    void break_entry(const unsigned int row, const std::size_t entry,
+                     std::vector<PartnerMessage> &messages)
+    {
+      const auto &nodes = rows.neighbourhoods().global_nodes();
+      const auto &images = rows.neighbourhoods().images();
+      const unsigned int place = rows.neighbourhoods().places()[entry];
+      const BondPartner partner = partners[place].partner;
+      // The mirror image of the bond of I to an image of J is that of J to the image of I.
+      if (broken.add(row, partner))
+        messages.push_back(
+            {place < nodes.size() ? nodes[place] : images[place - nodes.size()].source,
+             {own_ids[row], partner.planes}});
+    }
     /** Completes what break_entry() began, takes what broke out of the rows, and computes these.
      * Returns whether there was anything on any rank. Collective. */
     bool complete_breaking(const std::shared_ptr<const NodePartition> &partition,
-                           const std::vector<PartnerMessage> &messages);
+                           const std::vector<PartnerMessage> &messages)
+    {
+      if (dealii::Utilities::MPI::max(messages.empty() ? 0 : 1, particles.communicator()) == 0)
+        return false;
+      broken.add_at_owners(*partition, particles.nodes(), messages);
+      is_broken_anywhere = true;
+      double *const fraction = points.points().component(fraction_field, 0);
+      for (unsigned int i = 0; i < broken.size(); ++i)
+        if (!broken[i].empty())
+          fraction[i] = std::min(1., static_cast<double>(broken[i].size()) /
+                                         std::max(n_initial_bonds[i], 1u));
+      prepare_change();
+      // Of particles with broken bonds, neighbours that the last search found out of the support
+      // (φ = 0) stay without a bond, wherever they move. Who is damaged has changed.
+      const Stencils &shape = rows.stencils();
+      partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+      add_pairs(
+          [&](const unsigned int i, const unsigned int place, const std::size_t entry)
+          {
+            return is_damaged(i, place) && !broken.has(i, partners[place].partner) &&
+                   !shape.row(i).is_within_support(
+                       static_cast<unsigned int>(entry - shape.row_start[i]));
+          },
+          refused);
+      remove_broken(partition);
+      NodalVector reference(partition, Quantity::position);
+      rows.compute_in_reference(particles, kernel, reference);
+      release_debris();
+      return true;
+    }
     /** Takes broken bonds out of the rows. @p partition has all their nodes and images.
      * Collective. */
-    void remove_broken(const std::shared_ptr<const NodePartition> &partition);
+    void remove_broken(const std::shared_ptr<const NodePartition> &partition)
+    {
+      if (!partners.are_current())
+        partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
+      rows.neighbourhoods().remove_neighbours(
+          [&](const unsigned int row, const unsigned int place) {
+            return broken.has(row, partners[place].partner) ||
+                   refused.has(row, partners[place].partner);
+          },
+          rows.stencils());
+    }
     /** Adds to @p lists the neighbours of which is_such(row, place, entry) holds. */
     template <typename IsSuch>
-    void add_pairs(const IsSuch &is_such, PartnerLists &lists) const;
+    void add_pairs(const IsSuch &is_such, PartnerLists &lists) const
+    {
+      const Stencils &shape = rows.stencils();
+      for (unsigned int i = 0; i < own_ids.size(); ++i)
+        for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+          if (const unsigned int place = rows.neighbourhoods().places()[entry];
+              is_such(i, place, entry))
+            lists.add(i, partners[place].partner);
+    }
     bool is_damaged(const unsigned int row, const unsigned int place) const
     {
       return !broken[row].empty() || partners[place].is_damaged;
     }
     /** Whether a pair of a search, of which neither bond nor break is known, is no bond: one of its
      * ends is damaged. */
-    bool is_refused(unsigned int row, unsigned int place) const;
+    bool is_refused(const unsigned int row, const unsigned int place) const
+    {
+      if (place == row || !is_damaged(row, place) || previous.has(row, partners[place].partner))
+        return false;
+      const ParticleGrowth a = partners[row].growth, b = partners[place].growth;
+      return a == ParticleGrowth::none || b == ParticleGrowth::none ||
+             (a != ParticleGrowth::is_new && b != ParticleGrowth::is_new);
+    }
 
     const ParticleSet<dim> &particles;
     const KernelConfiguration<dim> &kernel;

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/aligned_vector.h>
-#include <deal.II/base/tensor.h>
-
+#include <tombolo/approximation/row_sharing.h>
 #include <tombolo/approximation/stencils.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/mean_dilatation.h>
+#include <tombolo/formulations/row_block.h>
 #include <tombolo/formulations/row_stiffness.h>
 #include <tombolo/materials/kinematics.h>
+#include <tombolo/materials/logarithmic_strain.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/node_partition.h>
 
+#include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/tensor.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -60,7 +66,64 @@ namespace tombolo
     };
 
     /** Begins anew with these cells around @p n_particles particles. */
-    void reset(const std::vector<Cell> &cells, unsigned int n_particles);
+    void reset(const std::vector<Cell> &of_rank, const unsigned int n_particles)
+    {
+      cells = Stencils();
+      cell_nodes.clear();
+      cell_volume.clear();
+      cells.row_start = {0};
+      RowSharing kept;
+      std::vector<double> value, gradient;
+      std::vector<std::vector<std::pair<unsigned int, double>>> of_particle(n_particles);
+      for (unsigned int c = 0; c < of_rank.size(); ++c)
+      {
+        const Cell &cell = of_rank[c];
+        cell_nodes.insert(cell_nodes.end(), cell.nodes.begin(), cell.nodes.end());
+        cells.row_start.push_back(cell_nodes.size());
+        value.assign(cell.nodes.size(), 0.);
+        gradient.assign(Stencils::n_gradient * cell.nodes.size(), 0.);
+        for (std::size_t k = 0; k < cell.nodes.size(); ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            gradient[Stencils::n_gradient * k + d] = cell.gradient[k][d];
+        cells.coefficient_start.push_back(
+            kept.add(static_cast<unsigned int>(value.size()), value.data(), gradient.data()));
+        cell_volume.push_back(0.);
+        for (const auto &[particle, volume_of_share] : cell.shares)
+        {
+          of_particle[particle].emplace_back(c, volume_of_share);
+          cell_volume.back() += volume_of_share;
+        }
+      }
+      kept.store(cells);
+      cells.particle_node.resize(of_rank.size());
+      cells.neighbour.resize(cell_nodes.size());
+      cofactor.resize(3 * node_stride * of_rank.size());
+      for (dealii::AlignedVector<double> *const of_cell : {&jacobian, &rate, &pressure})
+      {
+        of_cell->resize(of_rank.size());
+        of_cell->fill(0.);
+      }
+
+      share_begin = {0};
+      share_cell.clear();
+      share_volume.clear();
+      volume.assign(padded_to_lanes(n_particles), 1.);
+      for (unsigned int i = 0; i < n_particles; ++i)
+      {
+        volume[i] = 0.;
+        for (const auto &[cell, volume_of_share] : of_particle[i])
+        {
+          share_cell.push_back(cell);
+          share_volume.push_back(volume_of_share);
+          volume[i] += volume_of_share;
+        }
+        share_begin.push_back(static_cast<unsigned int>(share_cell.size()));
+      }
+      ratio_of_particle.resize(padded_to_lanes(n_particles));
+      own_energy.resize(padded_to_lanes(n_particles));
+      own_energy.fill(0.);
+      share_begin.resize(padded_to_lanes(n_particles) + 1, share_begin.back());
+    }
 
     void set_material(const Material &material)
     {
@@ -73,10 +136,58 @@ namespace tombolo
       return !share_begin.empty();
     }
 
-    void set_partition(const NodePartition &partition);
+    void set_partition(const NodePartition &partition)
+    {
+      std::transform(cell_nodes.begin(), cell_nodes.end(), cells.neighbour.begin(),
+                     [&](const Node node) { return partition.local_index(node); });
+      for (unsigned int c = 0; c < cells.n_particles(); ++c)
+        cells.particle_node[c] = cells.neighbour[cells.row_start[c]];
+    }
 
     /** Finds F_c and J_c at these positions (current ghosts). */
-    void find(const NodalVector &position);
+    void find(const NodalVector &position)
+    {
+      const unsigned int n_cells = cells.n_particles();
+      alignas(64) double of_place[n_lanes][3][node_stride] = {};
+      alignas(64) double det[n_lanes];
+      for (unsigned int first = 0; first < n_cells; first += n_lanes)
+      {
+        const unsigned int n = std::min<unsigned int>(n_lanes, n_cells - first);
+        for (unsigned int lane = 0; lane < n; ++lane)
+        {
+          NodeLanes f[3] = {0., 0., 0.};
+          RowBlock::add_row(cells.row(first + lane), position.data(),
+                            load_node(position.node(cells.particle_node[first + lane])), f);
+          for (unsigned int j = 0; j < 3; ++j)
+            store_node(f[j], of_place[lane][j]);
+        }
+        Matrix3<Lanes> f = RowBlock::load_columns(of_place[0][0]);
+        if constexpr (dim == 2)
+          f(2, 2) = 1.;
+        Matrix3<Lanes> of_areas;
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+          {
+            const unsigned int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3,
+                               j2 = (j + 2) % 3;
+            of_areas(i, j) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
+          }
+        store_lanes(f(0, 0) * of_areas(0, 0) + f(0, 1) * of_areas(0, 1) + f(0, 2) * of_areas(0, 2),
+                    det);
+        alignas(64) double columns[n_lanes][3][node_stride];
+        RowBlock::store_columns(of_areas, columns[0][0]);
+        std::copy_n(columns[0][0], 3 * node_stride * std::size_t(n),
+                    cofactor.data() + 3 * node_stride * std::size_t(first));
+        std::copy_n(det, n, jacobian.data() + first);
+      }
+      for (unsigned int i = 0; i + 1 < share_begin.size(); ++i)
+      {
+        double sum = 0;
+        for (unsigned int s = share_begin[i]; s < share_begin[i + 1]; ++s)
+          sum += share_volume[s] * jacobian[share_cell[s]];
+        ratio_of_particle[i] = share_begin[i] < share_begin[i + 1] ? sum / volume[i] : 1.;
+      }
+    }
 
     /** J_I of n_lanes particles from @p first on, one of those that are not there. */
     Lanes ratio(const unsigned int first) const
@@ -86,16 +197,35 @@ namespace tombolo
 
     /** Gives n_lanes particles from @p first on, with the ratio @p old_ratio before the step, J_I
      * in the place of the dilatation of @p motion. */
-    void share(unsigned int first, const Lanes &old_ratio, bool is_logarithmic,
-               MotionIncrement<Lanes> &motion) const;
+    void share(const unsigned int first, const Lanes &old_ratio, const bool is_logarithmic,
+               MotionIncrement<Lanes> &motion) const
+    {
+      MeanDilatation::set_ratio<dim>(is_logarithmic, ratio(first) / old_ratio, motion);
+    }
 
     /** Takes the mean stress out of @p stress of n_lanes particles from @p first on, which comes
      * times the present volume, adds what d gives, with the determinant @p own of F_I, and what
      * both and the differences of the cells give to P_c. */
-    void collect(unsigned int first, const Lanes &own, Lanes (&stress)[6]);
+    void collect(const unsigned int first, const Lanes &own, Lanes (&stress)[6])
+    {
+      const Lanes shared = ratio(first), initial_volume = load_lanes(&volume[first]);
+      const OwnDilatation of_ratio(own / shared);
+      const Lanes of_own = shear_modulus * initial_volume * of_ratio.slope;
+      store_lanes(shear_modulus * initial_volume * of_ratio.energy, &own_energy[first]);
+      const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
+      for (unsigned int i = 0; i < dim; ++i)
+        stress[i] += of_own - mean_stress;
+      add_pressures(first, (mean_stress - of_own) / (shared * initial_volume) -
+                               bulk_modulus * (shared - 1.));
+    }
 
     /** Adds the forces of P_c after collect(), and begins the sums anew. */
-    void add_force(NodalVector &force);
+    void add_force(NodalVector &force)
+    {
+      subtract_pressures([&](const unsigned int c)
+                         { return bulk_modulus * cell_volume[c] * (jacobian[c] - 1.); },
+                         force);
+    }
 
     /** G [M/(L T^2)]. */
     double modulus_of_own() const
@@ -105,36 +235,176 @@ namespace tombolo
 
     /** Adds what the terms of the J_I of @p particle, and the differences of its cells, add to the
      * equations of its row, at the positions of the last find(). */
-    void add_tangent(unsigned int particle, const typename RowStiffness<dim, 1>::RatioTerms &terms,
-                     CellEquations &equations) const;
+    void add_tangent(const unsigned int particle,
+                     const typename RowStiffness<dim, 1>::RatioTerms &terms,
+                     CellEquations &equations) const
+    {
+      const std::size_t n_rows = equations.force.size();
+      const auto place_of = [&](const unsigned int node)
+      {
+        const auto found = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
+        return static_cast<std::size_t>(found - equations.nodes.begin()) * dim;
+      };
+      const unsigned int lanes_of_particle = particle / n_lanes * n_lanes;
+      const double mean_ratio = ratio(lanes_of_particle)[particle - lanes_of_particle];
+      const double stress = terms.force / volume[particle];
+      std::vector<double> of_mean(n_rows, 0.), of_cell(n_rows);
+      for (unsigned int s = share_begin[particle]; s < share_begin[particle + 1]; ++s)
+      {
+        const unsigned int c = share_cell[s];
+        const Stencils::Row row = cells.row(c);
+        const double *const columns = cofactor.data() + 3 * node_stride * std::size_t(c);
+        std::vector<std::size_t> places;
+        std::vector<dealii::Tensor<1, dim>> areas; // cof(F_c) g_cJ
+        for (unsigned int k = 0; k < row.size; ++k)
+        {
+          places.push_back(place_of(row.neighbour[k]));
+          areas.emplace_back();
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              areas.back()[i] +=
+                  columns[j * node_stride + i] * row.gradient[Stencils::n_gradient * k + j];
+        }
+        std::fill(of_cell.begin(), of_cell.end(), 0.);
+        for (unsigned int k = 0; k < row.size; ++k)
+          for (unsigned int i = 0; i < dim; ++i)
+            of_cell[places[k] + i] += areas[k][i];
+        const double difference = jacobian[c] - mean_ratio;
+        const double of_areas =
+            share_volume[s] * (stress + bulk_modulus * difference) / jacobian[c];
+        for (unsigned int k = 0; k < row.size; ++k)
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int l = 0; l < row.size; ++l)
+              for (unsigned int j = 0; j < dim; ++j)
+                equations.matrix[(places[k] + i) * n_rows + places[l] + j] +=
+                    of_areas * (areas[k][i] * areas[l][j] - areas[k][j] * areas[l][i]) +
+                    share_volume[s] * bulk_modulus * areas[k][i] * areas[l][j];
+        for (std::size_t i = 0; i < n_rows; ++i)
+        {
+          of_mean[i] += share_volume[s] / volume[particle] * of_cell[i];
+          equations.force[i] += share_volume[s] * bulk_modulus * difference * of_cell[i];
+        }
+      }
+      // The bulk modulus acts on what cells differ from the mean by.
+      const double of_squares = terms.derivative - bulk_modulus * volume[particle];
+      for (std::size_t i = 0; i < n_rows; ++i)
+      {
+        equations.force[i] += terms.force * of_mean[i];
+        for (std::size_t j = 0; j < n_rows; ++j)
+          equations.matrix[i * n_rows + j] +=
+              of_mean[i] * (of_squares * of_mean[j] + terms.with_position[j]) +
+              terms.of_force[i] * of_mean[j];
+      }
+    }
 
     /** Of the differences of cells and the own determinants, of the particles of this rank, at
      * the last find() and collect() [M L^2/T^2]. */
-    double energy() const;
+    double energy() const
+    {
+      double sum = 0;
+      for (unsigned int first = 0; first + 1 < share_begin.size(); first += n_lanes)
+      {
+        const Lanes of_particle = ratio(first);
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
+          {
+            const double difference = jacobian[share_cell[s]] - of_particle[lane];
+            sum += share_volume[s] * difference * difference;
+          }
+      }
+      double of_own = 0;
+      for (const double energy_of_particle : own_energy)
+        of_own += energy_of_particle;
+      return 0.5 * bulk_modulus * sum + of_own;
+    }
 
     /** @name The linear answer to velocities at the positions of the last find() */
     ///@{
     /** Finds the rates of J_c. */
-    void find_rates(const NodalVector &velocity);
+    void find_rates(const NodalVector &velocity)
+    {
+      for (unsigned int c = 0; c < cells.n_particles(); ++c)
+      {
+        const double *const of_areas = cofactor.data() + 3 * node_stride * std::size_t(c);
+        NodeLanes h[3] = {0., 0., 0.};
+        RowBlock::add_row(cells.row(c), velocity.data(), NodeLanes(0.), h);
+        NodeLanes sum = 0.;
+        for (unsigned int j = 0; j < 3; ++j)
+          sum += h[j] * load_node(of_areas + j * node_stride);
+        rate[c] = sum[0] + sum[1] + sum[2];
+      }
+    }
     /** Gives n_lanes particles the rate of ln J_I in the place of the trace of @p gradient. Returns
      * the rate of ln d. */
-    Lanes share_rate(unsigned int first, Matrix3<Lanes> &gradient) const;
+    Lanes share_rate(const unsigned int first, Matrix3<Lanes> &gradient) const
+    {
+      const Lanes difference =
+          mean(rate, first) / ratio(first) - MeanDilatation::trace<dim>(gradient);
+      for (unsigned int i = 0; i < dim; ++i)
+        gradient(i, i) += (1. / dim) * difference;
+      return -difference;
+    }
     /** collect() of rates; @p stress comes times minus the present volume. */
-    void collect_rates(unsigned int first, const Lanes &own, const Lanes &rate_of_own,
-                       Lanes (&stress)[6]);
+    void collect_rates(const unsigned int first, const Lanes &own, const Lanes &rate_of_own,
+                       Lanes (&stress)[6])
+    {
+      const Lanes initial_volume = load_lanes(&volume[first]);
+      const Lanes of_own = shear_modulus * initial_volume *
+                           OwnDilatation(own / ratio(first)).stiffness * rate_of_own;
+      const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
+      for (unsigned int i = 0; i < dim; ++i)
+        stress[i] -= of_own + mean_stress;
+      add_pressures(first, (mean_stress + of_own) / (ratio(first) * initial_volume) +
+                               bulk_modulus * mean(rate, first));
+    }
     /** Adds what they give, and begins the sums anew. */
-    void add_force_of_rates(NodalVector &force);
+    void add_force_of_rates(NodalVector &force)
+    {
+      subtract_pressures(
+          [&](const unsigned int c) { return -bulk_modulus * cell_volume[c] * rate[c]; }, force);
+    }
     ///@}
 
   private:
     /** Σ V_cI y_c / V_I. */
-    Lanes mean(const dealii::AlignedVector<double> &of_cell, unsigned int first) const;
+    Lanes mean(const dealii::AlignedVector<double> &of_cell, const unsigned int first) const
+    {
+      alignas(64) double sum[n_lanes];
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        double of_particle = 0;
+        for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
+          of_particle += share_volume[s] * of_cell[share_cell[s]];
+        sum[lane] = of_particle / volume[first + lane];
+      }
+      return load_lanes(sum);
+    }
     /** Adds V_cI times what n_lanes particles from @p first on have to P_c. */
-    void add_pressures(unsigned int first, const Lanes &of_particles);
+    void add_pressures(const unsigned int first, const Lanes &of_particles)
+    {
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        const double of_particle = of_particles[lane];
+        for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
+          pressure[share_cell[s]] += share_volume[s] * of_particle;
+      }
+    }
     /** Subtracts P_c cof(F_c) g_cJ from @p force, with @p of_cell(c) in P_c beside what particles
      * have added, which is emptied. */
     template <typename OfCell>
-    void subtract_pressures(const OfCell &of_cell, NodalVector &force);
+    void subtract_pressures(const OfCell &of_cell, NodalVector &force)
+    {
+      alignas(64) double columns[3 * node_stride];
+      for (unsigned int c = 0; c < cells.n_particles(); ++c)
+      {
+        const double *const of_areas = cofactor.data() + 3 * node_stride * std::size_t(c);
+        const double of_all = pressure[c] + of_cell(c);
+        for (unsigned int k = 0; k < 3 * node_stride; ++k)
+          columns[k] = of_all * of_areas[k];
+        RowBlock::subtract_row(cells.row(c), columns, force.data());
+      }
+      pressure.fill(0.);
+    }
 
     Stencils cells;               ///< rows of g_cJ; its particles are the first nodes of cells
     std::vector<Node> cell_nodes; ///< by entry of a row

@@ -25,11 +25,6 @@ namespace tombolo
     double length; ///< of its edge between the first two nodes [L]
   };
 
-  /** Of the part of @p setup, with linear cells: those of the cells that this rank owns. Fibres of
-   * parts that are one cell thin are left out. */
-  template <int dim>
-  std::vector<SurfaceFibre> find_surface_fibres(const PartSetup<dim> &setup);
-
   template <int dim>
   class Bonds;
 
@@ -123,9 +118,22 @@ namespace tombolo
     {
       return 0;
     }
-    void add_mass(NodalVector &mass) const override; ///< of Stencils::mass
+    /** Of Stencils::mass. */
+    void add_mass(NodalVector &mass) const override
+    {
+      const Stencils &shape = stencils();
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        *mass.node(shape.particle_node[i]) += shape.mass[i];
+    }
     void point_positions(const NodalVector &position,
-                         std::vector<dealii::Point<dim>> &points) const override;
+                         std::vector<dealii::Point<dim>> &points) const override
+    {
+      const Stencils &shape = stencils();
+      points.resize(shape.n_particles());
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          points[i][d] = position.node(shape.particle_node[i])[d];
+    }
     const std::vector<dealii::Point<dim>> &initial_point_positions() const override
     {
       return particle_set().initial_positions();
@@ -221,5 +229,4 @@ namespace tombolo
       return counts;
     }
   };
-
 } // namespace tombolo

@@ -2,22 +2,25 @@
 #pragma once
 
 #include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test.h>
 #include <tombolo/mesh/bodies.h>
+#include <tombolo/state/records.h>
 
 #include <deal.II/base/index_set.h>
+#include <deal.II/base/mpi.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
-  class Records;
-  class StateArchive;
   class ZeroEnergyControl;
   template <int dim>
   class CellDilatation;
@@ -33,7 +36,12 @@ namespace tombolo
   {
   public:
     /** `Kernels across gaps`. */
-    static void declare_parameters(const Entries &e);
+    static void declare_parameters(const Entries &e)
+    {
+      e.flag("Kernels across gaps", "false",
+             "Whether particles are neighbours of those in another body of the mesh, one that no "
+             "common node joins to their own: as if they were glued.");
+    }
 
     virtual ~ParticleRows() = default;
     ParticleRows(const ParticleRows &) = delete;
@@ -129,7 +137,29 @@ namespace tombolo
     /** Takes neighbours of other bodies out of the rows of @p found, whose nodes @p partition has.
      * Collective. */
     void separate_bodies(const std::shared_ptr<const NodePartition> &partition,
-                         Neighbourhoods<dim> &found, Stencils &stencils) const;
+                         Neighbourhoods<dim> &found, Stencils &stencils) const
+    {
+      if (bodies == nullptr)
+        return;
+      const NodalVector body = scalar_field(
+          partition, [&](const unsigned int i)
+          { return static_cast<double>(bodies->body_of(partition->global_index(i))); });
+      const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
+      const auto body_of = [&](const dealii::types::global_dof_index node) {
+        return static_cast<dealii::types::global_dof_index>(
+            *body.node(partition->local_index(node)));
+      };
+      found.remove_neighbours(
+          [&](const unsigned int row, const unsigned int place)
+          {
+            const auto own = body_of(found.global_nodes()[row]);
+            if (place < n_nodes)
+              return own != body_of(found.global_nodes()[place]);
+            const auto &image = found.images()[place - n_nodes];
+            return own != body_of(image.source) || !planes_of_bodies.joins(own, image.mirrors);
+          },
+          stencils);
+    }
 
     /** Begins with particles of these masses, which have no rows yet. */
     void reset(const std::vector<double> &masses)
@@ -142,7 +172,14 @@ namespace tombolo
      * each, here and on other ranks. Values and gradients follow with compute_at_search().
      * Collective. */
     void search(const ParticleSet<dim> &particles, const std::vector<double> &position,
-                const std::vector<double> &support);
+                const std::vector<double> &support)
+    {
+      communicator = particles.communicator();
+      neighbours.search(particles.nodes(), position, support, communicator, searched());
+      if (bodies != nullptr)
+        separate_bodies(partition(particles), neighbours, searched());
+      restrict_neighbours();
+    }
 
     /** φ and ∇φ at the positions and with the supports of the last search. A particle without a
      * basis is refused before finish_start(), and becomes a rank-deficient row later.
@@ -154,16 +191,36 @@ namespace tombolo
 
     /** The same at @p position (current ghosts, the numbers of the rows), with these supports of
      * the particles, node_stride each. Collective. */
-    void compute_at(const NodalVector &position, const std::vector<double> &support);
+    void compute_at(const NodalVector &position, const std::vector<double> &support)
+    {
+      support_of_node.fill(shape.particle_node, [&](const std::size_t i, double *const of_node)
+                           { std::copy_n(&support[i * node_stride], node_stride, of_node); });
+      compute(position.data(), support_of_node.data());
+    }
 
     /** The same in the reference of @p kernel. @p buffer is a vector of positions with the numbers
      * of the rows, overwritten by those of the reference. Collective. */
     void compute_in_reference(const ParticleSet<dim> &particles,
-                              const KernelConfiguration<dim> &kernel, NodalVector &buffer);
+                              const KernelConfiguration<dim> &kernel, NodalVector &buffer)
+    {
+      find_reference(particles, kernel, buffer);
+      compute_at(buffer, kernel.supports());
+    }
 
     /** Tells that rows have just been computed at the present positions: then F is the identity
      * where are_undeformed_when_new() says so. */
-    void note_present();
+    void note_present()
+    {
+      if (!are_undeformed_when_new())
+        return;
+      constexpr std::array<double, 3 * node_stride> identity{
+          {1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.}};
+      shape.inverse_deformation.resize_fast(identity.size() * shape.n_particles());
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        std::copy(identity.begin(), identity.end(),
+                  &shape.inverse_deformation[i * identity.size()]);
+      shape.inverse_deformation_is_current = true;
+    }
 
     /** From now on a particle without a basis is not refused. */
     void finish_start()
@@ -172,15 +229,30 @@ namespace tombolo
     }
 
     /** Ghosts and images that the rows need, as in Formulation. */
-    dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
+    dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const
+    {
+      dealii::IndexSet nodes(particles.owned_nodes().size());
+      const auto &of_rows = neighbours.global_nodes();
+      nodes.add_indices(of_rows.begin(), of_rows.end());
+      nodes.compress();
+      return nodes;
+    }
     const std::vector<ImageNode> &required_image_nodes() const
     {
       return neighbours.images();
     }
-    void set_partition(const NodePartition &partition);
+    void set_partition(const NodePartition &partition)
+    {
+      renumber(partition);
+      support_of_node.reinit(std::make_shared<const NodePartition>(partition), Quantity::scalars);
+    }
     /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */
     void store_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
-                         const std::shared_ptr<const NodePartition> &partition);
+                         const std::shared_ptr<const NodePartition> &partition)
+    {
+      shape.reference_position.reinit(partition, Quantity::position);
+      find_reference(particles, kernel, shape.reference_position);
+    }
     /** A partition with what the rows alone need. Collective. */
     std::shared_ptr<const NodePartition> partition(const ParticleSet<dim> &particles) const
     {
@@ -189,12 +261,45 @@ namespace tombolo
 
     /** Lists whether finish_start() was called, and which rows lost their negative values; after
      * complete_reading() they have lost them. */
-    void list(Records &records);
+    void list(Records &records)
+    {
+      records.value("has started", has_started);
+      records.archived(
+          [this](StateArchive &archive)
+          {
+            // Which rows lose their negative values depends on the masses that there were at that
+            // time.
+            std::vector<double> flags(shape.mass.size(), 0.);
+            for (const unsigned int row : shape.non_negative_rows)
+              flags[row] = 1.;
+            archive.rows("is kept from extrapolating", 1, flags);
+            if (!archive.is_reading())
+              return;
+            rows_to_change.clear();
+            for (unsigned int row = 0; row < flags.size(); ++row)
+              if (flags[row] != 0.)
+                rows_to_change.push_back(row);
+          });
+    }
     /** Writes or reads the positions and supports of the last search, as rows of @p archive. On
      * reading they go to @p position and @p support, for a search. */
     void serialize_search(StateArchive &archive, std::vector<double> &position,
-                          std::vector<double> &support) const;
-    void complete_reading();
+                          std::vector<double> &support) const
+    {
+      const auto n_own = static_cast<std::ptrdiff_t>(shape.mass.size() * node_stride);
+      const std::vector<double> &all_positions = neighbours.position_at_search();
+      const std::vector<double> &all_supports = neighbours.support_at_search();
+      position.assign(all_positions.begin(), all_positions.begin() + n_own);
+      support.assign(all_supports.begin(), all_supports.begin() + n_own);
+      archive.rows("position at search", node_stride, position);
+      archive.rows("support at search", node_stride, support);
+    }
+    void complete_reading()
+    {
+      for (const unsigned int row : rows_to_change)
+        shape.remove_negative_values(row);
+      rows_to_change.clear();
+    }
 
     const Stencils &stencils() const
     {
@@ -215,7 +320,9 @@ namespace tombolo
 
   protected:
     /** Candidates are found with @p skin, as in Neighbourhoods. */
-    ParticleRows(const Section &section, double skin);
+    ParticleRows(const Section &section, const double skin)
+        : section(section), neighbours(skin), crosses_gaps(section.get_bool("Kernels across gaps"))
+    {}
 
     /** The rows that searches fill and that have the places of Neighbourhoods: the stencils
      * themselves, or more neighbours, among which fill() chooses. */
@@ -239,11 +346,31 @@ namespace tombolo
     Neighbourhoods<dim> neighbours;
 
   private:
-    void compute(const double *position, const double *support);
+    void compute(const double *position, const double *support)
+    {
+      fill(neighbours, position, support, shape);
+      if (has_started)
+        return;
+      const std::string message = describe_defects(position, support);
+      for (const std::string &of_rank : texts_of_ranks(communicator, message))
+        if (!of_rank.empty())
+          section.fail(support_entry(), of_rank);
+    }
     /** Where @p particles are in the reference of @p kernel, with the numbers of the rows, into @p
      * reference, and its ghosts. Collective. */
     void find_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
-                        NodalVector &reference) const;
+                        NodalVector &reference) const
+    {
+      const bool is_renewed = !kernel.positions().empty();
+      reference.fill(shape.particle_node,
+                     [&](const std::size_t i, double *const place)
+                     {
+                       if (is_renewed)
+                         std::copy_n(&kernel.positions()[i * node_stride], node_stride, place);
+                       else
+                         std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place);
+                     });
+    }
 
     bool crosses_gaps;
     const Bodies<dim> *bodies = nullptr; // null: there is one

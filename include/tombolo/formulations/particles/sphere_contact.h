@@ -7,7 +7,10 @@
 
 #include <deal.II/base/tensor.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -37,8 +40,24 @@ namespace tombolo
   {
   public:
     /** Between these @p parts of a mesh, which must outlive this. Collective. */
-    SphereContact(std::vector<typename SpherePairs<dim>::Part> parts, const Nodes<dim> &nodes,
-                  const Bodies<dim> &bodies);
+    SphereContact(std::vector<typename SpherePairs<dim>::Part> of_parts, const Nodes<dim> &nodes,
+                  const Bodies<dim> &bodies)
+        : pairing(std::move(of_parts), nodes, bodies), columns(pairing.parts().size())
+    {
+      std::vector<typename FragmentFriction<dim>::Part> that_rub;
+      bool any = false;
+      for (const auto &part : pairing.parts())
+      {
+        any = any || part.contact->rubs();
+        that_rub.push_back(
+            {&part.contact->rubbing(), &part.contact->kept.friction, &part.particles->stencils()});
+        for (const auto &other : pairing.parts())
+          laws.push_back({std::min(part.contact->frequency(), other.contact->frequency()),
+                          0.5 * (part.contact->damping() + other.contact->damping())});
+      }
+      if (any)
+        friction = std::make_unique<FragmentFriction<dim>>(std::move(that_rub));
+    }
 
     /** Elements have gone: fragments and pairs are to be found again. */
     void forget_pairs()
@@ -52,13 +71,90 @@ namespace tombolo
      * Collective. */
     void add_forces(const MechanicalInput &input, const NodalVector &element_mass,
                     NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
-                    const FragmentHeat &heat);
+                    const FragmentHeat &heat)
+    {
+      if (!pairing.find_candidates(*input.position))
+        return;
+      const auto &parts = pairing.parts();
+      for (unsigned int p = 0; p < parts.size(); ++p)
+        columns[p] = parts[p].contact->columns(parts[p].particles->points());
+      const Motion of_ends = motion_of_ends(input);
+      const bool are_new = !pairing.is_current();
+      if (are_new)
+      {
+        pairing.find_pairs(*input.position, element_mass, columns);
+        shrink_spheres(*of_ends.position);
+      }
+      if (friction && (are_new || !friction->has_pairs()))
+        friction->set_pairs(pairing.partition(), pairing.rows(), pairing.pairs());
+      if (friction)
+        begin_friction(input, *of_ends.position, heat);
+      std::vector<Sums> sums(parts.size());
+      const TouchingRows &rows = pairing.rows();
+      for (unsigned int i = 0; i < rows.size(); ++i)
+      {
+        Sums &of_part = sums[rows.site(i).part];
+        dealii::Tensor<1, dim> along;
+        const dealii::Tensor<1, dim> force =
+            rows.shares[i] *
+            force_on(i, of_ends, input.time_increment, heat, of_part.elastic, along);
+        replace_force(i, force, input.position->node(rows.nodes[i]), of_part.work);
+        for (unsigned int d = 0; d < dim; ++d)
+          loads.node(rows.nodes[i])[d] += force[d] + rows.shares[i] * along[d];
+        if (force == dealii::Tensor<1, dim>())
+          continue;
+        loaded_nodes.push_back(rows.nodes[i]);
+        ++of_part.n_touching;
+      }
+      for (unsigned int p = 0; p < parts.size(); ++p)
+        if (parts[p].acts)
+        {
+          ContactOfPart<dim> &kept = parts[p].contact->kept;
+          kept.dissipated -= sums[p].work + sums[p].elastic - kept.stored;
+          kept.stored = sums[p].elastic;
+          kept.counts.n_touching = sums[p].n_touching;
+        }
+      if (friction)
+        friction->end_step(heat, loads);
+    }
 
     /** The share of @p stable_step, the limit without contact, that springs and dampers leave. */
-    double stable_fraction(double stable_step) const;
+    double stable_fraction(const double stable_step) const
+    {
+      double fraction = 1.;
+      for (const auto &one : pairing.parts())
+      {
+        fraction = std::min(fraction, one.contact->stable_fraction(stable_step));
+        for (const auto &other : pairing.parts())
+        {
+          if (&one == &other || !pairing.are_between_parts())
+            continue;
+          // Springs are 2μ/m times those between two equal masses m.
+          constexpr double on_free_side = 5.;
+          const double own = one.contact->largest_mass(), of_other = other.contact->largest_mass();
+          const double ratio = own > 0. ? 2. * of_other / (own + of_other) : 2.;
+          const double angle =
+              std::min(one.contact->frequency(), other.contact->frequency()) * stable_step;
+          fraction =
+              std::min(fraction, SelfContact<dim>::stable_fraction(
+                                     4., on_free_side * ratio, angle,
+                                     0.5 * (one.contact->damping() + other.contact->damping())));
+        }
+      }
+      return fraction;
+    }
 
     /** The sums over the parts, of this rank. */
-    FragmentCounts counts() const;
+    FragmentCounts counts() const
+    {
+      FragmentCounts sum;
+      for (const auto &part : pairing.parts())
+      {
+        sum.n_fragments += part.contact->counts().n_fragments;
+        sum.n_touching += part.contact->counts().n_touching;
+      }
+      return sum;
+    }
 
     /** Whether any particles rub or conduct. */
     bool rubs() const
@@ -67,6 +163,22 @@ namespace tombolo
     }
 
   private:
+    enum Sphere : unsigned int
+    {
+      radius,
+      mass,
+      contact_area,
+      law_of_sphere ///< number of a part
+    };
+
+    static double distance(const double *const a, const double *const b)
+    {
+      double squared = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        squared += (b[d] - a[d]) * (b[d] - a[d]);
+      return std::sqrt(squared);
+    }
+
     using Columns = typename SelfContact<dim>::Columns;
 
     /** Of two parts. */
@@ -88,23 +200,153 @@ namespace tombolo
       unsigned long n_touching = 0;
     };
 
-    double shrinkage(unsigned int row) const;
+    double shrinkage(const unsigned int row) const
+    {
+      const auto [part, i] = pairing.rows().site(row);
+      return columns[part].shrinkage[i];
+    }
     /** Makes spheres of pairs that were none before as small as it takes for no overlap.
      * Collective. */
-    void shrink_spheres(const NodalVector &position);
+    void shrink_spheres(const NodalVector &position)
+    {
+      const TouchingRows &rows = pairing.rows();
+      const FragmentPairs &pairs = pairing.pairs();
+      const auto &particles = pairing.spheres();
+      const auto radius_of = [&](const std::size_t i)
+      {
+        return 0.5 * std::pow(particles.volumes[i], 1. / dim) *
+               (1. - shrinkage(static_cast<unsigned int>(i)));
+      };
+      spheres = nodal_field(pairing.partition(), Quantity::scalars, rows.nodes,
+                            [&](const std::size_t i, double *const sphere)
+                            {
+                              sphere[radius] = radius_of(i);
+                              sphere[mass] = particles.masses[i];
+                              sphere[contact_area] =
+                                  std::pow(particles.volumes[i], (dim - 1.) / dim);
+                              sphere[law_of_sphere] = particles.laws[i];
+                            });
+      std::vector<double> factor(rows.size(), 1.);
+      for (unsigned int i = 0; i < factor.size(); ++i)
+      {
+        const unsigned int own = rows.nodes[i];
+        for (std::size_t entry = pairs.start[i]; entry < pairs.start[i + 1]; ++entry)
+        {
+          const unsigned int other = pairs.partner[entry];
+          if (!pairing.were_pair(own, other, pairs.mirrors[entry]))
+            factor[i] =
+                std::min(factor[i], distance(position.node(own), position.node(other)) /
+                                        (spheres.node(own)[radius] + spheres.node(other)[radius]));
+        }
+      }
+      spheres.fill(rows.nodes,
+                   [&](const std::size_t i, double *const sphere)
+                   {
+                     const double now =
+                         1. - (1. - shrinkage(static_cast<unsigned int>(i))) * factor[i];
+                     for (std::size_t k = rows.start[i]; k < rows.start[i + 1]; ++k)
+                       columns[rows.sites[k].part].shrinkage[rows.sites[k].row] = now;
+                     sphere[radius] = radius_of(i);
+                   });
+    }
     /** With the ghosts of pairs. Collective. */
-    Motion motion_of_ends(const MechanicalInput &input);
+    Motion motion_of_ends(const MechanicalInput &input)
+    {
+      const TouchingRows &rows = pairing.rows();
+      const auto &partition = pairing.partition();
+      if (!pairing.has_ghosts())
+        return {input.position, input.velocity};
+      positions.fit_to(partition, Quantity::position);
+      velocities.fit_to(partition, Quantity::vector);
+      for (const auto &[to, from] : {std::make_pair(&positions, input.position),
+                                     std::make_pair(&velocities, input.velocity)})
+        to->fill(rows.nodes, [&, from = from](const std::size_t i, double *const value)
+                 { std::copy_n(from->node(rows.nodes[i]), node_stride, value); });
+      return {&positions, &velocities};
+    }
     void begin_friction(const MechanicalInput &input, const NodalVector &position,
-                        const FragmentHeat &heat);
+                        const FragmentHeat &heat)
+    {
+      const TouchingRows &rows = pairing.rows();
+      const FragmentPairs &pairs = pairing.pairs();
+      std::vector<dealii::Tensor<1, dim>> moves(rows.size());
+      std::vector<bool> is_touching(rows.size(), false);
+      for (unsigned int i = 0; i < rows.size(); ++i)
+      {
+        const unsigned int own = rows.nodes[i];
+        const auto [part, row] = rows.site(i);
+        for (unsigned int d = 0; d < dim; ++d)
+          moves[i][d] = position.node(own)[d] - columns[part].position[d][row];
+        for (std::size_t entry = pairs.start[i]; entry < pairs.start[i + 1] && !is_touching[i];
+             ++entry)
+          is_touching[i] = distance(position.node(own), position.node(pairs.partner[entry])) <
+                           spheres.node(own)[radius] + spheres.node(pairs.partner[entry])[radius];
+      }
+      friction->begin_step(*input.position, moves, is_touching, heat);
+    }
     /** The normal force on the particle of a row in the whole body; that of friction is added to
      * @p along. */
-    dealii::Tensor<1, dim> force_on(unsigned int row, const Motion &of_ends, double time_step,
-                                    const FragmentHeat &heat, double &elastic,
-                                    dealii::Tensor<1, dim> &along);
+    dealii::Tensor<1, dim> force_on(const unsigned int row, const Motion &of_ends,
+                                    const double time_step, const FragmentHeat &heat,
+                                    double &elastic, dealii::Tensor<1, dim> &along)
+    {
+      const TouchingRows &rows = pairing.rows();
+      const FragmentPairs &pairs = pairing.pairs();
+      const NodalVector &position = *of_ends.position, &velocity = *of_ends.velocity;
+      const unsigned int own = rows.nodes[row], own_law = pairing.spheres().laws[row];
+      const double *const x = position.node(own), *const v = velocity.node(own);
+      const double *const sphere = spheres.node(own);
+      dealii::Tensor<1, dim> force;
+      for (std::size_t entry = pairs.start[row]; entry < pairs.start[row + 1]; ++entry)
+      {
+        const unsigned int other = pairs.partner[entry];
+        const double *const of_other = spheres.node(other);
+        const double reach = sphere[radius] + of_other[radius];
+        const double r = distance(x, position.node(other));
+        if (!(r < reach) || r == 0.)
+          continue;
+        dealii::Tensor<1, dim> normal;
+        double approach = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          normal[d] = (position.node(other)[d] - x[d]) / r;
+          approach -= (velocity.node(other)[d] - v[d]) * normal[d];
+        }
+        const auto other_law = static_cast<unsigned int>(of_other[law_of_sphere]);
+        const auto [frequency, damping] = laws[own_law * pairing.parts().size() + other_law];
+        const double reduced = sphere[mass] * of_other[mass] / (sphere[mass] + of_other[mass]);
+        const double spring = reduced * frequency * frequency;
+        const double push =
+            spring * (reach - r) + 2. * damping * reduced * frequency * std::max(approach, 0.);
+        for (unsigned int d = 0; d < dim; ++d)
+          force[d] -= push * normal[d];
+        elastic += rows.shares[row] * 0.25 * spring * (reach - r) * (reach - r); // of this end
+        if (friction)
+          along += friction->rub({row, entry, own, other, own_law, other_law, normal,
+                                  r * sphere[radius] / reach, r * of_other[radius] / reach, push,
+                                  spring, std::min(sphere[contact_area], of_other[contact_area])},
+                                 time_step, heat);
+      }
+      return force;
+    }
     /** The force and the position of now take the place of those of the step before. Adds the
      * work in between. */
-    void replace_force(unsigned int row, const dealii::Tensor<1, dim> &force,
-                       const double *position, double &work);
+    void replace_force(const unsigned int row, const dealii::Tensor<1, dim> &force,
+                       const double *const position, double &work)
+    {
+      const TouchingRows &rows = pairing.rows();
+      const auto [part, of_part] = rows.site(row);
+      const Columns &before = columns[part];
+      for (unsigned int d = 0; d < dim; ++d)
+        work += 0.5 * (before.force[d][of_part] + force[d]) *
+                (position[d] - before.position[d][of_part]);
+      for (std::size_t k = rows.start[row]; k < rows.start[row + 1]; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          columns[rows.sites[k].part].force[d][rows.sites[k].row] = force[d];
+          columns[rows.sites[k].part].position[d][rows.sites[k].row] = position[d];
+        }
+    }
 
     SpherePairs<dim> pairing;
     std::vector<PairLaw> laws;                       // of all pairs of parts

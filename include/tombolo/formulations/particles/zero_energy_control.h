@@ -3,18 +3,24 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/entries.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/row_block.h>
+#include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/state/material_points.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
-  class Entries;
-
   /**
    * A stiffness of what alternates from node to node, which nodal gradients hardly see. The
    * residual of a particle is what φ makes of the positions less its own, zero for any affine
@@ -35,7 +41,15 @@ namespace tombolo
   public:
     ZeroEnergyControl() = default;
     /** `Zero-energy stiffness` and `Zero-energy limit`. */
-    explicit ZeroEnergyControl(const Entries &e);
+    explicit ZeroEnergyControl(const Entries &e)
+        : coefficient(e.number(
+              "Zero-energy stiffness", "0.9", between(0., 4.), "1",
+              "With `Dilatation = of cells`: the stiffness of what alternates from node to "
+              "node, in shear moduli; 0: none.")),
+          limit(e.number("Zero-energy limit", "0.001", between(0., 1.), "1",
+                         "Its largest energy where material flows, in elastic energies of the "
+                         "deviator at the flow stress."))
+    {}
 
     /** The first entry that has not its default; empty: all have. */
     std::string changed_entry() const
@@ -56,36 +70,207 @@ namespace tombolo
     }
 
     /** Of particles with these V_I [L^dim] and h_I² [L^2]. */
-    void reset(const std::vector<double> &volumes, const std::vector<double> &squared_lengths);
-    void set_material(const Material &material);
+    void reset(const std::vector<double> &volumes, const std::vector<double> &squared_lengths)
+    {
+      has_particles = true;
+      volume = volumes;
+      volume.resize(padded_to_lanes(static_cast<unsigned int>(volumes.size())), 0.);
+      squared_length = squared_lengths;
+      squared_length.resize(volume.size(), 1.);
+    }
+    void set_material(const Material &material)
+    {
+      shear_modulus = material.shear_modulus();
+      factor = 16. * coefficient * shear_modulus;
+      can_flow = material.remembers("effective plastic strain");
+    }
 
     /** What points must hold; none if off. */
-    std::vector<FieldDescription> variables() const;
+    std::vector<FieldDescription> variables() const
+    {
+      if (!is_on())
+        return {};
+      const FieldLocation point = FieldLocation::material_point;
+      std::vector<FieldDescription> fields = {{energy_name, "M/(L T^2)", point, 1, true, 0., true}};
+      if (can_flow)
+      {
+        fields.push_back({slip_name, "L", point, 3, true, 0., true});
+        fields.push_back({loss_name, "M/(L T^2)", point, 1, true, 0., true});
+      }
+      return fields;
+    }
     /** Finds the fields in @p points. */
-    void initialize(const MaterialPoints &points);
+    void initialize(const MaterialPoints &points)
+    {
+      energy_field = points.find_field(energy_name);
+      if (!can_flow)
+        return;
+      slip_field = points.find_field(slip_name);
+      loss_field = points.find_field(loss_name);
+      strain_field = points.find_field("effective plastic strain");
+    }
 
     /** Remembers the plastic strains and stresses of the particles @p first, a multiple of n_lanes,
      * to @p last - 1 before the step. */
-    void begin(const MaterialPoints &points, unsigned int first, unsigned int last);
+    void begin(const MaterialPoints &points, const unsigned int first, const unsigned int last)
+    {
+      if (!can_flow)
+        return;
+      const double *const strain = points.component(strain_field, 0) + first;
+      const unsigned int n = padded_to_lanes(last - first);
+      strain_before.assign(strain, strain + n);
+      squared_stress_before.resize(n);
+      for (unsigned int p = 0; p < n; p += n_lanes)
+        store_lanes(squared_equivalent_stress(points, first + p), &squared_stress_before[p]);
+    }
     /** Advances their slip, with the spins of the step by component and particle, and turns their
      * r_I, node_stride doubles each, into k_I (r_I - s_I). */
-    void advance(MaterialPoints &points, unsigned int first, unsigned int last,
-                 const double *const spin[3], double *residuals) const;
+    void advance(MaterialPoints &points, const unsigned int first, const unsigned int last,
+                 const double *const spin[3], double *const residuals) const
+    {
+      double *const energy_density = points.component(energy_field, 0) + first;
+      for (unsigned int p = 0; p < last - first; p += n_lanes)
+      {
+        NodeLanes of_nodes[n_lanes];
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          of_nodes[lane] = first + p + lane < last ? load_node(residuals + node_stride * (p + lane))
+                                                   : NodeLanes(0.);
+        Lanes elastic[3];
+        nodes_to_lanes(of_nodes, elastic);
+        const Lanes area = load_lanes(&squared_length[first + p]);
+        const Lanes modulus = factor / area;
+        if (can_flow)
+          let_slip(points, first, p, spin, elastic);
+        store_lanes(
+            0.5 * modulus *
+                (elastic[0] * elastic[0] + elastic[1] * elastic[1] + elastic[2] * elastic[2]),
+            energy_density + p);
+        for (Lanes &component : elastic)
+          component *= modulus * load_lanes(&volume[first + p]);
+        lanes_to_nodes(elastic, of_nodes);
+        for (unsigned int lane = 0; lane < n_lanes && first + p + lane < last; ++lane)
+          store_node(of_nodes[lane], residuals + node_stride * (p + lane));
+      }
+    }
 
     /** Adds K v to @p force. */
     void apply_stiffness(const Stencils &shape, const NodalVector &velocity,
-                         NodalVector &force) const;
+                         NodalVector &force) const
+    {
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      {
+        const Stencils::Row row = shape.row(i);
+        const unsigned int own = shape.particle_node[i];
+        scatter(row, own, stiffness(i) * residual(row, own, velocity), force);
+      }
+    }
 
     /** Adds to the equations of the row of @p particle, in the block from @p first on, what its
      * residual adds, with a secant of what is limited and the slip of before the step. */
-    void add_tangent(const Stencils &shape, const MaterialPoints &points, unsigned int first,
-                     unsigned int particle, const NodalVector &position,
-                     CellEquations &equations) const;
+    void add_tangent(const Stencils &shape, const MaterialPoints &points, const unsigned int first,
+                     const unsigned int particle, const NodalVector &position,
+                     CellEquations &equations) const
+    {
+      const Stencils::Row row = shape.row(particle);
+      const unsigned int own = shape.particle_node[particle];
+      NodeLanes elastic = residual(row, own, position);
+      double squared = 0;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        if (can_flow)
+          elastic[d] -= points.component(slip_field, d)[particle];
+        squared += elastic[d] * elastic[d];
+      }
+      // D = a (I - e e) + b e e, with the direction e of r - s.
+      double across = stiffness(particle), along = across;
+      const double length = std::sqrt(squared);
+      const Range of_lanes = elastic_range(points, first, 0);
+      const double largest = of_lanes.length[particle - first];
+      if (length > largest)
+      {
+        const double beyond = of_lanes.beyond[particle - first];
+        across *= (largest + beyond * (length - largest)) / length;
+        along *= beyond;
+      }
+      const std::size_t n_nodes = equations.nodes.size();
+      const std::size_t dim = equations.force.size() / n_nodes;
+      std::vector<double> weight(n_nodes, 0.);
+      const auto add = [&](const unsigned int node, const double value)
+      {
+        const auto place = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
+        weight[static_cast<std::size_t>(place - equations.nodes.begin())] += value;
+      };
+      for (unsigned int n = 0; n < row.size; ++n)
+      {
+        add(row.neighbour[n], row.value[n]);
+        add(own, -row.value[n]);
+      }
+      for (std::size_t a = 0; a < n_nodes; ++a)
+        for (std::size_t d = 0; d < dim; ++d)
+        {
+          equations.force[dim * a + d] += across * weight[a] * elastic[d];
+          for (std::size_t e = 0; e < dim; ++e)
+          {
+            const double derivative =
+                (d == e ? across : 0.) +
+                (length > largest ? (along - across) * elastic[d] * elastic[e] / squared : 0.);
+            for (std::size_t b = 0; b < n_nodes; ++b)
+              equations.matrix[(dim * a + d) * n_nodes * dim + dim * b + e] +=
+                  derivative * weight[a] * weight[b];
+          }
+        }
+    }
 
     /** Adds "hourglass energy" and "viscous dissipation". */
-    void account(const MaterialPoints &points, EnergyAccounts &accounts) const;
+    void account(const MaterialPoints &points, EnergyAccounts &accounts) const
+    {
+      accounts.add("hourglass energy", EnergyKind::stored,
+                   integral_over_initial_volume(points, energy_name));
+      accounts.add("viscous dissipation", EnergyKind::artificial,
+                   integral_over_initial_volume(points, loss_name));
+    }
 
   private:
+    static inline const std::string slip_name = "zero-energy slip";
+    static inline const std::string energy_name = "zero-energy density";
+    static inline const std::string loss_name = "zero-energy loss";
+
+    static NodeLanes residual(const Stencils::Row &row, const unsigned int own,
+                              const NodalVector &values)
+    {
+      const NodeLanes origin = load_node(values.node(own));
+      NodeLanes sum = 0.;
+      for (unsigned int k = 0; k < row.size; ++k)
+        sum += row.value[k] * (load_node(values.node(row.neighbour[k])) - origin);
+      return sum;
+    }
+
+    /** The square of von Mises' stress of n_lanes points from @p i on. */
+    static Lanes squared_equivalent_stress(const MaterialPoints &points, const unsigned int i)
+    {
+      Lanes s[6];
+      for (unsigned int c = 0; c < 6; ++c)
+        s[c] = load_lanes(points.component(MaterialPoints::stress, c) + i);
+      return 0.5 * ((s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) +
+                    (s[2] - s[0]) * (s[2] - s[0])) +
+             3. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
+    }
+
+    static void scatter(const Stencils::Row &row, const unsigned int own,
+                        const NodeLanes &of_residual, NodalVector &force)
+    {
+      NodeLanes all = 0.;
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        const NodeLanes share = row.value[k] * of_residual;
+        double *const at = force.node(row.neighbour[k]);
+        store_node(load_node(at) + share, at);
+        all += share;
+      }
+      double *const at = force.node(own);
+      store_node(load_node(at) - all, at);
+    }
+
     double stiffness(const unsigned int i) const
     {
       return factor * volume[i] / squared_length[i];
@@ -97,11 +282,78 @@ namespace tombolo
       Lanes beyond = 1.;    ///< share of what is longer that stays
     };
     /** Of those from number @p p of the block from @p first on, after their stress is known. */
-    Range elastic_range(const MaterialPoints &points, unsigned int first, unsigned int p) const;
+    Range elastic_range(const MaterialPoints &points, const unsigned int first,
+                        const unsigned int p) const
+    {
+      Range result;
+      if (!can_flow)
+        return result;
+      const Lanes flow =
+          load_lanes(points.component(strain_field, 0) + first + p) - load_lanes(&strain_before[p]);
+      if (none_of(flow > 0.))
+        return result;
+      // A yield surface that moves lets a particle flow while its stress passes zero.
+      const Lanes stress = square_root(
+          max(squared_equivalent_stress(points, first + p), load_lanes(&squared_stress_before[p])));
+      where(flow > 0., result.length) =
+          stress * square_root((limit / (3. * shear_modulus * factor)) *
+                               load_lanes(&squared_length[first + p]));
+      where(flow > 0., result.beyond) = stress / (stress + 10. * shear_modulus * flow);
+      return result;
+    }
     /** Turns the slip of these particles by @p spin, takes it from their residuals, and lets it
      * take what is beyond their range. */
-    void let_slip(MaterialPoints &points, unsigned int first, unsigned int p,
-                  const double *const spin[3], Lanes (&elastic)[3]) const;
+    void let_slip(MaterialPoints &points, const unsigned int first, const unsigned int p,
+                  const double *const spin[3], Lanes (&elastic)[3]) const
+    {
+      double *slip[3];
+      Lanes of_slip[3], squared = 0.;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        slip[d] = points.component(slip_field, d) + first + p;
+        of_slip[d] = load_lanes(slip[d]);
+      }
+      const bool has_slip = any_of(of_slip[0] != 0. || of_slip[1] != 0. || of_slip[2] != 0.);
+      if (has_slip)
+      {
+        const Lanes of_step[3] = {load_lanes(spin[0] + p), load_lanes(spin[1] + p),
+                                  load_lanes(spin[2] + p)};
+        const Matrix3<Lanes> turn = rotation_of(of_step);
+        const Lanes former[3] = {of_slip[0], of_slip[1], of_slip[2]};
+        for (unsigned int d = 0; d < 3; ++d)
+          of_slip[d] = turn(d, 0) * former[0] + turn(d, 1) * former[1] + turn(d, 2) * former[2];
+      }
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        elastic[d] -= of_slip[d];
+        squared += elastic[d] * elastic[d];
+      }
+      const Range range = elastic_range(points, first, p);
+      const LaneMask is_beyond = squared > range.length * range.length;
+      if (any_of(is_beyond))
+      {
+        const Lanes length = square_root(squared);
+        Lanes kept = length, share = 1.;
+        where(is_beyond, kept) = range.length + range.beyond * (length - range.length);
+        where(is_beyond, share) = kept / length;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          of_slip[d] += (1. - share) * elastic[d];
+          elastic[d] *= share;
+        }
+        // Work is found from the mean of the forces at both ends of a step.
+        const Lanes area = load_lanes(&squared_length[first + p]);
+        const Lanes before = square_root(
+            (2. / factor) * load_lanes(points.component(energy_field, 0) + first + p) * area);
+        double *const loss = points.component(loss_field, 0) + first + p;
+        store_lanes(load_lanes(loss) + 0.5 * factor / area * (before + kept) * (length - kept),
+                    loss);
+      }
+      else if (!has_slip)
+        return;
+      for (unsigned int d = 0; d < 3; ++d)
+        store_lanes(of_slip[d], slip[d]);
+    }
 
     static constexpr double default_coefficient = 0.9, default_limit = 0.001;
 

@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/row_deformation.h>
+#include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/losing_cells.h>
+#include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
 #include <tombolo/formulations/smoothed/smoothed_point_state.h>
+#include <tombolo/formulations/step_cost.h>
+#include <tombolo/state/records.h>
 
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace tombolo
@@ -24,9 +35,15 @@ namespace tombolo
   class SmoothedCells : public LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(dealii::ParameterHandler &handler)
+    {
+      declare<SmoothedGradients<dim>>(handler);
+      declare<PartPoints>(handler, StrainMeasure::logarithmic);
+      declare<RefillSettings<dim>>(handler);
+      declare<ConversionCriterion>(handler);
+    }
 
-    explicit SmoothedCells(const Section &section);
+    explicit SmoothedCells(const Section &section) : Base(section), refill_settings(section) {}
 
     unsigned int degree() const override
     {
@@ -36,21 +53,91 @@ namespace tombolo
     {
       return MiddleNodes::free;
     }
-    StepCost step_cost(const Material &material, double box_ratio) const override;
-    void initialize(const PartSetup<dim> &of_part) override;
-    dealii::IndexSet required_nodes() const override;
-    void set_partition(const NodePartition &partition) override;
-    void add_mass(NodalVector &mass) const override;
-    void courant_limits(const NodalVector &position,
-                        std::vector<double> &time_steps) const override;
-    void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override;
+    StepCost step_cost(const Material &material, const double /*box_ratio*/) const override
+    {
+      constexpr double cost_per_point = 60.; // of an element's, by the time of a step
+      return StepCosts::of_elements(dim, 1, rows.n_points_per_cell(), cost_per_point, material);
+    }
+    void initialize(const PartSetup<dim> &of_part) override
+    {
+      setup = with_void_cells(of_part, refill_settings, criterion, voids);
+      part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
+      cell_points.take_cells(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
+      further_masses.initialize(setup);
+      if (refill().is_on())
+        rows.prepare_positions();
+      rows.initialize(setup);
+      CellBatches<dim> &cells = cell_points.cells();
+      if (setup.has_mechanics)
+        cell_points.create_points(rows.corner_shares(), void_cells().is_on()
+                                                            ? cells.n_batches_of_places()
+                                                            : cells.n_batches());
+      if (void_cells().is_on())
+      {
+        cell_points.remove(void_cells().of_cells(), this->points());
+        take_masses_of_void_cells();
+      }
+      integration.create_points();
+      criterion.initialize(this->points(), setup.has_mechanics);
+      cell_points.cells().release_initial_positions();
+    }
+    dealii::IndexSet required_nodes() const override
+    {
+      dealii::IndexSet nodes = rows.required_nodes();
+      nodes.add_indices(Base::required_nodes());
+      nodes.add_indices(further_masses.required_nodes());
+      return nodes;
+    }
+    void set_partition(const NodePartition &partition) override
+    {
+      Base::set_partition(partition);
+      further_masses.set_partition(partition);
+      rows.set_partition(partition);
+    }
+    void add_mass(NodalVector &mass) const override
+    {
+      Base::add_mass(mass);
+      further_masses.add_mass(mass);
+    }
+    void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
+    {
+      time_steps.assign(this->n_cells(), 1e300);
+      const CellBatches<dim> &cells = cell_points.cells();
+      const PointStiffness stiffness(part_points);
+      const double *const volumes = this->points().component(MaterialPoints::volume, 0);
+      const unsigned int n_points = this->n_points_per_cell();
+      for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+      {
+        Lanes x[n_corners][dim], total = 0.;
+        for (unsigned int k = 0; k < n_corners; ++k)
+          gather_nodes<dim>(position.data(), cells.nodes(batch) + k * n_lanes, x[k]);
+        const std::size_t first = std::size_t(batch) * n_points * n_lanes;
+        for (unsigned int q = 0; q < n_points; ++q)
+          total += load_lanes(volumes + first + q * n_lanes);
+        const Lanes time = characteristic_length<dim, 1>(x, total) /
+                           (this->material().longitudinal_wave_speed() *
+                            square_root(stiffness.squared_speed(first, n_points)));
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+          time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
+      }
+    }
+    void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override
+    {
+      Base::add_extra_mass(inertia, mass);
+      further_masses.add_extra_mass(inertia, mass);
+    }
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
       rows.add_conduction(cell_points.cells(), part_points.heat()->conductivity(), position,
                           of_conductivity, temperature, heat_rate);
     }
-    void add_plastic_heat(NodalVector &heat) override;
+    void add_plastic_heat(NodalVector &to_nodes) override
+    {
+      std::vector<double> of_cells;
+      cell_points.add_plastic_heat(part_points, to_nodes, &of_cells);
+      further_masses.add_shares(of_cells, to_nodes);
+    }
     bool is_removed(const unsigned int cell) const override
     {
       return void_cells().is_on() && void_cells().of_cells()[cell];
@@ -59,7 +146,21 @@ namespace tombolo
     {
       return void_cells().is_on();
     }
-    void list(Records &records) override;
+    void list(Records &records) override
+    {
+      records.archived(
+          [this](StateArchive &archive)
+          {
+            if (criterion.is_on())
+              lost_cells.serialize(this->n_cells(), part_points.heat() != nullptr, archive);
+            if (!refill().is_on())
+              return;
+            std::vector<double> masses = masses_of_cells();
+            archive.rows("mass of corners", n_corners, masses);
+            if (archive.is_reading())
+              cell_points.cells().set_masses(masses);
+          });
+    }
 
     void find_couplings(const NodeGroupAction &use) const override
     {
@@ -69,7 +170,14 @@ namespace tombolo
     {
       take_converted_cells(converted);
     }
-    void take_converted_cells(const std::vector<unsigned int> &converted) override;
+    void take_converted_cells(const std::vector<unsigned int> &converted) override
+    {
+      lost_cells.convert(converted, this->n_cells());
+      set_void_cells(lost_cells.flags());
+      take_masses_of_void_cells();
+      // Functions of the cells that are left end where those are that have become particles.
+      rows.initialize(setup, reference.partition() != nullptr ? &reference : nullptr);
+    }
     bool masses_move() const override
     {
       return refill().is_on();
@@ -85,7 +193,42 @@ namespace tombolo
     }
 
     /** The cells of this rank that have reached a limit of refill(). */
-    std::vector<unsigned int> distorted_cells(const NodalVector &position) const;
+    std::vector<unsigned int> distorted_cells(const NodalVector &position) const
+    {
+      constexpr double smallest_ratio = 0.2; // of the volume to that at the last refill
+      const double limit = refill().stretch * refill().stretch;
+      const auto is_distorted = [&](const unsigned int point)
+      {
+        const dealii::Tensor<2, dim> f = row_deformation<dim>(rows.stencils(), point, position);
+        if (determinant(f) <= smallest_ratio)
+          return true;
+        const dealii::SymmetricTensor<2, dim> squared = symmetrize(transpose(f) * f);
+        // Gershgorin's bounds of the eigenvalues mostly tell.
+        double lower = std::numeric_limits<double>::max(), upper = 0;
+        for (unsigned int a = 0; a < dim; ++a)
+        {
+          double radius = 0;
+          for (unsigned int b = 0; b < dim; ++b)
+            radius += b == a ? 0. : std::abs(squared[a][b]);
+          lower = std::min(lower, squared[a][a] - radius);
+          upper = std::max(upper, squared[a][a] + radius);
+        }
+        if (upper <= limit * lower)
+          return false;
+        const auto squares = eigenvalues(squared); // falling
+        return squares[0] > limit * squares[dim - 1];
+      };
+      std::vector<unsigned int> result;
+      for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
+      {
+        bool is_found = false;
+        for (unsigned int q = 0; q < this->n_points_per_cell() && !is_removed(cell); ++q)
+          is_found = is_found || is_distorted(this->point_of_cell(cell, q));
+        if (is_found)
+          result.push_back(cell);
+      }
+      return result;
+    }
 
     const VoidCells<dim> &void_cells() const
     {
@@ -94,7 +237,11 @@ namespace tombolo
 
     /** Fills and empties cells: points get other numbers, and renew_reference() must follow. Only
      * where void_cells() are on. Collective. */
-    void set_void_cells(const std::vector<bool> &is_void);
+    void set_void_cells(const std::vector<bool> &is_void)
+    {
+      voids.set(is_void);
+      cell_points.remove(is_void, this->points());
+    }
 
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     const std::vector<double> &masses_of_cells() const
@@ -114,7 +261,12 @@ namespace tombolo
     /** Takes these positions as the reference configuration; required_nodes() stay. Rows must not
      * be used before set_partition(). Throws the InputError of SmoothedGradients::initialize(), and
      * stays as it is. Collective. */
-    void renew_reference(const NodalVector &position);
+    void renew_reference(const NodalVector &position)
+    {
+      rows.initialize(setup, &position);
+      if (criterion.is_on())
+        reference = position.copy();
+    }
 
     SmoothedPointState<dim> point_state()
     {
@@ -123,7 +275,14 @@ namespace tombolo
     ///@}
 
   private:
-    void take_masses_of_void_cells();
+    void take_masses_of_void_cells()
+    {
+      std::vector<double> masses = masses_of_cells();
+      for (unsigned int cell = 0; cell < this->n_cells(); ++cell)
+        if (is_removed(cell))
+          std::fill_n(masses.begin() + std::ptrdiff_t(cell) * n_corners, n_corners, 0.);
+      set_masses(masses);
+    }
 
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
     using Base = LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>;

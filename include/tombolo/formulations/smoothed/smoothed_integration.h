@@ -2,8 +2,15 @@
 #pragma once
 
 #include <tombolo/formulations/elements/cell_points.h>
+#include <tombolo/formulations/elements/cell_size.h>
+#include <tombolo/formulations/mean_dilatation.h>
+#include <tombolo/formulations/point_stiffness.h>
+#include <tombolo/formulations/point_sweep.h>
+#include <tombolo/formulations/row_block.h>
+#include <tombolo/formulations/row_stiffness.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <type_traits>
@@ -30,21 +37,139 @@ namespace tombolo
 
     /** Makes the points of @p part with the volumes of the rows. With void cells there are points
      * for all cells. */
-    void create_points();
+    void create_points()
+    {
+      if (!part.has_mechanics())
+        return;
+      part.create(points.n_points_of_places());
+      const CellBatches<dim> &cells = points.cells();
+      for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
+        for (unsigned int q = 0; q < points.n_points_per_cell(); ++q)
+        {
+          const unsigned int point = points.point_of_place(place, q);
+          part.points().component(MaterialPoints::volume, 0)[point] = rows.volumes()[point];
+        }
+      part.begin_with_volumes(dim);
+    }
 
     /** @name As in Formulation */
     ///@{
-    void add_internal_force(const MechanicalInput &input, NodalVector &force);
+    void add_internal_force(const MechanicalInput &input, NodalVector &force)
+    {
+      failure_message.clear();
+      with_points(
+          [&](const auto number)
+          {
+            constexpr unsigned int n_points = decltype(number)::value;
+            constexpr unsigned int batch_size = n_points * n_lanes;
+            BatchMotion<n_points> motion;
+            PointSweep<batch_size> sweep(part, input.time_increment);
+            MotionIncrement<Lanes> increments[n_points];
+            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            {
+              const std::size_t first = std::size_t(batch) * batch_size;
+              find_motion(batch, *input.position, *input.velocity, motion);
+              note_failure(batch, input, motion);
+              sweep.begin(first, batch_size);
+              // The middle of the step is that of the motion itself, as in
+              // FullyIntegratedHexahedron.
+              for (unsigned int q = 0; q < n_points; ++q)
+                for (unsigned int i = 0; i < dim; ++i)
+                  motion.gradient[q](i, i) -= motion.shared[q];
+              sweep.move_cells(
+                  0, points.cells().n_valid(batch), motion.gradient, motion.volume,
+                  part.is_logarithmic(), increments,
+                  [&](MotionIncrement<Lanes>(&of_points)[n_points])
+                  { MeanDilatation::share<dim>(part.is_logarithmic(), motion.volume, of_points); });
+              if (part.heating().is_on())
+                points.interpolate(batch, *input.temperature, sweep.nodal_temperature);
+              sweep.update_stress();
+              sweep.update_viscosity();
+              Lanes stress[n_points][6];
+              for (unsigned int q = 0; q < n_points; ++q)
+                part.integrate_stress(first + q * n_lanes, stress[q]);
+              scatter(batch, stress, motion, force);
+            }
+          });
+    }
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 double time_step, NodalVector &force) const;
+                                 const double time_step, NodalVector &force) const
+    {
+      with_points(
+          [&](const auto number)
+          {
+            constexpr unsigned int n_points = decltype(number)::value;
+            const PointStiffness stiffness(part, time_step);
+            BatchMotion<n_points> motion;
+            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            {
+              find_motion(batch, position, velocity, motion);
+              Lanes stress[n_points][6];
+              for (unsigned int q = 0; q < n_points; ++q) // scatter() subtracts
+                stiffness.find_stress((std::size_t(batch) * n_points + q) * n_lanes,
+                                      motion.gradient[q], -motion.volume[q], stress[q]);
+              scatter(batch, stress, motion, force);
+            }
+          });
+    }
     /** See Formulation::find_volumes(). */
-    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new);
+    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new)
+    {
+      with_points(
+          [&](const auto number)
+          {
+            constexpr unsigned int n_points = decltype(number)::value;
+            BatchMotion<n_points> motion;
+            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            {
+              find_motion(batch, position, position, motion); // of which the volumes matter
+              MeanDilatation::take_volumes(part.points(), std::size_t(batch) * n_points * n_lanes,
+                                           motion.volume, part.is_logarithmic(), are_new);
+            }
+          });
+    }
     const std::string &failure() const
     {
       return failure_message;
     }
     void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take);
+                             const std::function<void(const CellEquations &)> &take)
+    {
+      with_points(
+          [&](const auto number)
+          {
+            constexpr unsigned int n_points = decltype(number)::value;
+            using Stiffness = RowStiffness<dim, n_points>;
+            constexpr unsigned int batch_size = n_points * n_lanes;
+            const auto stiffness = std::make_unique<Stiffness>(part, true, input.time_increment);
+            const Stencils &stencils = rows.stencils();
+            alignas(64) double temperature[batch_size];
+            typename Stiffness::Gradients gradients;
+            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            {
+              const std::size_t first = std::size_t(batch) * batch_size;
+              for (unsigned int q = 0; q < n_points; ++q)
+              {
+                RowBlock::gather_gradients<dim>(
+                    stencils, first + q * n_lanes, n_lanes, input.position->data(),
+                    input.velocity->data(), gradients.deformation[q], gradients.displacement[q]);
+                for (Lanes &entry : gradients.displacement[q].entry)
+                  entry *= input.time_increment;
+                gradients.volume[q] = load_lanes(rows.volumes().data() + first + q * n_lanes);
+              }
+              if (part.heating().is_on())
+                points.interpolate(batch, *input.temperature, temperature);
+              stiffness->find(first, gradients, temperature);
+              for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+              {
+                std::array<Stencils::Row, n_points> of_cell{};
+                for (unsigned int q = 0; q < n_points; ++q)
+                  of_cell[q] = stencils.row(static_cast<unsigned int>(first) + q * n_lanes + lane);
+                stiffness->hand_over(lane, of_cell, take);
+              }
+            }
+          });
+    }
     std::string unfit_to_linearize() const
     {
       return part.unfit_to_linearize();
@@ -52,20 +177,80 @@ namespace tombolo
     ///@}
 
   private:
+    /** The motion of a batch of cells. */
+    template <unsigned int n_points>
+    struct BatchMotion
+    {
+      Matrix3<Lanes> inverse_transpose[n_points]; // F⁻ᵀ
+      Matrix3<Lanes> gradient[n_points];          // L, the dilatation shared
+      Lanes shared[n_points];                     // what that added to the diagonal
+      Lanes volume[n_points];                     // det F V_q, of unused lanes too
+      alignas(64) double columns[n_points * n_lanes][3][node_stride];
+    };
+
     template <unsigned int n_points>
     struct BatchMotion;
 
     /** F⁻ᵀ, L and the volumes of the points of a batch, the dilatation shared. */
     template <unsigned int n_points>
-    void find_motion(unsigned int batch, const NodalVector &position, const NodalVector &velocity,
-                     BatchMotion<n_points> &motion) const;
+    void find_motion(const unsigned int batch, const NodalVector &position,
+                     const NodalVector &velocity, BatchMotion<n_points> &motion) const
+    {
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        Matrix3<Lanes> deformation, gradient;
+        RowBlock::gather_gradients<dim>(rows.stencils(),
+                                        (std::size_t(batch) * n_points + q) * n_lanes, n_lanes,
+                                        position.data(), velocity.data(), deformation, gradient);
+        Lanes det;
+        const Matrix3<Lanes> inverse_deformation = inverse(deformation, det);
+        motion.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
+        motion.gradient[q] = multiply(gradient, inverse_deformation);
+        motion.volume[q] =
+            det * load_lanes(rows.volumes().data() + (std::size_t(batch) * n_points + q) * n_lanes);
+      }
+      MeanDilatation::share_gradient<dim>(motion.volume, motion.gradient, motion.shared);
+    }
     /** Subtracts the nodal forces of stresses that come multiplied by the volumes. */
     template <unsigned int n_points>
-    void scatter(unsigned int batch, const Lanes (&stress)[n_points][6],
-                 BatchMotion<n_points> &motion, NodalVector &force) const;
+    void scatter(const unsigned int batch, const Lanes (&stress)[n_points][6],
+                 BatchMotion<n_points> &motion, NodalVector &force) const
+    {
+      const Lanes mean = MeanDilatation::mean_pressure<dim>(motion.volume, stress);
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const Lanes difference =
+            motion.volume[q] * mean - (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress[q]);
+        Matrix3<Lanes> cauchy = symmetric_matrix(stress[q]);
+        for (unsigned int i = 0; i < dim; ++i)
+          cauchy(i, i) += difference;
+        RowBlock::store_columns(multiply(cauchy, motion.inverse_transpose[q]),
+                                motion.columns[q * n_lanes][0]);
+      }
+      const Stencils &stencils = rows.stencils();
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+          RowBlock::subtract_row(stencils.row((batch * n_points + q) * n_lanes + lane),
+                                 motion.columns[q * n_lanes + lane][0], force.data());
+    }
     template <unsigned int n_points>
-    void note_failure(unsigned int batch, const MechanicalInput &input,
-                      const BatchMotion<n_points> &motion);
+    void note_failure(const unsigned int batch, const MechanicalInput &input,
+                      const BatchMotion<n_points> &motion)
+    {
+      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+        for (unsigned int q = 0; q < n_points; ++q)
+          if (!(motion.volume[q][lane] > 0.) && failure_message.empty())
+          {
+            constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
+            dealii::Point<dim> centre;
+            for (unsigned int k = 0; k < n_corners; ++k)
+              for (unsigned int d = 0; d < dim; ++d)
+                centre[d] +=
+                    input.position->node(points.cells().nodes(batch)[k * n_lanes + lane])[d] /
+                    n_corners;
+            failure_message = describe_unusable_cell<dim>(centre, centre, motion.volume[q][lane]);
+          }
+    }
     /** Calls @p use with the number of points of a cell as an integral constant. */
     template <typename Use>
     void with_points(const Use &use) const
