@@ -57,7 +57,11 @@ namespace tombolo
       const double damping =
           e.number("Damping", "0.5", from_to(0., 1.), "",
                    "Fraction of critical damping while a node approaches, from 0 to 1.");
-      law = ContactLaw(stiffness, damping);
+      const bool damps_return =
+          e.flag("Damp return", "false",
+                 "The damper also acts while a node leaves, and takes what the spring has stored, "
+                 "but never pulls: for an impact, with `Damping = 1`.");
+      law = ContactLaw(stiffness, damping, damps_return);
     }
     read_friction(
         e, "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless contact. In scenes "

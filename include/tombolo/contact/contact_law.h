@@ -14,7 +14,7 @@ namespace tombolo
   {
     double stiffness = 0;                ///< k; zero without contact [M/T^2]
     double depth = 0;                    ///< δ [L]
-    double damping_force = 0;            ///< c ⟨δ̇⟩ [M L/T^2]
+    double damping_force = 0;            ///< c δ̇ >= -k δ [M L/T^2]
     dealii::Tensor<1, dim> elastic_slip; ///< displacement along the surface before slip [L]
     /** Its length before Coulomb's limit, in this step; zero without friction [L]. */
     double trial_slip = 0;
@@ -26,13 +26,13 @@ namespace tombolo
       return stiffness > 0.;
     }
 
-    /** k δ + c ⟨δ̇⟩ [M L/T^2]. */
+    /** ⟨k δ + c δ̇⟩ [M L/T^2]. */
     double normal_force() const
     {
       return stiffness * depth + damping_force;
     }
 
-    /** (k δ + c ⟨δ̇⟩) n - k s [M L/T^2]. */
+    /** ⟨k δ + c δ̇⟩ n - k s [M L/T^2]. */
     dealii::Tensor<1, dim> force(const dealii::Tensor<1, dim> &normal) const
     {
       return normal_force() * normal - stiffness * elastic_slip;
@@ -50,11 +50,13 @@ namespace tombolo
    * Hybrid thermo-mechanical contact algorithm for 3D SPH-FEM multi-physics simulations, eqs 7-13):
    * a mass m with the penetration δ along the unit normal n gets the force
    *
-   *   f = (k δ + c ⟨δ̇⟩) n - k s,  k = α m/Δt²,  c = 2 ζ √(k m),  |k s| <= μ (k δ + c ⟨δ̇⟩),
+   *   f = ⟨k δ + c δ̇⟩ n - k s,  k = α m/Δt²,  c = 2 ζ √(k m),  |k s| <= μ ⟨k δ + c δ̇⟩,
    *
-   * where ⟨δ̇⟩ is the positive part of the speed of approach, so that there is no adhesion, and s
-   * the elastic slip, which Coulomb's limit reduces. Δt is a stable time step, or another time that
-   * is short against the motion. k is chosen at the first touch and is never increased afterwards.
+   * where ⟨⟩ is the positive part, so that there is no adhesion, and s the elastic slip, which
+   * Coulomb's limit reduces. Δt is a stable time step, or another time that is short against the
+   * motion. k is chosen at the first touch and is never increased afterwards. The damper acts on
+   * approach, and where it damps the return also while the mass leaves, so that springs do not
+   * throw back what has arrived.
    *
    * Dissipated energies are computed from the motion over a step with the mean of the forces at
    * both of its ends, so that stored and dissipated energies sum to the work of the forces where
@@ -65,9 +67,10 @@ namespace tombolo
   public:
     ContactLaw() = default;
 
-    /** @p stiffness is α, @p damping the fraction ζ of critical damping. */
-    ContactLaw(const double stiffness, const double damping)
-        : stiffness_factor(stiffness), damping_ratio(damping)
+    /** @p stiffness is α, @p damping the fraction ζ of critical damping, also while the mass leaves
+     * where @p damps_return. */
+    ContactLaw(const double stiffness, const double damping, const bool damps_return = false)
+        : stiffness_factor(stiffness), damping_ratio(damping), damps_return(damps_return)
     {}
 
     /** The same springs without dampers. */
@@ -82,12 +85,15 @@ namespace tombolo
       return stiffness_factor * mass / (time_step * time_step);
     }
 
-    /** c ⟨δ̇⟩ where the surfaces approach by @p approach over @p time_step. */
-    double damping_force(const double stiffness, const double mass, const double approach,
+    /** c δ̇, at least -k δ or without damping of the return 0, where @p spring has come by
+     * @p approach over @p time_step to where it is. */
+    template <int dim>
+    double damping_force(const ContactSpring<dim> &spring, const double mass, const double approach,
                          const double time_step) const
     {
-      const double viscosity = 2. * damping_ratio * std::sqrt(stiffness * mass);
-      return viscosity * std::max(approach, 0.) / time_step;
+      const double viscosity = 2. * damping_ratio * std::sqrt(spring.stiffness * mass);
+      return std::max(viscosity * approach / time_step,
+                      damps_return ? std::min(0., -spring.stiffness * spring.depth) : 0.);
     }
 
     /** Moves @p spring to the penetration @p depth after the relative @p motion over @p time_step,
@@ -103,8 +109,7 @@ namespace tombolo
       spring.stiffness = before.is_closed() ? std::min(before.stiffness, allowed) : allowed;
       spring.depth = depth;
       const double approach = -(motion * normal);
-      spring.damping_force =
-          time_step > 0. ? damping_force(spring.stiffness, mass, approach, time_step) : 0.;
+      spring.damping_force = time_step > 0. ? damping_force(spring, mass, approach, time_step) : 0.;
       dissipated += 0.5 * (before.damping_force + spring.damping_force) * approach;
       if (before.is_closed() && before.stiffness > spring.stiffness)
       {
@@ -150,11 +155,12 @@ namespace tombolo
 
     /** The fraction x of a stable step Δt of the bodies at which the fastest mode of a node is
      * stable with one spring of stiffness(m, Δt) and its damper. Its 4/Δt² and α/Δt² add up, and
-     * the damper, whose force is that of the velocity half a step before, acts in the half period
-     * of approach: (4 + α) x² + 2 ζ √α x = 4. */
+     * the force of the damper is that of the velocity half a step before: (4 + α) x² + 4 ζ √α x =
+     * 4, with half of the second term where it acts in the half period of approach alone. */
     double stable_fraction() const
     {
-      return stable_fraction(4. + stiffness_factor, damping_ratio * std::sqrt(stiffness_factor));
+      return stable_fraction(4. + stiffness_factor, (damps_return ? 2. : 1.) * damping_ratio *
+                                                        std::sqrt(stiffness_factor));
     }
 
     /** The positive root of springs x² + 2 dampers x = 4. */
@@ -166,5 +172,6 @@ namespace tombolo
   private:
     double stiffness_factor = 1.; ///< α
     double damping_ratio = 0.;    ///< ζ
+    bool damps_return = false;
   };
 } // namespace tombolo
