@@ -64,28 +64,35 @@ namespace tombolo
       return;
     const unsigned int n_owned = model.state.partition()->n_owned();
     const std::vector<bool> move_alone = model.bridge->mass_split().move_alone();
+    const auto is_early = [&](const GroupedCells<dim> &cells, const unsigned int batch)
+    {
+      const std::vector<unsigned int> nodes = cells.nodes_of({1, batch, batch + 1});
+      return std::all_of(nodes.begin(), nodes.end(),
+                         [&](const unsigned int node)
+                         { return node < n_owned && move_alone[node]; });
+    };
     for (std::size_t p = 0; p < model.parts.size(); ++p)
     {
       auto *const of_part = dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
       if (of_part == nullptr || !of_part->can_be_grouped())
         continue;
-      // Some microseconds.
+      // Some microseconds, and whole blocks of CellIntegration: fewer cells are not worth it.
       constexpr unsigned int n_points_of_lane = 16;
       const unsigned int n_batches_of_piece = std::max(
           1u, n_points_of_lane / std::max(1u, model.parts[p].formulation->n_points_per_cell()));
-      bool were_early = false;
-      for (unsigned int batch = 0; batch < of_part->groups().front().end_batch; ++batch)
+      const unsigned int n_batches = of_part->groups().front().end_batch;
+      for (unsigned int begin = 0, end; begin < n_batches; begin = end)
       {
-        const std::vector<unsigned int> nodes = of_part->nodes_of({1, batch, batch + 1});
-        const bool are_early = std::all_of(nodes.begin(), nodes.end(),
-                                           [&](const unsigned int node)
-                                           { return node < n_owned && move_alone[node]; });
-        std::vector<Cells> &list = are_early ? early : late;
-        if (batch > 0 && are_early == were_early)
-          ++list.back().batches.end_batch;
+        const bool are_early = is_early(*of_part, begin);
+        for (end = begin + 1; end < n_batches && is_early(*of_part, end) == are_early; ++end)
+          ;
+        const bool are_worth_it = are_early && end - begin >= n_batches_of_piece;
+        if (!are_worth_it && !late.empty() && late.back().part == p &&
+            late.back().batches.end_batch == begin)
+          late.back().batches.end_batch = end;
         else
-          list.push_back({p, of_part, {1, batch, batch + 1}, n_batches_of_piece});
-        were_early = are_early;
+          (are_worth_it ? early : late)
+              .push_back({p, of_part, {1, begin, end}, n_batches_of_piece});
       }
     }
   }
