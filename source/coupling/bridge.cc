@@ -24,7 +24,6 @@ namespace tombolo
                       const std::vector<std::vector<double>> &row_weights)
   {
     momentum_is_current = velocity_is_current = false;
-    ++n_calls_of_reinit;
     loads.forget_rows();
     split.reinit(partition, {particle_parts, element_mass, constrained, weights, row_weights});
 

@@ -4,7 +4,6 @@
 #include <tombolo/model/model.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace tombolo
 {
@@ -13,7 +12,11 @@ namespace tombolo
   {
     next = 0;
     next_batch = 0;
-    if (std::exchange(revision, model.bridge->revision()) != model.bridge->revision())
+    const bool has_changed =
+        partition != model.state.partition() || revision != model.revisions.cells;
+    partition = model.state.partition();
+    revision = model.revisions.cells;
+    if (has_changed)
       find_cells(model);
   }
 
@@ -62,7 +65,7 @@ namespace tombolo
         model.bridge->is_trace() || model.signals.part_force.is_connected() ||
         !model.step_groups.parts.empty())
       return;
-    const unsigned int n_owned = model.state.partition()->n_owned();
+    const unsigned int n_owned = partition->n_owned();
     const std::vector<bool> move_alone = model.bridge->mass_split().move_alone();
     const auto is_early = [&](const GroupedCells<dim> &cells, const unsigned int batch)
     {

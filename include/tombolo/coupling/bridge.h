@@ -188,12 +188,6 @@ namespace tombolo
     }
 
     /** The masses that S and Φ are made of. */
-    /** Calls of reinit(). */
-    unsigned int revision() const
-    {
-      return n_calls_of_reinit;
-    }
-
     const MassSplit &mass_split() const
     {
       return split;
@@ -229,7 +223,6 @@ namespace tombolo
     SmoothingSettings settings;
     bool trace;
     Quantity quantity;
-    unsigned int n_calls_of_reinit = 0;
     bool momentum_is_current = false; // it is that of the unsmoothed velocity
     bool velocity_is_current = false; // it is S of the unsmoothed velocity
 

@@ -6,7 +6,7 @@
 #include <tombolo/state/nodal_vector.h>
 
 #include <cstddef>
-#include <limits>
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -55,8 +55,10 @@ namespace tombolo
     void find_cells(const Model<dim> &model);
 
     std::vector<Cells> early, late;
-    std::size_t next = 0;                                             // of the early ones
-    unsigned int next_batch = 0;                                      // within these
-    unsigned int revision = std::numeric_limits<unsigned int>::max(); // Bridge::revision()
+    std::size_t next = 0;        // of the early ones
+    unsigned int next_batch = 0; // within these
+    // For which cells were found.
+    std::shared_ptr<const NodePartition> partition;
+    unsigned long revision = 0; // Revisions::cells
   };
 } // namespace tombolo
