@@ -53,7 +53,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double LocalShortening<dim>::smallest_ratio(const Model<dim> &model) const
+  bool LocalShortening<dim>::exceeds(const Model<dim> &model, const double fraction) const
   {
     const std::vector<std::vector<double>> present = times_of(model);
     double smallest = std::numeric_limits<double>::max();
@@ -66,12 +66,12 @@ namespace tombolo
     for (std::size_t p = 0; p < std::min(times.size(), present.size()); ++p)
       is_comparable[p] = times[p].size() == present[p].size() ? 1 : 0;
     Utilities::MPI::min(is_comparable, model.communicator, is_comparable);
-    double ratio = 1.;
+    int result = 0;
     for (std::size_t p = 0; p < present.size(); ++p)
       for (std::size_t i = 0; is_comparable[p] == 1 && i < present[p].size(); ++i)
-        if (present[p][i] < 2. * smallest)
-          ratio = std::min(ratio, present[p][i] / times[p][i]);
-    return Utilities::MPI::min(ratio, model.communicator);
+        if (present[p][i] < 2. * smallest && present[p][i] < (1. - fraction) * times[p][i])
+          result = 1;
+    return Utilities::MPI::max(result, model.communicator) == 1;
   }
 
   template <int dim>
@@ -121,11 +121,9 @@ namespace tombolo
                   "At the latest every so many steps the check is made whether the limit must be "
                   "estimated anew; more often while cells or supports change fast.");
     e.alias("Check interval", "Look interval");
-    reestimation_threshold = e.number(
-        "Re-estimation threshold", "0.05", between(0., 1.), "",
-        "The estimate is repeated when a length over wave speed near the smallest has lost this "
-        "fraction since the last one, or the smallest has grown by it. Until then the limit falls "
-        "as these lengths do.");
+    reestimation_threshold = e.number("Re-estimation threshold", "0.03", between(0., 1.), "",
+                                      "The estimate is repeated when the smallest length over wave "
+                                      "speed has changed by this fraction since the last one.");
     e.alias("Re-estimation threshold", "Change that matters");
     longest_estimate_interval =
         e.integer("Estimate interval", "40", between(1, 1000000),
@@ -152,15 +150,16 @@ namespace tombolo
         const double courant = tombolo::courant_limit(model).time_step;
         adapt_interval(clock.step - step_of_check, courant);
         step_of_check = clock.step;
+        const bool has_changed =
+            std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
         // In an impact one cell shortens by tenths while the shortest stays as it is.
-        const double shortened =
-            has_limit ? std::min(shortening.smallest_ratio(model), courant / courant_at_estimate)
-                      : 1.;
-        const bool has_changed = shortened < 1. - reestimation_threshold ||
-                                 courant > (1. + reestimation_threshold) * courant_at_estimate;
+        constexpr double local_over_global = 2.;
+        const bool has_shortened =
+            has_limit && !has_changed &&
+            shortening.exceeds(model, local_over_global * reestimation_threshold);
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
-        if (!has_limit || has_changed || estimate_is_due)
+        if (!has_limit || has_changed || has_shortened || estimate_is_due)
         {
           is_renewed = false;
           const double last = present.time_step;
@@ -168,13 +167,10 @@ namespace tombolo
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
-          estimated_step = present.time_step;
           shortening.remember(model);
           has_limit = true;
           ++count;
         }
-        else
-          present.time_step = std::min(shortened, 1.) * estimated_step;
       }
     }
     if (fixed == 0.)
@@ -223,12 +219,12 @@ namespace tombolo
   template <int dim>
   void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
   {
-    // In an impact cells shrink by tenths within few steps: the next check comes long before the
-    // threshold is reached, as far as the last one tells, since the limit falls at checks only.
+    // In an impact cells shrink by tenths within few steps: the next check comes before the
+    // threshold is reached, as far as the last one tells.
     const double change =
         std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
     const double most = std::min(2. * steps_to_check, double(check_interval));
-    const double wanted = courant_at_check > 0. ? 0.2 * reestimation_threshold /
+    const double wanted = courant_at_check > 0. ? 0.5 * reestimation_threshold /
                                                       std::max(change, 1e-12) * double(steps)
                                                 : 1.;
     steps_to_check = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
@@ -262,15 +258,8 @@ namespace tombolo
     records.value("smallest", smallest_step);
     records.value("largest", largest_step);
     records.value("estimates", count);
-    records.archived(
-        [this, &model](StateArchive &archive)
-        {
-          if (archive.has("estimated step"))
-            archive("estimated step", estimated_step);
-          else
-            estimated_step = present.time_step;
-          shortening.serialize(archive, model);
-        });
+    records.archived([this, &model](StateArchive &archive)
+                     { shortening.serialize(archive, model); });
     estimator->list(records.group("spectral estimator"), model);
   }
 

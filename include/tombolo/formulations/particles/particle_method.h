@@ -300,7 +300,7 @@ namespace tombolo
     static constexpr double per_neighbour = 4.;       // deformation and force
     static constexpr double per_smoothing = 4.;       // velocity and motion with Φ
     static constexpr double per_sharpening = 7.;      // Φ again, for γ
-    static constexpr double per_affine_term = 9.;     // velocity gradient and moments
+    static constexpr double per_affine_term = 2.5;    // velocity gradient and moments
     static constexpr double own_rows = 1.25;          // where rows are not shared by particles
     static constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
 

@@ -25,9 +25,9 @@ namespace tombolo
     /** Keeps the length over wave speed of each cell and particle of this rank. */
     void remember(const Model<dim> &model);
 
-    /** The smallest ratio to what it was at remember() of those within twice the smallest of all,
-     * at most one. Parts whose cells are others since then do not count. Collective. */
-    double smallest_ratio(const Model<dim> &model) const;
+    /** Whether any of those within twice the smallest of all has lost more than @p fraction since
+     * remember(). Parts whose cells are others since then do not count. Collective. */
+    bool exceeds(const Model<dim> &model, double fraction) const;
 
     /** Writes to a checkpoint or reads from it, by cell and particle. Collective. */
     void serialize(StateArchive &archive, const Model<dim> &model);
@@ -107,7 +107,7 @@ namespace tombolo
 
     StepLimit present;
     bool has_limit = false;
-    double courant_at_estimate = 0, estimated_step = 0;
+    double courant_at_estimate = 0;
     /** Chooses when to check again, from the change over so many @p steps. */
     void adapt_interval(unsigned long steps, double courant);
     /** Doubles the time to the next estimate for renewed kernels while the last changed little from

@@ -76,26 +76,6 @@ TEST(StepSize, is_estimated_again_where_cells_have_changed_by_the_threshold)
   EXPECT_EQ(n_estimates("0.05", 1.005), 3u); // 1.005^10 is above 1.05
 }
 
-TEST(StepSize, falls_with_lengths_between_estimates_and_does_not_grow)
-{
-  double first = 0;
-  for_scaled_body("0.2", 0.995,
-                  [&](const StepSize<3> &step_size, const unsigned long step)
-                  {
-                    const double limit = step_size.limit().time_step;
-                    first = step == 0 ? limit : first;
-                    EXPECT_NEAR(limit, first * std::pow(0.995, step), 1e-12 * first);
-                    EXPECT_EQ(step_size.n_estimates(), 1u);
-                  });
-  for_scaled_body("0.2", 1.005,
-                  [&](const StepSize<3> &step_size, const unsigned long step)
-                  {
-                    const double limit = step_size.limit().time_step;
-                    first = step == 0 ? limit : first;
-                    EXPECT_EQ(limit, first);
-                  });
-}
-
 TEST(CourantLimit, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
 {
   FrozenBody<3> body(particles("1.8", "paper", 0.49));
