@@ -74,7 +74,9 @@ namespace tombolo
     }
 
   private:
+    /** Smooths the velocities, and finds forces that need no smoothed ones while these travel. */
     void smooth_velocity(const Clock &clock);
+    /** Adds the other forces of the parts. */
     void add_internal_force(const Clock &clock);
     /** Has @p add_force add forces of a part, and notes what it has failed at. */
     void evaluate_part(std::size_t number, const Clock &clock,
