@@ -213,7 +213,7 @@ namespace tombolo
     if (fixed > 0.)
       return fixed;
     // What contacts leave is all that is stable, and lengths may have lost the threshold since.
-    const double of_contacts = stable_fraction < 1. ? (1. - reestimation_threshold) : 1.;
+    const double of_contacts = stable_fraction < 1. ? 1. - reestimation_threshold : 1.;
     const double step =
         round_down(std::min(safety_factor, of_contacts * stable_fraction) * present.time_step);
     return maximum > 0. ? std::min(step, maximum) : step;

@@ -7,9 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <functional>
-
 using namespace tombolo;
 using namespace tombolo::testing;
 
@@ -34,42 +31,30 @@ INSTANTIATE_TEST_SUITE_P(
                            {4, 4, 3}),
                       with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
 
-/** Calls @p look(StepSize, step) in each of the steps in which all lengths become @p factor times
- * as long. */
-void for_scaled_body(const std::string &threshold, const double factor,
-                     const std::function<void(const StepSize<3> &, unsigned long)> &look)
-{
-  Parameters parameters(MPI_COMM_WORLD);
-  parameters.read_text(parameters_of(with(elements("hexahedron", "", 0.3), "", "", {2, 2, 2})) +
-                           "subsection Time step\nset Check interval = 1\nset Re-estimation "
-                           "threshold = " +
-                           threshold + "\nend\n",
-                       "test.prm");
-  Model<3>::declare_parameters(parameters);
-  declare_section<StepSize<3>>(parameters, "Time step");
-  parameters.assign();
-  Model<3> model(parameters, MPI_COMM_WORLD);
-  StepSize<3> step_size(parameters.section("Time step"));
-  Clock clock;
-  for (clock.step = 0; clock.step <= 20; ++clock.step)
-  {
-    step_size.next(model, clock, 1e6, false);
-    look(step_size, clock.step);
-    for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
-      for (unsigned int d = 0; d < 3; ++d)
-        model.state.position.node(i)[d] *= factor;
-  }
-}
-
 TEST(StepSize, is_estimated_again_where_cells_have_changed_by_the_threshold)
 {
   const auto n_estimates = [](const std::string &threshold, const double factor)
   {
-    unsigned int result = 0;
-    for_scaled_body(threshold, factor,
-                    [&](const StepSize<3> &step_size, unsigned long)
-                    { result = step_size.n_estimates(); });
-    return result;
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text(
+        parameters_of(with(elements("hexahedron", "", 0.3), "", "", {2, 2, 2})) +
+            "subsection Time step\nset Check interval = 1\nset Re-estimation threshold = " +
+            threshold + "\nend\n",
+        "test.prm");
+    Model<3>::declare_parameters(parameters);
+    declare_section<StepSize<3>>(parameters, "Time step");
+    parameters.assign();
+    Model<3> model(parameters, MPI_COMM_WORLD);
+    StepSize<3> step_size(parameters.section("Time step"));
+    Clock clock;
+    for (clock.step = 0; clock.step <= 20; ++clock.step)
+    {
+      step_size.next(model, clock, 1e6, false);
+      for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
+        for (unsigned int d = 0; d < 3; ++d)
+          model.state.position.node(i)[d] *= factor;
+    }
+    return step_size.n_estimates();
   };
   EXPECT_EQ(n_estimates("0.01", 0.995), 7u); // 0.995^3 is below 0.99
   EXPECT_EQ(n_estimates("0.05", 0.995), 2u); // 0.995^11 is below 0.95
