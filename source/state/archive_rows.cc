@@ -22,19 +22,6 @@ namespace tombolo
     {
       return static_cast<unsigned int>((id * 0x9E3779B97F4A7C15ull >> 32) % n_ranks);
     }
-
-    /** What a rank sends of its @p share of a table: the rows that others want, by rank. */
-    std::map<unsigned int, std::vector<double>>
-    rows_for_ranks(const std::map<unsigned int, std::vector<std::uint64_t>> &wanted,
-                   const std::vector<double> &share, const unsigned int n_components)
-    {
-      std::map<unsigned int, std::vector<double>> result;
-      for (const auto &[rank, rows] : wanted)
-        for (const std::uint64_t row : rows)
-          for (unsigned int c = 0; c < n_components; ++c)
-            result[rank].push_back(share[row * n_components + c]);
-      return result;
-    }
   } // namespace
 
   ArchiveLookup::ArchiveLookup(const ArchiveFile &file, const std::string &path,
@@ -89,6 +76,13 @@ namespace tombolo
         receive[static_cast<unsigned int>(message[i])].push_back(k);
       }
     send = Utilities::MPI::some_to_some(communicator, requests);
+    std::vector<bool> is_wanted(in_share.size(), false);
+    for (const auto &[to, rows] : send)
+      for (const std::uint64_t row : rows)
+        is_wanted[row] = true;
+    for (std::size_t row = 0; row < in_share.size(); ++row)
+      if (!is_wanted[row])
+        unwanted = in_share[row];
   }
 
   std::vector<double> ArchiveLookup::read(const ArchiveFile &file, const std::string &path,
@@ -96,9 +90,13 @@ namespace tombolo
   {
     const auto [n_in_file, n_columns] = file.extent(path);
     file.check_size(path, n_columns, n_components);
-    const auto to_send = rows_for_ranks(
-        send, file.read<double>(path, share_begin, share_end - share_begin, n_components),
-        n_components);
+    const std::vector<double> share =
+        file.read<double>(path, share_begin, share_end - share_begin, n_components);
+    std::map<unsigned int, std::vector<double>> to_send;
+    for (const auto &[rank, rows] : send)
+      for (const std::uint64_t row : rows)
+        to_send[rank].insert(to_send[rank].end(), share.data() + row * n_components,
+                             share.data() + (row + 1) * n_components);
     std::vector<double> values(is_found.size() * n_components, 0.);
     for (const auto &[from, message] : Utilities::MPI::some_to_some(file.communicator(), to_send))
     {
@@ -152,67 +150,15 @@ namespace tombolo
       file.fail("it is of another model: it has " + std::to_string(n_in_file) + " rows of \"" +
                 path + "\", this model has " + std::to_string(n_rows) + ".");
 
-    const std::uint64_t n_ranks = Utilities::MPI::n_mpi_processes(file.communicator());
-    const std::uint64_t rank = Utilities::MPI::this_mpi_process(file.communicator());
-    share_begin = n_rows * rank / n_ranks;
-    share_end = n_rows * (rank + 1) / n_ranks;
-    find_ranks_of_share(file, path, ids);
-  }
-
-  void ArchiveRows::find_ranks_of_share(const ArchiveFile &file, const std::string &path,
-                                        const std::vector<std::uint64_t> &ids)
-  {
-    const MPI_Comm communicator = file.communicator();
-    const std::uint64_t n_ranks = Utilities::MPI::n_mpi_processes(communicator);
-    const std::vector<std::uint64_t> in_share =
-        file.read<std::uint64_t>(path, share_begin, share_end - share_begin, 1);
-
-    Message of_owners, of_readers;
-    for (std::size_t row = 0; row < ids.size(); ++row)
-    {
-      auto &message = of_owners[meeting_place(ids[row], n_ranks)];
-      message.insert(message.end(), {ids[row], row});
-    }
-    for (std::size_t row = 0; row < in_share.size(); ++row)
-    {
-      auto &message = of_readers[meeting_place(in_share[row], n_ranks)];
-      message.insert(message.end(), {in_share[row], row});
-    }
-    std::unordered_map<std::uint64_t, std::pair<unsigned int, std::uint64_t>> owner;
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, of_owners))
-      for (std::size_t i = 0; i < message.size(); i += 2)
-        owner[message[i]] = {from, message[i + 1]};
-    Message answers; // row in the share, rank, row there
+    lookup = std::make_unique<ArchiveLookup>(file, path, ids);
     std::string problem;
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, of_readers))
-      for (std::size_t i = 0; i < message.size(); i += 2)
-      {
-        const auto found = owner.find(message[i]);
-        if (found == owner.end())
-          problem = "it is of another model: its \"" + path + "\" has number " +
-                    std::to_string(message[i]) + ", which this model has not.";
-        else
-          answers[from].insert(answers[from].end(),
-                               {message[i + 1], found->second.first, found->second.second});
-      }
+    if (lookup->unwanted)
+      problem = "it is of another model: its \"" + path + "\" has number " +
+                std::to_string(*lookup->unwanted) + ", which this model has not.";
+    for (std::size_t k = 0; k < ids.size() && problem.empty(); ++k)
+      if (!lookup->has(k))
+        problem = "it is of another model: its \"" + path + "\" are not those of this model.";
     file.throw_on_all_ranks(problem);
-    std::vector<std::pair<unsigned int, std::uint64_t>> destination(in_share.size());
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, answers))
-      for (std::size_t i = 0; i < message.size(); i += 3)
-        destination[message[i]] = {static_cast<unsigned int>(message[i + 1]), message[i + 2]};
-    Message rows_there;
-    for (std::size_t row = 0; row < destination.size(); ++row)
-    {
-      send[destination[row].first].push_back(row);
-      rows_there[destination[row].first].push_back(destination[row].second);
-    }
-    std::size_t n_received = 0;
-    receive = Utilities::MPI::some_to_some(communicator, rows_there);
-    for (const auto &from : receive)
-      n_received += from.second.size();
-    file.throw_on_all_ranks(n_received == n_own_rows ? ""
-                                                     : "it is of another model: its \"" + path +
-                                                           "\" are not those of this model.");
   }
 
   void ArchiveRows::transfer(ArchiveFile &file, const std::string &path,
@@ -224,7 +170,7 @@ namespace tombolo
       file.write(path, values, n_rows, n_components, first_row);
       return;
     }
-    if (lookup != nullptr)
+    if (!first_source.empty())
     {
       const std::vector<double> found = lookup->read(file, path, n_components);
       values.assign(n_own_rows * n_components, 0.);
@@ -244,16 +190,6 @@ namespace tombolo
                 " rows of " + std::to_string(n_columns) + " values in it, but " +
                 std::to_string(n_rows) + " rows of " + std::to_string(n_components) +
                 " in this model.");
-    const auto to_send = rows_for_ranks(
-        send, file.read<double>(path, share_begin, share_end - share_begin, n_components),
-        n_components);
-    values.assign(n_own_rows * n_components, 0.);
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(file.communicator(), to_send))
-    {
-      const std::vector<std::uint64_t> &rows = receive.at(from);
-      for (std::size_t k = 0; k < rows.size(); ++k)
-        for (unsigned int c = 0; c < n_components; ++c)
-          values[rows[k] * n_components + c] = message[k * n_components + c];
-    }
+    values = lookup->read(file, path, n_components);
   }
 } // namespace tombolo

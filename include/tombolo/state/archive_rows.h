@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,9 @@ namespace tombolo
     std::vector<double> read(const ArchiveFile &file, const std::string &path,
                              unsigned int n_components) const;
 
+    /** An identifier of the file, in the share of this rank, that no rank wants. */
+    std::optional<std::uint64_t> unwanted;
+
   private:
     using Message = std::map<unsigned int, std::vector<std::uint64_t>>; // by rank
 
@@ -56,8 +60,7 @@ namespace tombolo
 
   /**
    * Rows of this rank with persistent identifiers, and where they are in a file: tables with a row
-   * for each are written and read independently of the number of ranks. For reading, each rank
-   * reads equal shares of a table and sends its rows to their ranks.
+   * for each are written and read independently of the number of ranks.
    */
   class ArchiveRows
   {
@@ -73,7 +76,7 @@ namespace tombolo
     /** Whether row @p k of this rank is one of the file. */
     bool is_of_file(const std::size_t k) const
     {
-      return lookup == nullptr || first_source[k + 1] - first_source[k] == 1;
+      return first_source.empty() || first_source[k + 1] - first_source[k] == 1;
     }
 
     /** The number of rows of this rank. */
@@ -88,23 +91,12 @@ namespace tombolo
                   std::vector<double> &values) const;
 
   private:
-    using Message = std::map<unsigned int, std::vector<std::uint64_t>>; // by rank
-
-    /** Which rank owns each row of the share, and which rows come from which rank. Collective. */
-    void find_ranks_of_share(const ArchiveFile &file, const std::string &path,
-                             const std::vector<std::uint64_t> &ids);
-
     std::size_t n_own_rows = 0;
     std::uint64_t first_row = 0;
     std::uint64_t n_rows = 0;
 
-    // For reading.
-    std::uint64_t share_begin = 0, share_end = 0;
-    Message send;    // rows of the share, by rank
-    Message receive; // own rows, by rank they are from
-
+    std::unique_ptr<ArchiveLookup> lookup; // for reading
     // For rows that are made of others: number k of the lookup and its weight.
-    std::unique_ptr<ArchiveLookup> lookup;
     std::vector<std::size_t> first_source;
     std::vector<std::pair<std::size_t, double>> sources;
   };
