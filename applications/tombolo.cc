@@ -136,17 +136,17 @@ namespace
     if (const std::string advice = advice_on_processor(); !advice.empty())
       log.print("Note: " + advice);
     log.print("Tombolo: " + parameters.section("").get("Title"));
-    Simulation<dim> simulation(parameters, log, MPI_COMM_WORLD);
-    simulation.audit();
+    const auto simulation = create_simulation<dim>(parameters, log, MPI_COMM_WORLD);
+    simulation->audit();
     if (resumes)
-      simulation.resume(checkpoint);
+      simulation->resume(checkpoint);
     if (command_line.has("--dry-run"))
       return 0;
-    const RunResult result = simulation.run();
-    const std::string advice = simulation.last_checkpoint().empty()
+    const RunResult result = simulation->run();
+    const std::string advice = simulation->last_checkpoint().empty()
                                    ? ""
                                    : " To continue: " + command_to_continue(command_line) + " (" +
-                                         simulation.last_checkpoint() + ")";
+                                         simulation->last_checkpoint() + ")";
     if (result == RunResult::interrupted)
       log.print("Interrupted; the results up to here are complete." + advice);
     else if (result == RunResult::terminated)

@@ -61,7 +61,7 @@ namespace
       parameters.read_text(model(directory), "scene.prm");
       declare_run_parameters<2>(parameters);
       parameters.assign();
-      simulation = std::make_unique<Simulation<2>>(parameters, log, MPI_COMM_WORLD);
+      simulation = create_simulation<2>(parameters, log, MPI_COMM_WORLD);
     }
 
     std::ostringstream screen;
