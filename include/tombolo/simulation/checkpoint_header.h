@@ -3,10 +3,13 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/state/records.h>
 
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace tombolo
 {
@@ -18,18 +21,55 @@ namespace tombolo
     CellDivisions divisions;
   };
 
+  constexpr const char *divisions_name = "divided cells";
+
   /** Writes to a checkpoint of which dimension it is, and its header. */
-  void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header);
+  inline void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header)
+  {
+    archive("dimension", dimension);
+    archive("parameters", header.entries);
+    if (!header.divisions.empty())
+      archive(divisions_name, header.divisions);
+  }
 
   /** Reads what write_header() has written. Throws the InputError of a
    * checkpoint whose model has another dimension. */
-  CheckpointHeader read_header(StateArchive &archive, unsigned int dimension,
-                               const Parameters &parameters);
+  inline CheckpointHeader read_header(StateArchive &archive, const unsigned int dimension,
+                                      const Parameters &parameters)
+  {
+    unsigned int earlier = 0;
+    archive("dimension", earlier);
+    if (earlier != dimension)
+      parameters.fail("Dimension", "the checkpoint " + archive.file() +
+                                       " is of a model of dimension " + std::to_string(earlier) +
+                                       ".");
+    CheckpointHeader result;
+    archive("parameters", result.entries);
+    if (archive.has(divisions_name))
+      archive(divisions_name, result.divisions);
+    return result;
+  }
 
   /** Lists the times of a clock. */
-  void list(Records &records, Clock &clock);
+  inline void list(Records &records, Clock &clock)
+  {
+    records.value("step", clock.step);
+    records.value("time", clock.time);
+    records.value("previous step", clock.previous_step);
+    records.value("next step", clock.next_step);
+    records.value("stable step", clock.stable_step);
+  }
 
   /** Whether the checkpoint @p file is in the output directory @p directory. Collective. */
-  bool is_of_directory(const std::string &file, const std::string &directory,
-                       MPI_Comm communicator);
+  inline bool is_of_directory(const std::string &file, const std::string &directory,
+                              const MPI_Comm communicator)
+  {
+    namespace fs = std::filesystem;
+    std::error_code code;
+    return of_first_rank(communicator,
+                         [&] {
+                           return fs::equivalent(fs::absolute(file).parent_path().parent_path(),
+                                                 directory, code);
+                         });
+  }
 } // namespace tombolo

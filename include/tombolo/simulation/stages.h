@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/name_hints.h>
+#include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 
+#include <deal.II/base/utilities.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -20,7 +33,56 @@ namespace tombolo
   {
   public:
     /** Reads the file. Throws InputError where stages and their sections do not fit. Collective. */
-    Stages(const std::string &file, MPI_Comm communicator);
+    Stages(const std::string &file, const MPI_Comm communicator)
+        : file_name(file), communicator(communicator), scanner(communicator)
+    {
+      scanner.read_file(file);
+      const ParameterScanner::Item *const entry = scanner.entry("Stages");
+      if (entry == nullptr)
+        return;
+      stage_names = split_list(entry->value);
+      const auto refuse = [&](const SourceLocation &location, const std::string &message)
+      { throw InputError(to_string(location) + ": " + message); };
+      std::set<std::string> seen;
+      for (const std::string &name : stage_names)
+      {
+        if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
+          refuse(entry->location, "entry \"Stages\" = " + in_quotes(entry->value) +
+                                      ": allowed are names, separated by commas, that can be names "
+                                      "of directories.");
+        if (!seen.insert(name).second)
+          refuse(entry->location,
+                 "entry \"Stages\": the name " + in_quotes(name) + " stands twice.");
+        if (scanner.section(stage_prefix + name) == nullptr)
+          refuse(entry->location, "entry \"Stages\" = " + in_quotes(entry->value) +
+                                      ": the section " + in_quotes(stage_prefix + name) +
+                                      " of the stage is missing.");
+      }
+      for (const ParameterScanner::Item &item : scanner.items())
+      {
+        if (!item.is_section || item.path.rfind(stage_prefix, 0) != 0 ||
+            item.path.find('/') != std::string::npos)
+          continue;
+        const std::string name = item.path.substr(stage_prefix.size());
+        if (item.location.file != file)
+          refuse(item.location, "section " + in_quotes(item.path) +
+                                    ": sections of stages stand in the file that has \"Stages\", " +
+                                    file + ", not in one that it includes.");
+        if (seen.count(name) == 0)
+        {
+          refuse(item.location,
+                 "section " + in_quotes(item.path) +
+                     " is of no stage; the entry \"Stages\" lists: " + joined(stage_names, ", ") +
+                     "." + did_you_mean(name, stage_names));
+        }
+      }
+      read_lines(of_first_rank(communicator,
+                               [&]
+                               {
+                                 std::ifstream in(file, std::ios::binary);
+                                 return as_text(in.rdbuf());
+                               }));
+    }
 
     const std::vector<std::string> &names() const
     {
@@ -29,14 +91,83 @@ namespace tombolo
 
     /** The entries of a stage with @p overrides of the command line, not declared yet. Throws
      * InputError. */
-    std::unique_ptr<Parameters> parameters(std::size_t stage,
-                                           const std::vector<std::string> &overrides) const;
+    std::unique_ptr<Parameters> parameters(const std::size_t stage,
+                                           const std::vector<std::string> &overrides) const
+    {
+      const std::string &name = stage_names[stage];
+      auto result = std::make_unique<Parameters>(communicator);
+      result->read_text(common_text(name), file_name);
+      result->read_text(own_text(name), file_name);
+      std::set<std::string> overridden;
+      for (const std::string &assignment : overrides)
+      {
+        // Others start from the end of the stage before.
+        if (stage > 0 && path_of(assignment) == "Initial state")
+          continue;
+        overridden.insert(path_of(assignment));
+        if (path_of(assignment) != "Output directory")
+          result->add_override(assignment);
+      }
+      const auto set = [&](const std::string &entry, const std::string &value)
+      {
+        if (overridden.count(entry) == 0 &&
+            scanner.entry(stage_prefix + name + "/" + entry) == nullptr)
+          result->add_override(entry + " = " + value);
+      };
+      result->add_override("Output directory = " + output_directory(stage, overrides));
+      set("Checkpoint/End state", "true");
+      if (stage > 0)
+        set("Initial state", output_directory(stage - 1, overrides) + "/checkpoint");
+      return result;
+    }
 
     /** The output directory of a stage with these overrides. */
-    std::string output_directory(std::size_t stage,
-                                 const std::vector<std::string> &overrides) const;
+    std::string output_directory(const std::size_t stage,
+                                 const std::vector<std::string> &overrides) const
+    {
+      const std::string entry = "Output directory", &name = stage_names[stage];
+      const ParameterScanner::Item *const own = scanner.entry(stage_prefix + name + "/" + entry);
+      if (own != nullptr)
+        return own->value;
+      const ParameterScanner::Item *const common = scanner.entry(entry);
+      std::string directory = common == nullptr ? "output" : common->value;
+      for (const std::string &assignment : overrides)
+        if (path_of(assignment) == entry)
+          directory = Utilities::trim(assignment.substr(assignment.find('=') + 1));
+      return directory + "/" + name;
+    }
 
   private:
+    static inline const std::string stage_prefix = "Stage: ";
+
+    static std::vector<std::string> split_list(const std::string &text)
+    {
+      std::vector<std::string> result;
+      for (const std::string &name : Utilities::split_string_list(text, ','))
+        result.push_back(Utilities::trim(name));
+      return result;
+    }
+
+    /** What follows a word at the beginning of a line; nothing where it is not there. */
+    static bool begins_with_word(const std::string &line, const std::string &word,
+                                 std::string &rest)
+    {
+      if (line.rfind(word, 0) != 0 ||
+          (line.size() > word.size() && line[word.size()] != ' ' && line[word.size()] != '\t'))
+        return false;
+      rest = Utilities::trim(line.substr(word.size()));
+      return true;
+    }
+
+    static std::string path_of(const std::string &assignment)
+    {
+      std::string path;
+      for (const std::string &part : Utilities::split_string_list(
+               assignment.substr(0, assignment.find('=')), std::string("/")))
+        path = joined_path(path, Utilities::trim(part));
+      return path;
+    }
+
     struct Line
     {
       std::string text;
@@ -44,15 +175,80 @@ namespace tombolo
       bool is_frame = false; ///< it opens or closes that section
     };
 
-    void read_lines(const std::string &text);
+    void read_lines(const std::string &text)
+    {
+      std::istringstream in(text);
+      unsigned int depth = 0;
+      std::string section, rest;
+      for (std::string line; std::getline(in, line);)
+      {
+        const std::string trimmed = Utilities::trim(line.substr(0, line.find('#')));
+        Line entry{line, section, false};
+        if (begins_with_word(trimmed, "subsection", rest))
+        {
+          if (depth == 0)
+            section = rest;
+          entry.section = section;
+          entry.is_frame = depth == 0;
+          ++depth;
+        }
+        else if (trimmed == "end" && depth > 0)
+        {
+          --depth;
+          entry.is_frame = depth == 0;
+          if (depth == 0)
+            section.clear();
+        }
+        lines.push_back(entry);
+      }
+    }
+
     /** The value of an entry outside of all sections, of a stage or of the file. */
-    std::string value(const std::string &stage, const std::string &entry) const;
+    std::string value(const std::string &stage, const std::string &entry) const
+    {
+      const ParameterScanner::Item *item = scanner.entry(stage_prefix + stage + "/" + entry);
+      if (item == nullptr)
+        item = scanner.entry(entry);
+      return item == nullptr ? "" : item->value;
+    }
+
     /** Whether a section "KIND: NAME" is of other stages only. */
-    bool is_of_others(const std::string &stage, const std::string &section) const;
+    bool is_of_others(const std::string &stage, const std::string &section) const
+    {
+      const std::size_t colon = section.find(": ");
+      if (colon == std::string::npos || colon == 0)
+        return false;
+      const std::string kind = section.substr(0, colon), name = section.substr(colon + 2);
+      const std::string list = list_of_sections(kind);
+      const auto lists_it = [&](const std::string &of_stage)
+      {
+        const std::vector<std::string> listed = split_list(value(of_stage, list));
+        return std::find(listed.begin(), listed.end(), name) != listed.end();
+      };
+      return !lists_it(stage) && std::any_of(stage_names.begin(), stage_names.end(), lists_it);
+    }
+
     /** The lines of the file for a stage, those of others empty, so that they keep their numbers.
      */
-    std::string common_text(const std::string &stage) const;
-    std::string own_text(const std::string &stage) const;
+    std::string common_text(const std::string &stage) const
+    {
+      std::string result;
+      for (const Line &line : lines)
+      {
+        const bool is_left_out = line.section.rfind(stage_prefix, 0) == 0 ||
+                                 (!line.section.empty() && is_of_others(stage, line.section));
+        result += (is_left_out ? "" : line.text) + "\n";
+      }
+      return result;
+    }
+
+    std::string own_text(const std::string &stage) const
+    {
+      std::string result;
+      for (const Line &line : lines)
+        result += (line.section == stage_prefix + stage && !line.is_frame ? line.text : "") + "\n";
+      return result;
+    }
 
     std::string file_name;
     MPI_Comm communicator;
@@ -62,8 +258,31 @@ namespace tombolo
   };
 
   /** Whether this directory has checkpoints to resume from. Collective. */
-  bool has_checkpoints(const std::string &output_directory, MPI_Comm communicator);
+  inline bool has_checkpoints(const std::string &output_directory, const MPI_Comm communicator)
+  {
+    return of_first_rank(
+        communicator,
+        [&]
+        {
+          std::error_code code;
+          bool result = false;
+          for (const auto &file :
+               std::filesystem::directory_iterator(output_directory + "/checkpoint", code))
+            result = result || (file.path().filename().string().rfind("step_", 0) == 0 &&
+                                file.path().extension() == ".h5");
+          return result;
+        });
+  }
 
   /** Whether the run in this directory came to its end. Collective. */
-  bool has_finished(const std::string &output_directory, MPI_Comm communicator);
+  inline bool has_finished(const std::string &output_directory, const MPI_Comm communicator)
+  {
+    return of_first_rank(communicator,
+                         [&]
+                         {
+                           std::ifstream in(output_directory + "/summary.json");
+                           const auto summary = nlohmann::json::parse(in, nullptr, false);
+                           return summary.is_object() && summary.value("ended", "") == "finished";
+                         });
+  }
 } // namespace tombolo
