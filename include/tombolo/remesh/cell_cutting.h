@@ -248,35 +248,18 @@ namespace tombolo
       constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
       const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
       const std::size_t of_point = values.size() / n_points;
-      EightDoubles rows[n_corners];
-      for (EightDoubles &row : rows)
-        row = 0.;
       for (unsigned int p = 0; p < n_points; ++p)
-      {
-        EightDoubles half = 0.;
-        for (unsigned int q = 0; q < n_points; ++q)
-          half += matrix[p][q] * load_eight(points.of_point[q]);
         for (unsigned int a = 0; a < n_corners; ++a)
-        {
-          const double share = points.shares[p][a];
-          if (share == 0.)
-            continue;
-          rows[a] += share * half;
-          for (unsigned int field = 0; field < n_fields; ++field)
-            for (unsigned int slot = 0; slot < node_stride; ++slot)
-              cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
-                  share * values[p * of_point + field * node_stride + slot];
-        }
-      }
-      for (unsigned int a = 0; a < n_corners; ++a)
+          if (const double share = points.shares[p][a]; share != 0.)
+            for (unsigned int field = 0; field < n_fields; ++field)
+              for (unsigned int slot = 0; slot < node_stride; ++slot)
+                cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
+                    share * values[p * of_point + field * node_stride + slot];
+      const auto of_corners = points.matrix_of_corners(matrix);
+      for (unsigned int k = 0; k < of_corners.size(); ++k)
       {
-        double of_corners[8];
-        store_eight(rows[a], of_corners);
-        for (unsigned int b = 0; b < n_corners; ++b)
-        {
-          cell.matrix[std::size_t(a) * n_corners + b] += of_corners[b];
-          cell.mass[b] += of_corners[b]; // the functions add up to one
-        }
+        cell.matrix[k] += of_corners[k];
+        cell.mass[k % n_corners] += of_corners[k]; // the functions add up to one
       }
     }
 

@@ -123,6 +123,32 @@ namespace tombolo
       return simplices_of_low[points & 255u] | simplices_of_high[points >> 8];
     }
 
+    /** A matrix of the corners, by rows, from one of the points: Pᵀ M P with the shares P. */
+    std::array<double, n_corners * n_corners>
+    matrix_of_corners(const double (&of_points)[n_points][n_points]) const
+    {
+      EightDoubles rows[n_corners];
+      for (EightDoubles &row : rows)
+        row = 0.;
+      for (unsigned int p = 0; p < n_points; ++p)
+      {
+        EightDoubles half = 0.;
+        for (unsigned int q = 0; q < n_points; ++q)
+          half += of_points[p][q] * load_eight(of_point[q]);
+        for (unsigned int a = 0; a < n_corners; ++a)
+          if (shares[p][a] != 0.)
+            rows[a] += shares[p][a] * half;
+      }
+      std::array<double, n_corners * n_corners> result;
+      for (unsigned int a = 0; a < n_corners; ++a)
+      {
+        double row[8];
+        store_eight(rows[a], row);
+        std::copy_n(row, n_corners, result.data() + std::size_t(a) * n_corners);
+      }
+      return result;
+    }
+
     static const SimplexPoints &instance()
     {
       static const SimplexPoints result;
