@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/lac/la_parallel_vector.h>
-
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/cell_overlap.h>
+#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/state/node_partition.h>
+
+#include <deal.II/lac/la_parallel_vector.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
+#include <utility>
 
 namespace tombolo
 {
@@ -59,6 +64,75 @@ namespace tombolo
     std::unique_ptr<Vector> of_nodes; // a Vector that is copied or moved loses its ghosts
   };
 
+  template <int dim>
+  std::vector<bool> moved_nodes(const CellOverlap<dim> &overlap, const unsigned int n_owned)
+  {
+    constexpr double smallest_way = 1e-9; // of a cell: less is round-off
+    std::vector<bool> result(n_owned, false);
+    for (const RemapCell<dim> &cell : overlap.cells)
+    {
+      const double way = smallest_way * (cell.before.back() - cell.before.front()).norm();
+      for (unsigned int k = 0; k < cell.nodes.size(); ++k)
+        if (cell.nodes[k] < n_owned && (cell.after[k] - cell.before[k]).norm() > way)
+          result[cell.nodes[k]] = true;
+    }
+    return result;
+  }
+
+  /** Adds the integrals of field @p number over all cells, and the masses ∫ ρ Ψ⁺. Collective. */
+  template <int dim>
+  void add_integrals(const CellOverlap<dim> &overlap, const unsigned int number,
+                     CellMatrices<dim> &matrices, NodalVector &right_side, NodalVector &after)
+  {
+    constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
+    const auto add_cell = [&](const std::size_t c)
+    {
+      const auto &integrals = overlap.integrals[c];
+      const auto &nodes = overlap.cells[c].nodes;
+      matrices.add_cell(nodes, integrals.matrix);
+      for (unsigned int k = 0; k < n_corners; ++k)
+      {
+        *after.node(nodes[k]) += integrals.mass[k];
+        for (unsigned int slot = 0; slot < node_stride; ++slot)
+          right_side.node(nodes[k])[slot] +=
+              integrals.values[(std::size_t(number) * n_corners + k) * node_stride + slot];
+      }
+    };
+    add_up({&right_side, &after},
+           [&]
+           {
+             for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+               add_cell(c);
+           });
+  }
+
+  /** The largest of @p sign times a slot of a field at nodes up to two cells away that have
+   * material before. */
+  template <int dim>
+  NodeMaxima largest_around(const std::vector<RemapCell<dim>> &cells, const NodalVector &field,
+                            const unsigned int slot, const double sign)
+  {
+    constexpr unsigned int n_rings = 2;
+    NodeMaxima result(field.partition());
+    for (const RemapCell<dim> &cell : cells)
+      for (unsigned int k = 0; k < cell.nodes.size() && !cell.is_void_before; ++k)
+        result.raise(cell.nodes[k], sign * field.node(cell.nodes[k])[slot]);
+    result.share();
+    for (unsigned int ring = 0; ring < n_rings; ++ring)
+    {
+      NodeMaxima next(field.partition());
+      for (const RemapCell<dim> &cell : cells)
+      {
+        const double of_cell = result.largest_of(cell.nodes);
+        for (const unsigned int node : cell.nodes)
+          next.raise(node, of_cell);
+      }
+      next.share();
+      result = std::move(next);
+    }
+    return result;
+  }
+
   /**
    * The conservative remap of a nodal field: the weighted least squares
    *
@@ -78,9 +152,68 @@ namespace tombolo
    * Collective.
    */
   template <int dim>
-  void project_nodal_field(const CellOverlap<dim> &overlap, unsigned int number,
+  void project_nodal_field(const CellOverlap<dim> &overlap, const unsigned int number,
                            const NodalVector &mass, const NodalVector &mass_after,
-                           NodalVector &field);
+                           NodalVector &field)
+  {
+    if (!overlap.has_motion)
+      return;
+    const auto &partition = field.partition();
+    const unsigned int n_owned = partition->n_owned();
+    CellMatrices<dim> matrices(partition, overlap.cells.size());
+    NodalVector right_side, after;
+    right_side.reinit(partition, field.quantity());
+    after.reinit(partition, Quantity::scalar);
+    add_integrals(overlap, number, matrices, right_side, after);
+    NodalVector weight; // of the lumped matrix; zero at nodes of other parts
+    weight.reinit(partition, Quantity::scalar);
+    const auto new_mass = [&](const unsigned int i)
+    { return *weight.node(i) > 0. ? *mass_after.node(i) : 0.; };
+    std::vector<double> sums(2 * node_stride + 1, 0.);
+    const std::vector<bool> has_moved = moved_nodes(overlap, n_owned);
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      if (!(*after.node(i) > 0.))
+      {
+        // A node that has lost all of its cells gives what it had to the others.
+        if (!(*mass.node(i) > 0.) || *mass_after.node(i) > 0.)
+          continue;
+        for (unsigned int slot = 0; slot < node_stride; ++slot)
+        {
+          sums[slot] += *mass.node(i) * field.node(i)[slot];
+          field.node(i)[slot] = 0.;
+        }
+        continue;
+      }
+      // Less than nothing on the diagonal would let modes grow that alternate between nodes.
+      const double rest = std::max(0., *mass_after.node(i) - *after.node(i));
+      *matrices.diagonal.node(i) = rest;
+      *weight.node(i) = *after.node(i) + rest;
+      for (unsigned int slot = 0; slot < node_stride; ++slot)
+      {
+        double &value = right_side.node(i)[slot];
+        sums[slot] += *mass.node(i) * field.node(i)[slot];
+        value += has_moved[i] || *mass.node(i) == 0. ? rest * value / *after.node(i)
+                                                     : rest * field.node(i)[slot];
+      }
+    }
+    constexpr double tolerance = 1e-15;
+    matrices.solve(right_side, weight, tolerance, field);
+    // What the iterations and masses that shrink left of the sums.
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      sums[2 * node_stride] += new_mass(i);
+      for (unsigned int slot = 0; slot < node_stride; ++slot)
+        sums[node_stride + slot] += new_mass(i) * field.node(i)[slot];
+    }
+    sums = ordered_sum(sums, overlap.communicator);
+    field.fill(
+        [&](const unsigned int i, double *const value)
+        {
+          for (unsigned int slot = 0; slot<node_stride && * weight.node(i)> 0.; ++slot)
+            value[slot] += (sums[slot] - sums[node_stride + slot]) / sums[2 * node_stride];
+        });
+  }
 
   /**
    * Keeps a field of project_nodal_field() between the values that it had @p before, with ghosts,
@@ -90,10 +223,75 @@ namespace tombolo
    */
   template <int dim>
   void limit_nodal_field(const CellOverlap<dim> &overlap, const NodalVector &before,
-                         const NodalVector &mass, NodalVector &field);
+                         const NodalVector &mass, NodalVector &field)
+  {
+    if (!overlap.has_motion)
+      return;
+    const unsigned int n_owned = field.partition()->n_owned();
+    const NodalVector is_near =
+        marked_nodes(field.partition(),
+                     [&](const auto &mark)
+                     {
+                       for (const RemapCell<dim> &cell : overlap.cells)
+                         if (cell.has_moved())
+                           std::for_each(cell.nodes.begin(), cell.nodes.end(), mark);
+                     });
+    for (unsigned int slot = 0; slot < node_stride; ++slot)
+    {
+      const auto highest = largest_around<dim>(overlap.cells, before, slot, 1.);
+      const auto lowest = largest_around<dim>(overlap.cells, before, slot, -1.);
+      std::array<double, 3> sums{}; // what was cut off, room below and above
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        if (!(*is_near.node(i) > 0.))
+          continue;
+        double &value = field.node(i)[slot];
+        const double low = -lowest[i], high = highest[i];
+        if (low > high)
+          continue; // there was no material around
+        const double limited = std::min(std::max(value, low), high);
+        sums[0] += *mass.node(i) * (value - limited);
+        sums[1] += *mass.node(i) * (limited - low);
+        sums[2] += *mass.node(i) * (high - limited);
+        value = limited;
+      }
+      sums = ordered_sum(sums, overlap.communicator);
+      const double room = sums[0] > 0. ? sums[2] : sums[1];
+      for (unsigned int i = 0; i < n_owned && room > 0.; ++i)
+        if (*is_near.node(i) > 0. && -lowest[i] <= highest[i])
+        {
+          double &value = field.node(i)[slot];
+          const double bound = sums[0] > 0. ? highest[i] : -lowest[i];
+          value += std::abs(sums[0]) / room * (bound - value);
+        }
+    }
+    field.update_ghosts();
+  }
 
   /** ∫ ρ Ψ⁺ of each corner of a cell of after whose sub-cells have these masses [M]. */
   template <int dim>
   std::array<double, SubCells<dim>::n_corners>
-  masses_of_corners(const typename SubCells<dim>::Corners &corners, const double *of_sub_cells);
+  masses_of_corners(const typename SubCells<dim>::Corners &corners,
+                    const double *const of_sub_cells)
+  {
+    const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+    double of_simplices[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(of_simplices);
+    std::array<double, SubCells<dim>::n_sub_cells> volumes{};
+    for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+    {
+      // Simplices that are turned over, as there can be next to void cells, have nothing.
+      of_simplices[s] = std::max(0., of_simplices[s]);
+      volumes[points.sub_cell[s]] += of_simplices[s];
+    }
+    std::array<double, SubCells<dim>::n_corners> result{};
+    for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+    {
+      const unsigned int sub_cell = points.sub_cell[s];
+      const double mass = of_sub_cells[sub_cell] / volumes[sub_cell] * of_simplices[s];
+      for (unsigned int k = 0; k < result.size(); ++k)
+        result[k] += mass * points.of_simplex[s][k] / (dim + 1);
+    }
+    return result;
+  }
 } // namespace tombolo
