@@ -2,11 +2,18 @@
 #pragma once
 
 #include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/stopwatch.h>
 #include <tombolo/model/model.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -80,10 +87,27 @@ namespace tombolo
   {
   public:
     /** Of section "Heat". */
-    explicit ThermalStep(const Entries &e);
+    explicit ThermalStep(const Entries &e)
+    {
+      scheme = e.plugin<HeatIntegrator<dim>>("Time integration", "explicit",
+                                             "How heat is advanced in time.");
+      e.plugins<HeatIntegrator<dim>>();
+    }
 
     /** Makes the fields at the time of the beginning. Collective. */
-    void start(const Model<dim> &model, double time);
+    void start(const Model<dim> &model, const double time)
+    {
+      ThermalState &state = model.heat->state;
+      entered.assign(model.heat->conditions.n_conditions(), 0.);
+      entering = entered;
+      time_of_state = next_time = present_time = time;
+      // What prescribed temperatures do at once belongs to the beginning, not to the balance.
+      std::vector<double> of_condition(entered.size(), 0.);
+      model.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature,
+                                   of_condition);
+      model.heat->find_field_of_state();
+      state.present_temperature.copy_from(state.temperature);
+    }
 
     /** Completes the step in progress when its end is not later than @p time, and begins another
      * towards @p target, not beyond it, when needed; then brings the present temperature to @p
@@ -91,11 +115,66 @@ namespace tombolo
      * a thousand steps, @p must_stop is asked now and then, which must answer alike on all ranks:
      * returns false where it says so, with the temperature still before @p time. Collective. */
     bool bring_to(const Model<dim> &model, double time, double target,
-                  const std::function<bool()> &must_stop = {});
+                  const std::function<bool()> &must_stop = {})
+    {
+      constexpr unsigned long patience = 1000, interval = 16;
+      const unsigned long first = count;
+      // Ends of steps that are multiples of each other meet but for the round-off of their sums.
+      const double round_off = 1e-3 * std::min(time - present_time, smallest);
+      while (true)
+      {
+        if (count - first > patience && is_in_progress && count % interval == 0 && must_stop &&
+            must_stop())
+          return false;
+        if (is_in_progress && next_time <= time + round_off)
+          complete_step(model);
+        else if (!is_in_progress && time_of_state < time - round_off)
+          begin_step(model, std::max(target, time));
+        else
+          break;
+      }
+      present_time = time;
+      if (model.has_mechanics)
+        model.heat->forget_field_of_state(); // bodies move, and others change temperatures
+      ThermalState &state = model.heat->state;
+      const double s = fraction();
+      const std::size_t n =
+          static_cast<std::size_t>(state.temperature.partition()->n_local()) * node_stride;
+      const double *const now = state.temperature.data();
+      const double *const next = state.next_temperature.data();
+      double *const present = state.present_temperature.data();
+      if (s == 0.)
+        std::copy(now, now + n, present);
+      else
+        for (std::size_t i = 0; i < n; i += node_stride)
+          present[i] = (1. - s) * now[i] + s * next[i];
+      return true;
+    }
 
     /** Begins a step towards @p target and returns its size: in a scene without mechanics the run
      * takes these. Collective. */
-    double begin_step(const Model<dim> &model, double target);
+    double begin_step(const Model<dim> &model, const double target)
+    {
+      const auto begin = std::chrono::steady_clock::now();
+      ThermalState &state = model.heat->state;
+      const double allowed = scheme->allowed_step(model, time_of_state);
+      const double remaining = target - time_of_state;
+      const double n = std::max(1., std::ceil(remaining / allowed * (1. - 1e-9)));
+      const double step = remaining / n;
+      std::fill(entering.begin(), entering.end(), 0.);
+      model.heat->eroding_heat = 0.;
+      scheme->advance(model, time_of_state, step, entering);
+      model.heat->find_field(state.next_unsmoothed_temperature,
+                             state.next_temperature); // (40)
+      next_time = n == 1. ? target : time_of_state + step;
+      is_in_progress = true;
+      smallest = std::min(smallest, step);
+      largest = std::max(largest, step);
+      check(model);
+      seconds_spent +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      return step;
+    }
 
     /** The step that begin_step() would take if there were no target. Collective. */
     double allowed_step(const Model<dim> &model)
@@ -110,7 +189,27 @@ namespace tombolo
     }
 
     /** At the time of the last bring_to(). Collective. */
-    HeatBalance balance(const Model<dim> &model);
+    HeatBalance balance(const Model<dim> &model)
+    {
+      HeatBalance result;
+      account(model, result);
+      result.external = result.heat.sum_of(EnergyKind::external);
+      const double held = result.heat.total();
+      if (!has_start)
+      {
+        has_start = true;
+        initial_enthalpy = held - result.external;
+      }
+      result.initial_enthalpy = initial_enthalpy;
+      for (const double value : {result.magnitude, result.external, initial_enthalpy})
+        largest_scale = std::max(largest_scale, std::abs(value));
+      for (const EnergyAccounts::Account &account : result.heat.accounts())
+        if (account.kind == EnergyKind::external)
+          largest_scale = std::max(largest_scale, std::abs(account.value));
+      const double difference = held - initial_enthalpy - result.external;
+      result.error = largest_scale > 0. ? difference / largest_scale : 0.;
+      return result;
+    }
 
     unsigned long n_steps() const
     {
@@ -137,7 +236,30 @@ namespace tombolo
     }
 
     /** Lists what is kept between steps, with the error of the @p last balance. */
-    void list(Records &records, const Model<dim> &model, HeatBalance &last);
+    void list(Records &records, const Model<dim> &model, HeatBalance &last)
+    {
+      records.value("time", time_of_state);
+      records.value("next time", next_time);
+      records.value("present time", present_time);
+      records.value("is in progress", is_in_progress);
+      records.value("steps", count);
+      records.value("smallest", smallest);
+      records.value("largest", largest);
+      records.value("largest scale", largest_scale);
+      records.value("has start", has_start);
+      records.value("initial enthalpy", initial_enthalpy);
+      records.value("last error", last.error);
+      entered.resize(model.heat->conditions.n_conditions());
+      entering.resize(entered.size());
+      std::vector<double *> shares;
+      for (std::vector<double> *const of_conditions : {&entered, &entering})
+        for (double &value : *of_conditions)
+          shares.push_back(&value);
+      records.sums("heat of conditions", shares);
+      records.sums("eroded heat", model.heat->eroded_heat, model.heat->eroding_heat);
+      records.value("limit is outdated", model.heat->limit_is_outdated);
+      scheme->list(records, model);
+    }
 
     /** What the integrator has to say about its cost. */
     void add_to_summary(Summary &summary) const
@@ -146,10 +268,92 @@ namespace tombolo
     }
 
   private:
-    void complete_step(const Model<dim> &model);
+    void complete_step(const Model<dim> &model)
+    {
+      ThermalModel<dim> &heat = *model.heat;
+      ThermalState &state = heat.state;
+      std::swap(state.enthalpy, state.next_enthalpy);
+      std::swap(state.unsmoothed_temperature, state.next_unsmoothed_temperature);
+      std::swap(state.temperature, state.next_temperature);
+      for (std::size_t c = 0; c < entered.size(); ++c)
+        entered[c] += entering[c];
+      heat.eroded_heat += std::exchange(heat.eroding_heat, 0.);
+      const double begin_of_step = std::exchange(time_of_state, next_time);
+      is_in_progress = false;
+      ++count;
+
+      if (!model.has_mechanics)
+        heat.keep_field_of_state();
+      if (!model.has_heat_sources())
+        return;
+      heat.add_plastic_heat(state.enthalpy);
+      bool is_given = false;
+      for (const auto &process : model.processes)
+        is_given = process->give_heat(model, begin_of_step, time_of_state) || is_given;
+      if (is_given)
+        heat.add_pending_heat();
+      heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
+      heat.find_field(state.unsmoothed_temperature, state.temperature);
+      heat.keep_field_of_state();
+    }
+
     /** Fills the accounts of @p result with sums over all ranks. Collective. */
-    void account(const Model<dim> &model, HeatBalance &result) const;
-    void check(const Model<dim> &model) const;
+    void account(const Model<dim> &model, HeatBalance &result) const
+    {
+      const ThermalState &state = model.heat->state;
+      const double s = fraction();
+      double enthalpy = 0, magnitude = 0;
+      for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+      {
+        const double now = *state.enthalpy.node(i);
+        const double present = s == 0. ? now : (1. - s) * now + s * *state.next_enthalpy.node(i);
+        enthalpy += present;
+        magnitude += std::abs(present);
+      }
+      EnergyAccounts &heat = result.heat;
+      heat.add("enthalpy", EnergyKind::stored, enthalpy);
+      for (std::size_t c = 0; c < entered.size(); ++c)
+        heat.add("heat through " + model.heat->conditions.all()[c].name, EnergyKind::external,
+                 entered[c] + s * entering[c]);
+      if (model.has_heat_sources())
+      {
+        double pending = 0, plastic = 0;
+        for (unsigned int i = 0; i < state.pending.partition()->n_owned(); ++i)
+          pending += *state.pending.node(i);
+        if (model.has_mechanics)
+          for (const Part<dim> &part : model.parts)
+          {
+            pending += part.formulation->pending_plastic_heat();
+            plastic += part.material->plastic_heat_fraction() *
+                       part.formulation->energies()["plastic dissipation"];
+          }
+        heat.add("plastic heat", EnergyKind::external, plastic);
+        heat.add("pending heat", EnergyKind::stored, pending);
+      }
+      for (const auto &process : model.processes)
+        process->actions.account_heat(heat);
+      if (model.heat->can_lose_heat)
+        heat.add("eroded heat", EnergyKind::removed,
+                 model.heat->eroded_heat + s * model.heat->eroding_heat);
+      heat.sum_over_ranks(model.communicator);
+      result.magnitude = ordered_sum(magnitude, model.communicator);
+    }
+
+    void check(const Model<dim> &model) const
+    {
+      const ThermalModel<dim> &heat = *model.heat;
+      std::string failure = heat.conditions.failure();
+      for (unsigned int i = 0; i < heat.state.enthalpy.partition()->n_owned() && failure.empty();
+           ++i)
+        if (!std::isfinite(*heat.state.next_unsmoothed_temperature.node(i)))
+        {
+          const double *const x = model.state.position.node(i);
+          failure = as_text("The temperature of node ", model.nodes->persistent_ids()[i],
+                            " is not finite at time ", next_time, ". It is at (", x[0], ", ", x[1],
+                            ", ", x[2], "). A smaller thermal step may help.");
+        }
+      throw_on_all_ranks<RunError>(failure, model.communicator);
+    }
 
     double fraction() const
     {

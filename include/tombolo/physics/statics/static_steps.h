@@ -2,17 +2,24 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/json.h>
 #include <tombolo/base/log.h>
+#include <tombolo/model/model_input.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/physics/statics/rigid_modes.h>
 #include <tombolo/physics/statics/static_problem.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <typeinfo>
 
 namespace tombolo
 {
@@ -28,27 +35,133 @@ namespace tombolo
   {
   public:
     /** Declares `Time integration` and the section "Statics". */
-    static void declare_parameters(const Entries &e);
+    static void declare_parameters(const Entries &of_run)
+    {
+      of_run.choice(
+          integration_entry, explicit_steps,
+          std::string(explicit_steps) + "|" + Registry<StaticSolver<dim>>::instance().selection(),
+          "How the mechanics goes through time: `explicit` follows the motion by stable steps; the "
+          "others find the equilibrium of a body at rest at the end of each step.");
+      const Entries e = of_run.subsection(statics_section);
+      e.number(
+          "Largest step", "0", at_least(0.), "T",
+          "The largest step, and the first one; 0 is a twentieth of the run. Outputs are met by "
+          "equal steps.");
+      e.number(
+          "Smallest step", "0", at_least(0.), "T",
+          "A step that does not converge is halved, down to this one; 0 is a thousandth of the "
+          "largest.");
+      e.number(
+          "Tolerance", "1e-08", between(1e-14, 0.1), "1",
+          "A step has converged where the norm of the forces that are not in equilibrium is at "
+          "most this fraction of the norm of the forces of cells, the largest of the run.");
+      e.number(
+          "Contact stiffness", "100", between(1e-3, 1e6), "1",
+          "By how much the springs of contacts are stiffer than their entry `Stiffness` makes them "
+          "in explicit steps at the step of eq. (41), which limits them there and not here. Bodies "
+          "go into each other by less where it is larger, and the equations become harder to "
+          "solve.");
+      e.plugins<StaticSolver<dim>>();
+    }
 
     /** Whether the scene has such steps. */
-    static bool are_chosen(const Parameters &parameters);
+    static bool are_chosen(const Parameters &parameters)
+    {
+      return parameters.section("").get(integration_entry) != explicit_steps;
+    }
 
     /** Refuses what can be seen to be wrong without a mesh. Throws InputError. */
-    static void validate(const Parameters &parameters);
+    static void validate(const Parameters &parameters)
+    {
+      const std::string name = parameters.section("").get(integration_entry);
+      const Section section = parameters.section(statics_section);
+      Registry<StaticSolver<dim>>::instance().create(name, section.subsection(name));
+      const double largest = section.get_double("Largest step");
+      const double smallest = section.get_double("Smallest step");
+      section.get_double("Tolerance");
+      section.get_double("Contact stiffness");
+      if (smallest > 0. && largest > 0. && smallest > largest)
+        section.fail("Smallest step", "allowed is a step that is not larger than `Largest step`.");
+    }
 
     /** Refuses parts, contacts and a bridge that static steps do not know. Throws InputError. */
-    static void refuse_unfit(const Parameters &parameters, const std::vector<Part<dim>> &parts);
+    static void refuse_unfit(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      bool has_particles = false, has_cells = false;
+      for (const Part<dim> &part : parts)
+        if (part.formulation != nullptr)
+        {
+          (part.particles != nullptr ? has_particles : has_cells) = true;
+          parameters.attempt(
+              [&] { refuse_unfit_part(parameters.section("Part: " + part.name), part); });
+        }
+      if (has_particles && !(parameters.raw_list("Contacts").empty() &&
+                             parameters.raw_list("Body contacts").empty()))
+        parameters.attempt(
+            [&]
+            {
+              parameters.fail(integration_entry,
+                              "the scene has contacts and particles, whose forces are spread by "
+                              "shape functions that such steps do not know in their stiffness; "
+                              "allowed are contacts of elements and smoothed cells, or particles "
+                              "without contacts.");
+            });
+      const Section coupling = parameters.section("Coupling");
+      if (has_particles && has_cells && coupling.get("Bridge") == "trace")
+        parameters.attempt(
+            [&]
+            {
+              coupling.fail("Bridge", "elements see the field of particles at shared nodes, and `" +
+                                          parameters.raw(integration_entry) +
+                                          "` steps (entry \"Time integration\") do not know how "
+                                          "that changes their stiffness; allowed is paper.");
+            });
+    }
 
     /** For a model as it is at the start. Throws InputError where it has what static steps do not
      * know, or where nothing holds a body. Collective. */
-    StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log);
+    StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log)
+        : model(model), log(log), name(parameters.section("").get(integration_entry)),
+          tolerance(parameters.section(statics_section).get_double("Tolerance")),
+          solver(Registry<StaticSolver<dim>>::instance().create(
+              name, parameters.section(statics_section).subsection(name))),
+          problem(model, parameters.section(statics_section).get_double("Contact stiffness"))
+    {
+      const Section section = parameters.section(statics_section);
+      largest_step = section.get_double("Largest step");
+      if (largest_step == 0.)
+        largest_step = parameters.section("").get_positive("End time") / 20.;
+      smallest_step = section.get_double("Smallest step");
+      if (smallest_step == 0.)
+        smallest_step = 1e-3 * largest_step;
+      step = largest_step;
+      refuse_unfit_model(parameters);
+      last_position = model.state.position.copy();
+      if (model.heat)
+        for (NodalVector *const vector : {&last_temperature, &mixed_temperature})
+          vector->reinit(model.state.partition(), Quantity::scalars);
+    }
 
     /** From the equilibrium at the time of the last call to that at clock.time, with the present
      * temperature of the model. @p must_stop is asked between systems of linear equations and must
      * answer alike on all ranks: returns false, with the model at the last equilibrium, where it
      * asked for the end. Throws RunError on all ranks where the smallest step does not converge:
      * the model is then as it was. Collective. */
-    bool solve(const Clock &clock, const std::function<bool()> &must_stop = {});
+    bool solve(const Clock &clock, const std::function<bool()> &must_stop = {})
+    {
+      problem.must_stop = must_stop;
+      if (clock.step == 0 && !is_continued)
+        set_initial_temperature();
+      last_position.copy_from(model.state.position);
+      if (clock.step == 0 && model.heat)
+        last_temperature.copy_from(model.heat->state.present_temperature);
+      const double length = clock.step == 0 ? largest_step : clock.previous_step;
+      if (!solve_interval(clock, clock.time - length, clock.time))
+        return false;
+      if (model.heat)
+        last_temperature.copy_from(model.heat->state.present_temperature);
+      return true;
+    }
 
     /** The step from the clock's time towards @p target, not beyond it. */
     double next(const Clock &clock, const double target) const
@@ -59,7 +172,17 @@ namespace tombolo
 
     /** Books the step that ends at the clock's time, and what begins there; the size of the next
      * step is known. Collective. */
-    void account(const Clock &clock);
+    void account(const Clock &clock)
+    {
+      // The second half of the last step and the first half of the next.
+      if (clock.step > 0)
+      {
+        shortest = shortest > 0. ? std::min(shortest, clock.previous_step) : clock.previous_step;
+        longest = std::max(longest, clock.previous_step);
+        book_displacement(clock);
+      }
+      book(clock, 0., clock.next_step);
+    }
 
     /** The temperatures of the material points are those of a state of before: nothing is to be set
      * at the start. */
@@ -83,7 +206,21 @@ namespace tombolo
     }
 
     /** After the entries of explicit steps, which it takes away. */
-    void add_to_summary(Json &summary) const;
+    void add_to_summary(Json &summary) const
+    {
+      Json result = Json::object();
+      result["method"] = name;
+      result["force_evaluations"] =
+          static_cast<double>(problem.n_evaluations()) + solver->further_evaluations();
+      result["force_evaluations_without_matrices"] = problem.n_evaluations();
+      result["divided_steps"] = n_divisions;
+      solver->add_to_summary(result);
+      summary["statics"] = result;
+      summary["time_step_min"] = shortest;
+      summary["time_step_max"] = longest;
+      for (const char *const of_explicit_steps : {"time_step_limit", "time_step_estimates"})
+        summary.erase(std::string(of_explicit_steps));
+    }
 
     /** For the audit: how many steps at least. */
     double n_steps(const double end_time) const
@@ -103,24 +240,190 @@ namespace tombolo
     }
 
   private:
-    static void refuse_unfit_part(const Section &section, const Part<dim> &part);
-    void refuse_unfit_model(const Parameters &parameters);
+    static constexpr const char *integration_entry = "Time integration";
+    static constexpr const char *explicit_steps = "explicit";
+    static constexpr const char *statics_section = "Statics";
+
+    static void refuse_unfit_part(const Section &section, const Part<dim> &part)
+    {
+      const std::string steps =
+          "`" + section.all().raw(integration_entry) + "` steps (entry \"Time integration\") ";
+      const std::optional<std::string> unfit = part.formulation->unfit_to_linearize();
+      if (!unfit)
+        section.fail("Formulation", steps + "need a body that deforms; rigid parts are known to "
+                                            "explicit steps only.");
+      if (!unfit->empty())
+        section.fail("Formulation",
+                     "it has " + *unfit + "; " + steps + "know stiffness only. Switch it off.");
+      if (part.material->remembers("bulk modulus"))
+        section.fail("Material", "its pressure is that of an equation of state, which is for "
+                                 "shocks; " +
+                                     steps + "know the elastic pressure only.");
+      if (part.formulation->can_lose_cells())
+        section.fail("Formulation", "its cells can leave while the run goes on, by erosion, "
+                                    "conversion or refills; " +
+                                        steps + "keep all cells.");
+    }
+
+    void refuse_unfit_model(const Parameters &parameters)
+    {
+      for (const Part<dim> &part : model.parts) // what they know only now
+        refuse_unfit_part(parameters.section("Part: " + part.name), part);
+      for (const auto &process : model.processes)
+        if (process->roles.rest == ProcessRole::is_refused)
+          parameters.fail(integration_entry,
+                          "the scene has the process \"" + words_of_type(typeid(*process)) +
+                              "\", which such steps do not know. Take out "
+                              "the entry that asks for it, or use `explicit` steps.");
+      const std::string free =
+          free_rigid_modes(model, problem.constrained(), problem.springs_at_start());
+      if (!free.empty())
+        parameters.fail(integration_entry,
+                        "nothing holds " + free +
+                            ". A body at rest needs conditions (clamps, displacements, planes of "
+                            "symmetry) that hold all its rigid motions; contacts hold along their "
+                            "normal, where bodies touch at the start. Move what is apart together, "
+                            "by the mesh or by a stage before, or hold the body.");
+    }
+
     /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
-    void set_initial_temperature();
+    void set_initial_temperature()
+    {
+      NodalVector &force = model.state.force;
+      for (const Part<dim> &part : model.parts)
+        part.formulation->add_internal_force(
+            {&model.state.position, &model.state.velocity, 0.,
+             model.heat ? &model.heat->state.present_temperature : nullptr},
+            force);
+      force.set_zero();
+    }
+
     /** From @p begin to @p end in one step or several. Returns false where it was stopped. */
-    bool solve_interval(const Clock &clock, double begin, double end);
-    const NodalVector *temperature_at(double share);
+    bool solve_interval(const Clock &clock, const double begin, const double end)
+    {
+      const bool is_start = clock.step == 0;
+      double done = begin, size = end - begin;
+      bool was_divided = false, was_easy = true;
+      while (done < end)
+      {
+        const bool is_last = done + size > end - 1e-9 * (end - begin);
+        StaticInterval interval;
+        interval.begin = done;
+        interval.end = is_last ? end : done + size;
+        interval.step = clock.step;
+        interval.is_start = is_start;
+        interval.temperature =
+            temperature_at(is_last ? 1. : (interval.end - begin) / (end - begin));
+        problem.begin(interval);
+        last = solver->solve(problem, tolerance);
+        log.record("  statics, step " + std::to_string(clock.step) +
+                   " to t = " + format_number(interval.end) + ": " + last.report);
+        if (last.has_converged)
+        {
+          unresolved += problem.unresolved_work();
+          problem.commit();
+          done = interval.end;
+          was_easy = was_easy && solver->was_easy(last);
+          if (!is_last)
+            book_part(clock);
+          continue;
+        }
+        const std::string place = problem.largest_residual();
+        problem.undo();
+        if (last.was_stopped)
+          return false;
+        // A body at the start has no smaller step.
+        if (is_start || 0.5 * size < smallest_step)
+          give_up(interval, last, place);
+        size *= 0.5;
+        was_divided = true;
+        ++n_divisions;
+      }
+      if (is_start)
+        return true;
+      constexpr unsigned int enough = 3;
+      n_easy_steps = was_easy && !was_divided ? n_easy_steps + 1 : 0;
+      if (was_divided)
+        step = size;
+      else if (n_easy_steps == enough)
+      {
+        step = std::min(2. * step, largest_step);
+        n_easy_steps = 0;
+      }
+      return true;
+    }
+
+    const NodalVector *temperature_at(const double share)
+    {
+      if (!model.heat)
+        return nullptr;
+      const NodalVector &now = model.heat->state.present_temperature;
+      if (share == 1.)
+        return &now;
+      const auto n = std::size_t(now.partition()->n_local()) * node_stride;
+      for (std::size_t i = 0; i < n; ++i)
+        mixed_temperature.data()[i] =
+            (1. - share) * last_temperature.data()[i] + share * now.data()[i];
+      return &mixed_temperature;
+    }
+
     /** Works and impulses of the present forces over half of both steps of @p clock, with the
      * velocities that nodes have. Collective. */
-    void book(const Clock &clock, double previous, double next);
+    void book(const Clock &clock, const double previous, const double next)
+    {
+      Clock half = clock;
+      half.step = std::max(clock.step, 1ul); // no velocity is given at the start
+      half.previous_step = previous;
+      half.next_step = next;
+      model.impulses.begin_step();
+      for (const auto &process : model.processes)
+        if (process->roles.rest == ProcessRole::acts)
+          process->complete_step(model, half);
+    }
+
     /** The same of the second half of the step of @p clock, in which the displacement since the
      * last booking is booked. Collective. */
-    void book_displacement(const Clock &clock);
+    void book_displacement(const Clock &clock)
+    {
+      NodalState &state = model.state;
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          state.velocity.node(i)[d] =
+              2. / clock.previous_step * (state.position.node(i)[d] - last_position.node(i)[d]);
+      state.velocity.distribute();
+      book(clock, clock.previous_step, 0.);
+      state.velocity.set_zero();
+      last_position.copy_from(state.position);
+    }
+
     /** Works of an interval of a step that was divided, by the forces at both of its ends. Mean
      * forces of the step stay those at its own ends. Collective. */
-    void book_part(const Clock &clock);
+    void book_part(const Clock &clock)
+    {
+      // The first half of the whole step is booked: works are those of its length times a velocity,
+      // whatever the length is. Impulses of the time between are added and taken out.
+      book_displacement(clock);
+      book(clock, 0., -2. * clock.previous_step);
+      book(clock, 0., clock.previous_step);
+    }
+
     [[noreturn]] void give_up(const StaticInterval &interval, const StaticSolution &solution,
-                              const std::string &place) const;
+                              const std::string &place) const
+    {
+      throw RunError(as_text(
+          "The ", name, " step ", interval.step, " from time ", interval.begin, " to ",
+          interval.end, " did not converge: the forces that are not in equilibrium ", "are still ",
+          solution.residual, " of the scale of forces (allowed ", tolerance, "), the largest at ",
+          place, ". By iteration: ", solution.report, ". The state of time ", interval.begin,
+          " is the last one in equilibrium, and outputs up to it are complete. ", solution.advice,
+          (solution.advice.empty() ? "" : " "),
+          (interval.is_start
+               ? "This step is that to the equilibrium of the start, which is not divided: what "
+                 "acts, or is gone, from the start on can come in a run (or stage) before, over "
+                 "time; supports may help, too."
+               : "Loads that grow more slowly, a smaller `Smallest step` (section Statics), or "
+                 "supports may help, too.")));
+    }
 
     Model<dim> &model;
     Log &log;
