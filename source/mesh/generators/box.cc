@@ -201,14 +201,9 @@ namespace tombolo
       for (auto &vertex : vertices)
         vertex = dealii::Point<dim>(rotation * vertex);
 
-      // A serial triangulation first: the numbers of its cells and faces are those of the lattice.
-      dealii::Triangulation<dim> coarse;
-      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-      for (const auto &cell : coarse.active_cell_iterators())
-        for (const unsigned int face : cell->face_indices())
-          if (cell->face(face)->at_boundary())
-            cell->face(face)->set_boundary_id(face);
-      mesh.triangulation.copy_triangulation(coarse);
+      create_coarse_mesh(
+          vertices, cells, [](const auto &, const unsigned int face) { return face; },
+          mesh.triangulation);
       mesh.triangulation.refine_global(refinements);
 
       for (unsigned int d = 0; d < dim; ++d)

@@ -341,35 +341,30 @@ namespace tombolo
       // p4est needs the directions of common edges to agree.
       dealii::GridTools::consistently_order_cells(cells);
 
-      dealii::Triangulation<3> coarse;
-      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-      for (const auto &cell : coarse.active_cell_iterators())
-        for (const unsigned int f : cell->face_indices())
-          if (cell->face(f)->at_boundary())
+      const auto id_of = [&](const auto &cell, const unsigned int f)
+      {
+        const auto all = [&](const auto &condition)
+        {
+          for (unsigned int v = 0; v < 4; ++v)
           {
-            const auto all = [&](const auto &condition)
-            {
-              for (unsigned int v = 0; v < 4; ++v)
-              {
-                const unsigned int vertex = cell->face(f)->vertex_index(v);
-                if (!condition(vertex / n_in_section, section_vertices[vertex % n_in_section]))
-                  return false;
-              }
-              return true;
-            };
-            dealii::types::boundary_id id = side_id;
-            if (all([](const unsigned int layer, const auto &) { return layer == 0; }))
-              id = lower_id;
-            else if (all([&](const unsigned int layer, const auto &)
-                         { return layer == last_layer; }))
-              id = upper_id;
-            else if (!all([](unsigned int, const auto &vertex) { return vertex.is_at_rim; }))
-              for (unsigned int d = 0; d < 2; ++d)
-                if (all([&](unsigned int, const auto &vertex) { return vertex.place[d] == 0; }))
-                  id = first_cut_id + across[d];
-            cell->face(f)->set_boundary_id(id);
+            const unsigned int vertex = cell->face(f)->vertex_index(v);
+            if (!condition(vertex / n_in_section, section_vertices[vertex % n_in_section]))
+              return false;
           }
-      mesh.triangulation.copy_triangulation(coarse);
+          return true;
+        };
+        dealii::types::boundary_id id = side_id;
+        if (all([](const unsigned int layer, const auto &) { return layer == 0; }))
+          id = lower_id;
+        else if (all([&](const unsigned int layer, const auto &) { return layer == last_layer; }))
+          id = upper_id;
+        else if (!all([](unsigned int, const auto &vertex) { return vertex.is_at_rim; }))
+          for (unsigned int d = 0; d < 2; ++d)
+            if (all([&](unsigned int, const auto &vertex) { return vertex.place[d] == 0; }))
+              id = first_cut_id + across[d];
+        return id;
+      };
+      create_coarse_mesh(vertices, cells, id_of, mesh.triangulation);
 
       mesh.boundary_names[words.lower_boundary] = lower_id;
       mesh.boundary_names[words.upper_boundary] = upper_id;
@@ -465,20 +460,15 @@ namespace tombolo
       // Nodes on a common edge have one order only if both cells see it in the same direction.
       dealii::GridTools::consistently_order_cells(cells);
 
-      dealii::Triangulation<2> coarse;
-      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-      for (const auto &cell : coarse.active_cell_iterators())
-        for (const unsigned int f : cell->face_indices())
-          if (cell->face(f)->at_boundary())
-          {
-            const auto &first = round_section.vertices()[cell->face(f)->vertex_index(0)];
-            const auto &second = round_section.vertices()[cell->face(f)->vertex_index(1)];
-            dealii::types::boundary_id id = 0;
-            if (!first.is_at_rim || !second.is_at_rim)
-              id = first.place[0] == 0 && second.place[0] == 0 ? 1 : 2;
-            cell->face(f)->set_boundary_id(id);
-          }
-      mesh.triangulation.copy_triangulation(coarse);
+      const auto id_of = [&](const auto &cell, const unsigned int f)
+      {
+        const auto &first = round_section.vertices()[cell->face(f)->vertex_index(0)];
+        const auto &second = round_section.vertices()[cell->face(f)->vertex_index(1)];
+        if (first.is_at_rim && second.is_at_rim)
+          return 0u;
+        return first.place[0] == 0 && second.place[0] == 0 ? 1u : 2u;
+      };
+      create_coarse_mesh(vertices, cells, id_of, mesh.triangulation);
 
       mesh.boundary_names["side"] = 0;
       for (unsigned int d = 0; d < 2; ++d)

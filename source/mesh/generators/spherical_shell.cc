@@ -113,27 +113,23 @@ namespace tombolo
       const std::vector<dealii::CellData<3>> cells =
           cells_of_layers(quadrilaterals, static_cast<unsigned int>(radii.size() - 1), n_in_layer);
 
-      dealii::Triangulation<3> coarse;
-      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-      for (const auto &cell : coarse.active_cell_iterators())
-        for (const unsigned int f : cell->face_indices())
-          if (cell->face(f)->at_boundary())
-          {
-            std::array<unsigned int, 4> face_vertices;
-            for (unsigned int v = 0; v < 4; ++v)
-              face_vertices[v] = cell->face(f)->vertex_index(v);
-            const auto all = [&](const auto &condition)
-            { return std::all_of(face_vertices.begin(), face_vertices.end(), condition); };
-            dealii::types::boundary_id id = outer_sphere_id;
-            if (all([&](const unsigned int v) { return v < n_in_layer; }))
-              id = inner_sphere_id;
-            else
-              for (unsigned int d = 0; d < 3; ++d)
-                if (all([&](const unsigned int v) { return places[v % n_in_layer][d] == 0; }))
-                  id = first_plane_id + d;
-            cell->face(f)->set_boundary_id(id);
-          }
-      mesh.triangulation.copy_triangulation(coarse);
+      const auto id_of = [&](const auto &cell, const unsigned int f)
+      {
+        std::array<unsigned int, 4> face_vertices;
+        for (unsigned int v = 0; v < 4; ++v)
+          face_vertices[v] = cell->face(f)->vertex_index(v);
+        const auto all = [&](const auto &condition)
+        { return std::all_of(face_vertices.begin(), face_vertices.end(), condition); };
+        dealii::types::boundary_id id = outer_sphere_id;
+        if (all([&](const unsigned int v) { return v < n_in_layer; }))
+          id = inner_sphere_id;
+        else
+          for (unsigned int d = 0; d < 3; ++d)
+            if (all([&](const unsigned int v) { return places[v % n_in_layer][d] == 0; }))
+              id = first_plane_id + d;
+        return id;
+      };
+      create_coarse_mesh(vertices, cells, id_of, mesh.triangulation);
 
       mesh.boundary_names["inner"] = inner_sphere_id;
       mesh.boundary_names["outer"] = outer_sphere_id;
