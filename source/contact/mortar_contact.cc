@@ -2,13 +2,10 @@
 #include <tombolo/contact/mortar_contact.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
 
 #include <cmath>
-#include <utility>
 
 namespace tombolo
 {
@@ -193,14 +190,14 @@ namespace tombolo
     std::vector<double> depths;
     for (const NodeHistory &history : histories)
       depths.push_back(history.offset);
-    refuse_depth<dim>(nodes, state, slaves.owned_nodes(), depths,
-                      [&](const std::string &depth, const std::string &node)
-                      {
-                        return section.describe("") +
-                               ": the bodies overlap at the start: the slave is " + depth +
-                               " deep in the master around " + node +
-                               ". Move a body, or set `Initial overlap = resolve`.";
-                      });
+    ContactScene<dim>::refuse_depth(nodes, state, slaves.owned_nodes(), depths,
+                                    [&](const std::string &depth, const std::string &node)
+                                    {
+                                      return section.describe("") +
+                                             ": the bodies overlap at the start: the slave is " +
+                                             depth + " deep in the master around " + node +
+                                             ". Move a body, or set `Initial overlap = resolve`.";
+                                    });
   }
 
   template <int dim>

@@ -11,7 +11,7 @@ namespace tombolo
   template <int dim>
   SurfaceContact<dim>::SurfaceContact(ContactScene<dim> &scene)
       : communicator(scene.nodes.communicator()), settings(scene.section, scene.has_heat),
-        surface(create_surface<dim>(scene.section)), contact_name(scene.section.name())
+        surface(scene.create_surface(scene.section)), contact_name(scene.section.name())
   {
     const Section &section = scene.section;
     const NodalState &state = scene.state;
@@ -43,14 +43,14 @@ namespace tombolo
     std::vector<double> depths;
     for (std::size_t k = 0; k < candidates.size(); ++k)
       depths.push_back(*state.mass.node(candidates[k]) > 0. ? -gap[k] : 0.);
-    refuse_depth<dim>(scene.nodes, state, candidates, depths,
-                      [&](const std::string &depth, const std::string &node)
-                      {
-                        return section.describe("") +
-                               ": the surface starts inside the body: " + node + " is " + depth +
-                               " behind it. Move the surface or the body. The normal of a plane "
-                               "points to the side where bodies may be.";
-                      });
+    scene.refuse_depth(scene.nodes, state, candidates, depths,
+                       [&](const std::string &depth, const std::string &node)
+                       {
+                         return section.describe("") +
+                                ": the surface starts inside the body: " + node + " is " + depth +
+                                " behind it. Move the surface or the body. The normal of a plane "
+                                "points to the side where bodies may be.";
+                       });
 
     histories.resize(candidates.size());
     for (std::size_t k = 0; k < candidates.size(); ++k)

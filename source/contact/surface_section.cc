@@ -44,14 +44,14 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
+  std::unique_ptr<ContactSurface<dim>> ContactScene<dim>::create_surface(const Section &section)
   {
     const std::string name = section.get("Surface");
     return Registry<ContactSurface<dim>>::instance().create(name, section.subsection(name));
   }
 
   template <int dim>
-  void declare_surface_contact(const Entries &e)
+  void ContactScene<dim>::declare(const Entries &e)
   {
     e.choice("Surface", mandatory, Registry<ContactSurface<dim>>::instance().selection(),
              "The surface that nodes touch: a rigid one, or the boundary of a part.");
@@ -60,16 +60,16 @@ namespace tombolo
            "Names of the boundaries whose nodes can touch, separated by commas; empty for the "
            "nodes of the whole surface, all particles, and all nodes of elements that erode.");
     e.text("Where", "", "", "A predicate of the initial position that nodes must fulfil to touch.");
-    declare<ContactSettings>(e);
-    declare<HeatPartner>(e);
+    tombolo::declare<ContactSettings>(e);
+    tombolo::declare<HeatPartner>(e);
   }
 
   template <int dim>
-  void validate_surface_contact(const Section &section, const bool has_heat)
+  void ContactScene<dim>::validate(const Section &section, const bool has_heat)
   {
     const Parameters &parameters = section.all();
     parameters.attempt([&] { ContactSettings settings(section, has_heat); });
-    parameters.attempt([&] { create_surface<dim>(section); });
+    parameters.attempt([&] { create_surface(section); });
     const bool is_of_part = section.get("Surface") == surface_of_part;
     if (is_of_part && section.get("Method") != "penalty")
       parameters.attempt(
@@ -127,7 +127,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void refuse_depth(
+  void ContactScene<dim>::refuse_depth(
       const Nodes<dim> &nodes, const NodalState &state, const std::vector<unsigned int> &candidates,
       const std::vector<double> &depths,
       const std::function<std::string(const std::string &depth, const std::string &node)> &message)
@@ -163,20 +163,6 @@ namespace tombolo
                                     "; allowed are directions without " + "xyz"[d] + ".");
   }
 
-  template std::unique_ptr<ContactSurface<2>> create_surface(const Section &);
-  template std::unique_ptr<ContactSurface<3>> create_surface(const Section &);
-  template void declare_surface_contact<2>(const Entries &);
-  template void declare_surface_contact<3>(const Entries &);
-  template void validate_surface_contact<2>(const Section &, bool);
-  template void validate_surface_contact<3>(const Section &, bool);
-  template void
-  refuse_depth(const Nodes<2> &, const NodalState &, const std::vector<unsigned int> &,
-               const std::vector<double> &,
-               const std::function<std::string(const std::string &, const std::string &)> &);
-  template void
-  refuse_depth(const Nodes<3> &, const NodalState &, const std::vector<unsigned int> &,
-               const std::vector<double> &,
-               const std::function<std::string(const std::string &, const std::string &)> &);
   template struct ContactScene<2>;
   template struct ContactScene<3>;
 } // namespace tombolo

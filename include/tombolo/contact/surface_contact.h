@@ -33,6 +33,24 @@ namespace tombolo
   template <int dim>
   struct ContactScene
   {
+    /** Declares the section "Contact: NAME" of a contact with a rigid surface. */
+    static void declare(const Entries &e);
+
+    /** Reads the section and refuses what can be seen to be wrong without a mesh. */
+    static void validate(const Section &section, bool has_heat);
+
+    /** The surface that the section names. Throws InputError. */
+    static std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section);
+
+    /** Throws an InputError where these owned nodes are deeper in something than round-off, each by
+     * its entry of @p depths [L]: what @p message says of the depth of the deepest node of all
+     * ranks and of the node, "the node with the number 3 at (1, 2)". Collective. */
+    static void
+    refuse_depth(const Nodes<dim> &nodes, const NodalState &state,
+                 const std::vector<unsigned int> &candidates, const std::vector<double> &depths,
+                 const std::function<std::string(const std::string &depth, const std::string &node)>
+                     &message);
+
     Section section;
     const Mesh<dim> &mesh;
     const Nodes<dim> &nodes;
@@ -58,27 +76,6 @@ namespace tombolo
     /** Throws the InputError of a @p surface with a mass that would leave a plane of symmetry. */
     void refuse_motion_out_of_mirrors(ContactSurface<dim> &surface) const;
   };
-
-  /** Declares the section "Contact: NAME" of a contact with a rigid surface. */
-  template <int dim>
-  void declare_surface_contact(const Entries &e);
-
-  /** Reads the section and refuses what can be seen to be wrong without a mesh. */
-  template <int dim>
-  void validate_surface_contact(const Section &section, bool has_heat);
-
-  /** The surface that the section names. Throws InputError. */
-  template <int dim>
-  std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section);
-
-  /** Throws an InputError where these owned nodes are deeper in something than round-off, each by
-   * its entry of @p depths [L]: what @p message says of the depth of the deepest node of all ranks
-   * and of the node, "the node with the number 3 at (1, 2)". Collective. */
-  template <int dim>
-  void refuse_depth(
-      const Nodes<dim> &nodes, const NodalState &state, const std::vector<unsigned int> &candidates,
-      const std::vector<double> &depths,
-      const std::function<std::string(const std::string &depth, const std::string &node)> &message);
 
   /** The force of a rigid surface on a node, and where that was at the end of the step before. */
   template <int dim>

@@ -547,8 +547,7 @@ namespace tombolo
             "Contacts", "", Patterns::Anything(),
             "Names of contacts with rigid surfaces, each with a section `Contact: NAME`.");
         for (const std::string &name : section_names(parameters, "Contacts"))
-          declare_surface_contact<dim>(
-              Entries(parameters.handler()).subsection("Contact: " + name));
+          ContactScene<dim>::declare(Entries(parameters.handler()).subsection("Contact: " + name));
       }
 
       void validate(const Parameters &parameters,
@@ -567,7 +566,7 @@ namespace tombolo
                 if (!has_mechanics)
                   section.fail("", "the scene has no mechanics, since its materials have no "
                                    "stresses; nothing can touch.");
-                validate_surface_contact<dim>(section, has_heat);
+                ContactScene<dim>::validate(section, has_heat);
                 if (!section.get("Corridor").empty())
                   parameters.attempt([&] { Corridor<dim> corridor(section); });
                 parameters.attempt([&] { validate_master_part(section, parts); });

@@ -26,7 +26,7 @@ namespace
                            "subsection plane\nset Point = 0, 0\nset Normal = 0, 1\nend\nend\n",
                            "plate.prm");
       parameters.handler().enter_subsection("Contact: wall");
-      declare_surface_contact<2>(parameters.handler());
+      ContactScene<2>::declare(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.assign();
       mesh = scene.create_mesh();

@@ -41,11 +41,11 @@ namespace
                                "\nset Normal = 0, 1\nend\nend\n",
                            "plate.prm");
       parameters.handler().enter_subsection("Contact: wall");
-      declare_surface_contact<2>(parameters.handler());
+      ContactScene<2>::declare(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.assign();
       const Section section = parameters.section("Contact: wall");
-      validate_surface_contact<2>(section, has_heat);
+      ContactScene<2>::validate(section, has_heat);
 
       mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<2>>(*mesh, 1);
