@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/part.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <map>
@@ -31,14 +29,6 @@ namespace tombolo
     bool operator<(const UnequalFace &other) const
     {
       return cell != other.cell ? cell < other.cell : face < other.face;
-    }
-
-    template <typename Archive>
-    void serialize(Archive &archive, const unsigned int)
-    {
-      for (auto &number : cell)
-        archive &number;
-      archive &face &place &part &fine_part;
     }
   };
 
@@ -150,10 +140,8 @@ namespace tombolo
                              const std::vector<Part<dim>> &parts,
                              const std::vector<Section> &part_sections)
   {
-    const auto own = first_refused_face(mesh, part_cells, parts);
-    std::vector<UnequalFace<dim>> all;
-    for (const auto &of_rank : Utilities::MPI::all_gather(communicator_of(mesh.triangulation), own))
-      all.insert(all.end(), of_rank.begin(), of_rank.end());
+    const auto all = of_all_ranks(first_refused_face(mesh, part_cells, parts),
+                                  communicator_of(mesh.triangulation));
     if (all.empty())
       return;
     const UnequalFace<dim> &first = *std::min_element(all.begin(), all.end());
