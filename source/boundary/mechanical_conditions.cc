@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/mechanical_conditions.h>
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/read_vector.h>
 

@@ -2,7 +2,6 @@
 #include <tombolo/mesh/joined_meshes.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/mesh.h>

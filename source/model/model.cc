@@ -3,7 +3,6 @@
 
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/hanging_nodes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>

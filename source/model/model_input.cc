@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
 
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/mesh/image_conditions.h>

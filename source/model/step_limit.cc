@@ -4,8 +4,6 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <string>
-
 namespace tombolo
 {
   void list(Records &records, StepLimit &limit)

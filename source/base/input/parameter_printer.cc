@@ -13,7 +13,6 @@
 #include <cstdlib>
 #include <map>
 #include <ostream>
-#include <utility>
 
 namespace tombolo
 {

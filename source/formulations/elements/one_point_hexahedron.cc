@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/elements/cell_formulation.h>
 #include <tombolo/formulations/elements/one_point_hexahedron.h>
 
 namespace tombolo

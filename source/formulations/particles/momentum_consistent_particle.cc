@@ -5,7 +5,6 @@
 #include <tombolo/formulations/particles/particle_method.h>
 #include <tombolo/formulations/particles/particle_rows.h>
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/physics/heat/growing_rates.h>
 #include <tombolo/physics/heat/thermal_step.h>

@@ -2,7 +2,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/base/moment.h>

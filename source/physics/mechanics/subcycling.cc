@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/subcycling.h>
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/mesh/cells_of_part.h>
-#include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 

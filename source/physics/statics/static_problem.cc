@@ -2,7 +2,6 @@
 #include <tombolo/physics/statics/static_problem.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
@@ -12,7 +11,6 @@
 #include <cmath>
 #include <sstream>
 #include <tuple>
-#include <utility>
 
 namespace tombolo
 {
