@@ -453,5 +453,8 @@ namespace tombolo
       NodalVector kept_position;
       std::vector<std::vector<double>> kept_points;
     };
+
+    extern template class FrozenBody<2>;
+    extern template class FrozenBody<3>;
   } // namespace testing
 } // namespace tombolo

@@ -74,6 +74,9 @@ namespace tombolo
       std::vector<Section> part_sections;
     };
 
+    extern template class MeshScene<2>;
+    extern template class MeshScene<3>;
+
     /** The message of the InputError that an action throws; empty if it throws none. Fails the
      * test where ranks disagree about it. */
     template <typename Action>

@@ -2,6 +2,7 @@
 // What most sources of the library include, compiled once.
 #pragma once
 
+#include <tombolo/base/packing.h>
 #include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/aligned_vector.h>
@@ -14,6 +15,8 @@
 #include <deal.II/base/utilities.h>
 #include <deal.II/distributed/tria_base.h>
 #include <deal.II/dofs/dof_handler.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>

@@ -131,4 +131,5 @@ namespace tombolo
     }
     return settings;
   }
+
 } // namespace tombolo

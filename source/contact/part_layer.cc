@@ -336,4 +336,6 @@ namespace tombolo
 
   template class PartLayer<2>;
   template class PartLayer<3>;
+  template class OutwardAreas<2>;
+  template class OutwardAreas<3>;
 } // namespace tombolo

@@ -96,4 +96,7 @@ namespace tombolo
       result.push_back(&component.sum);
     return result;
   }
+
+  template class Formulation<2>;
+  template class Formulation<3>;
 } // namespace tombolo

@@ -2,6 +2,7 @@
 #include <tombolo/mesh/mesh.h>
 
 #include <tombolo/base/memory.h>
+#include <tombolo/mesh/face_shapes.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -46,4 +47,7 @@ namespace tombolo
                "memory.";
     section.fail(entry, message.str());
   }
+
+  template struct FaceShapes<2>;
+  template struct FaceShapes<3>;
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
+#include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
 
 #include <tombolo/mesh/nodes.h>
@@ -76,7 +77,7 @@ namespace tombolo
 
   template <int dim>
   Nodes<dim>::Nodes(const Mesh<dim> &mesh, const unsigned int degree)
-      : finite_element(degree), handler(mesh.triangulation),
+      : finite_element(std::make_unique<dealii::FE_Q<dim>>(degree)), handler(mesh.triangulation),
         lexicographic_to_hierarchic(
             dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(degree))
   {
@@ -90,7 +91,7 @@ namespace tombolo
           places_of_faces[f].push_back(k);
       }
 
-    handler.distribute_dofs(finite_element);
+    handler.distribute_dofs(*finite_element);
     owned_nodes = handler.locally_owned_dofs();
 
     std::vector<dealii::types::global_dof_index> nodes;
@@ -131,6 +132,12 @@ namespace tombolo
   }
 
   template <int dim>
+  unsigned int Nodes<dim>::degree() const
+  {
+    return finite_element->degree;
+  }
+
+  template <int dim>
   MPI_Comm Nodes<dim>::communicator() const
   {
     return communicator_of(handler);
@@ -140,7 +147,7 @@ namespace tombolo
   void Nodes<dim>::cell_nodes(const Cell &cell,
                               std::vector<dealii::types::global_dof_index> &nodes) const
   {
-    std::vector<dealii::types::global_dof_index> hierarchic(finite_element.n_dofs_per_cell());
+    std::vector<dealii::types::global_dof_index> hierarchic(finite_element->n_dofs_per_cell());
     cell->get_dof_indices(hierarchic);
     nodes.resize(hierarchic.size());
     for (unsigned int k = 0; k < nodes.size(); ++k)
@@ -150,11 +157,11 @@ namespace tombolo
   template <int dim>
   void Nodes<dim>::cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const
   {
-    points.resize(finite_element.n_dofs_per_cell());
+    points.resize(finite_element->n_dofs_per_cell());
     for (unsigned int k = 0; k < points.size(); ++k)
     {
       const dealii::Point<dim> unit =
-          finite_element.unit_support_point(lexicographic_to_hierarchic[k]);
+          finite_element->unit_support_point(lexicographic_to_hierarchic[k]);
       dealii::Point<dim> place;
       for (const auto vertex : cell->vertex_indices())
         place += dealii::GeometryInfo<dim>::d_linear_shape_function(unit, vertex) *
@@ -226,6 +233,9 @@ namespace tombolo
     return "face of the boundary" +
            (images_of_body->empty() ? std::string() : " outside of " + Images::words(false));
   }
+
+  template <int dim>
+  Nodes<dim>::~Nodes() = default;
 
   template class Nodes<2>;
   template class Nodes<3>;

@@ -402,6 +402,9 @@ namespace tombolo
            (heat->has_plastic_heat() || std::any_of(processes.begin(), processes.end(), gives));
   }
 
+  template <int dim>
+  Model<dim>::~Model() = default;
+
   template class Model<2>;
   template class Model<3>;
 } // namespace tombolo

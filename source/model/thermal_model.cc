@@ -330,6 +330,9 @@ namespace tombolo
     return smallest_limit(of_parts, position.partition()->communicator());
   }
 
+  template <int dim>
+  ThermalModel<dim>::~ThermalModel() = default;
+
   template class ThermalModel<2>;
   template class ThermalModel<3>;
 } // namespace tombolo

@@ -322,7 +322,7 @@ namespace tombolo
     else
       for (std::size_t index = 0; index < chosen.size(); ++index)
         add({name_of_chosen(index), {}, {}});
-    const double largest_cell = BodyPoint<dim>::largest_cell(*view.nodes);
+    const double largest_cell = largest_cell_diameter(*view.nodes);
     const bool are_known = places.size() == dim * probes.size();
     places.resize(dim * probes.size());
     for (std::size_t p = 0; p < probes.size(); ++p)
@@ -448,7 +448,7 @@ namespace tombolo
     {
       if (!view.has_mechanics)
         this->section.fail("Locations", "the scene has no mechanics, and no material points");
-      const double largest_cell = BodyPoint<dim>::largest_cell(*view.nodes);
+      const double largest_cell = largest_cell_diameter(*view.nodes);
       for (const NamedPlace<dim> &place : places)
         if (const double distance = nearest(view, place.location).distance; distance > largest_cell)
           this->section.fail(
@@ -481,7 +481,7 @@ namespace tombolo
     Candidate nearest(const OutputView<dim> &view, const Point<dim> &location) const
     {
       const MPI_Comm communicator = view.nodes->communicator();
-      const double alike = 1e-9 * BodyPoint<dim>::largest_cell(*view.nodes);
+      const double alike = 1e-9 * largest_cell_diameter(*view.nodes);
       Candidate best;
       best.rank = Utilities::MPI::this_mpi_process(communicator);
       for (unsigned int p = 0; p < view.parts.size(); ++p)

@@ -539,4 +539,7 @@ namespace tombolo
     std::vector<std::size_t> found_start;
     std::vector<unsigned int> found_count;
   };
+
+  extern template class NeighbourSearch<2>;
+  extern template class NeighbourSearch<3>;
 } // namespace tombolo

@@ -340,4 +340,7 @@ namespace tombolo
     std::vector<unsigned int> rows, columns;
     std::vector<unsigned int> neighbour_place;
   };
+
+  extern template class Neighbourhoods<2>;
+  extern template class Neighbourhoods<3>;
 } // namespace tombolo

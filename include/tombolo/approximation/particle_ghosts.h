@@ -237,4 +237,7 @@ namespace tombolo
     std::vector<unsigned int> members;
     std::vector<Group> groups;
   };
+
+  extern template class ParticleGhosts<2>;
+  extern template class ParticleGhosts<3>;
 } // namespace tombolo

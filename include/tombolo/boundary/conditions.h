@@ -495,4 +495,7 @@ namespace tombolo
     std::vector<std::uint8_t> constrained;
     mutable std::string local_failure;
   };
+
+  extern template class TributaryAreas<2>;
+  extern template class TributaryAreas<3>;
 } // namespace tombolo

@@ -133,6 +133,7 @@ namespace tombolo
      * example where a condition selects nothing. Collective. */
     MechanicalConditions(const std::vector<Section> &sections, const Mesh<dim> &mesh,
                          const Nodes<dim> &nodes);
+    ~MechanicalConditions();
 
     bool has_loads() const;
 
@@ -238,4 +239,7 @@ namespace tombolo
     std::vector<Combination> combinations; ///< ascending
     ObliqueNodes oblique;
   };
+
+  extern template class MechanicalConditions<2>;
+  extern template class MechanicalConditions<3>;
 } // namespace tombolo

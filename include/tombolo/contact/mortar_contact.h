@@ -517,4 +517,7 @@ namespace tombolo
     bool faces_are_new = false; ///< since the last forces
     double touch_distance = 0;  ///< what is nearer touches; zero in explicit steps [L]
   };
+
+  extern template class MortarContact<2>;
+  extern template class MortarContact<3>;
 } // namespace tombolo

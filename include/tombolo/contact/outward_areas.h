@@ -211,4 +211,7 @@ namespace tombolo
     /** Buffer of update(): whether the areas of local nodes are needed. */
     std::vector<std::uint8_t> is_needed;
   };
+
+  extern template class OutwardAreas<2>;
+  extern template class OutwardAreas<3>;
 } // namespace tombolo

@@ -365,4 +365,7 @@ namespace tombolo
     double reach = 0;        ///< outside of the box around the part
     double largest_size = 0; ///< of cells below facets [L]
   };
+
+  extern template class PartLayer<2>;
+  extern template class PartLayer<3>;
 } // namespace tombolo

@@ -555,4 +555,7 @@ namespace tombolo
      * all nodes are shared out by their masses, and they are as deep as nodes were. Collective. */
     void close_springs(const NodalState &state, StateArchive &archive);
   };
+
+  extern template class SurfaceContact<2>;
+  extern template class SurfaceContact<3>;
 } // namespace tombolo

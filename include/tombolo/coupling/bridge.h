@@ -48,6 +48,7 @@ namespace tombolo
     /** What is smoothed is a vector, or up to node_stride scalars.
      */
     Bridge(const SmoothingSettings &smoothing, bool trace, Quantity quantity = Quantity::vector);
+    ~Bridge();
 
     /** Says of each particle part that reinit() will be given whether it is smoothed, before the
      * first one. The mass of others is their nodes' own, as that of elements is: S and Φ stay

@@ -391,4 +391,7 @@ namespace tombolo
   {
     static constexpr const char *name = "formulation";
   };
+
+  extern template class Formulation<2>;
+  extern template class Formulation<3>;
 } // namespace tombolo

@@ -65,4 +65,7 @@ namespace tombolo
   private:
     std::map<dealii::types::global_dof_index, unsigned int> mirrors_of_body; // as bits
   };
+
+  extern template class Bodies<2>;
+  extern template class Bodies<3>;
 } // namespace tombolo

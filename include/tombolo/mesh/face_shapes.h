@@ -80,4 +80,7 @@ namespace tombolo
   private:
     std::vector<double> values, derivatives;
   };
+
+  extern template struct FaceShapes<2>;
+  extern template struct FaceShapes<3>;
 } // namespace tombolo

@@ -53,4 +53,7 @@ namespace tombolo
    */
   void refuse_more_than_memory(const Section &section, const std::string &entry,
                                double n_coarse_cells, double n_cells, MPI_Comm communicator);
+
+  extern template struct Mesh<2>;
+  extern template struct Mesh<3>;
 } // namespace tombolo

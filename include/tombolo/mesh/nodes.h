@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deal.II/dofs/dof_handler.h>
-#include <deal.II/fe/fe_q.h>
 
 #include <tombolo/mesh/dependent_node.h>
 #include <tombolo/mesh/images.h>
@@ -29,11 +28,9 @@ namespace tombolo
     using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
     Nodes(const Mesh<dim> &mesh, unsigned int degree);
+    ~Nodes();
 
-    unsigned int degree() const
-    {
-      return finite_element.degree;
-    }
+    unsigned int degree() const;
 
     const dealii::DoFHandler<dim> &dof_handler() const
     {
@@ -105,7 +102,7 @@ namespace tombolo
     }
 
   private:
-    dealii::FE_Q<dim> finite_element;
+    std::unique_ptr<const dealii::FiniteElement<dim>> finite_element;
     dealii::DoFHandler<dim> handler;
     dealii::IndexSet owned_nodes;
     dealii::IndexSet relevant_nodes;
@@ -116,4 +113,7 @@ namespace tombolo
     std::vector<DependentNode> dependent;
     bool are_any_dependent = false;
   };
+
+  extern template class Nodes<2>;
+  extern template class Nodes<3>;
 } // namespace tombolo

@@ -76,4 +76,7 @@ namespace tombolo
   template <int dim>
   void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
                const std::vector<std::function<StepCost(double)>> &cost_of_part);
+
+  extern template class PartCells<2>;
+  extern template class PartCells<3>;
 } // namespace tombolo

@@ -84,7 +84,7 @@ namespace tombolo
 
     /** Throws InputError. Collective. */
     Model(const Parameters &parameters, MPI_Comm communicator, const MeshChange &change_mesh = {});
-    ~Model() = default;
+    ~Model();
 
     /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
      * ghosts, masses. The set of ghost nodes may have changed even if it returns no change.
@@ -150,7 +150,13 @@ namespace tombolo
 
     /** The process of this type; null where the scene has none. */
     template <typename Type>
-    Type *find_process() const;
+    Type *find_process() const
+    {
+      for (const auto &process : processes)
+        if (auto *const found = dynamic_cast<Type *>(process.get()))
+          return found;
+      return nullptr;
+    }
 
     /** Numbers of the rows of a part, which are its cells or its particles, that do not depend on
      * the number of ranks. */
@@ -199,16 +205,6 @@ namespace tombolo
     std::shared_ptr<const NodePartition> partition;
     NodalVector mass_of_bodies; // where inertia is not that of the mass
   };
-
-  template <int dim>
-  template <typename Type>
-  Type *Model<dim>::find_process() const
-  {
-    for (const auto &process : processes)
-      if (auto *const found = dynamic_cast<Type *>(process.get()))
-        return found;
-    return nullptr;
-  }
 
   /** The objects of type T that the processes of a model show, such as contacts, in their order. */
   template <typename T, int dim>

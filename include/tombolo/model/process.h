@@ -73,7 +73,7 @@ namespace tombolo
   class Process
   {
   public:
-    virtual ~Process() = default;
+    virtual ~Process();
 
     /** Of a process that the scene names: its section, for messages, and the model as it is
      * initially. Throws InputError. */
@@ -295,6 +295,9 @@ namespace tombolo
       }
     };
   } // namespace internal
+
+  extern template class Process<2>;
+  extern template class Process<3>;
 } // namespace tombolo
 
 /** Makes the class template Kind<dim> known as a ProcessKind. To stand once, in a source file. */

@@ -47,6 +47,7 @@ namespace tombolo
                  const Nodes<dim> &nodes, std::vector<Part<dim>> &parts,
                  const NodalVector &initial_position, const SmoothingSettings &smoothing,
                  bool trace);
+    ~ThermalModel();
 
     /** Nodes whose values this rank must see. */
     dealii::IndexSet required_nodes() const
@@ -168,4 +169,7 @@ namespace tombolo
     std::vector<double> kept;                // buffer, of constrained nodes
     std::vector<unsigned int> surface_nodes; // owned, at which surfaces can have heat
   };
+
+  extern template class ThermalModel<2>;
+  extern template class ThermalModel<3>;
 } // namespace tombolo

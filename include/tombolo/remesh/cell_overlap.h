@@ -178,4 +178,7 @@ namespace tombolo
       result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
     return result;
   }
+
+  extern template class CellOverlap<2>;
+  extern template class CellOverlap<3>;
 } // namespace tombolo

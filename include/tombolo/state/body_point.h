@@ -3,10 +3,9 @@
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/tensor.h>
-#include <deal.II/grid/grid_tools.h>
 
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/mesh/nodes.h>
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>
 
@@ -26,14 +25,6 @@ namespace tombolo
   {
   public:
     using Vector = dealii::Tensor<1, dim>;
-
-    /** The largest diameter of a cell [L]. Collective. */
-    static double largest_cell(const Nodes<dim> &nodes)
-    {
-      return dealii::Utilities::MPI::max(
-          dealii::GridTools::maximal_cell_diameter(nodes.dof_handler().get_triangulation()),
-          nodes.communicator());
-    }
 
     /** Finds the node nearest to initial coordinates @p wanted. Nodes that are equally far but for
      * a billionth of the @p largest_cell (its diameter) are alike; of these the one with the
@@ -85,10 +76,11 @@ namespace tombolo
     void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
               Records &records)
     {
-      find(nodes, state, wanted, largest_cell(nodes));
+      find(nodes, state, wanted, largest_cell_diameter(nodes));
       records.value("node", initial_place);
-      records.on_reading([this, &nodes, &state]
-                         { find(nodes, state, Vector(initial_place), largest_cell(nodes)); });
+      records.on_reading(
+          [this, &nodes, &state]
+          { find(nodes, state, Vector(initial_place), largest_cell_diameter(nodes)); });
     }
 
     /** Whether this rank owns the node. */

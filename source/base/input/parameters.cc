@@ -44,15 +44,12 @@ namespace tombolo
 
   Parameters::Parameters(const MPI_Comm communicator) : scanner(communicator) {}
 
+  Parameters::~Parameters() = default;
+
   void Parameters::collect_mistakes()
   {
     mistakes.collect();
     scanner.note_in(mistakes);
-  }
-
-  bool Parameters::attempt(const std::function<void()> &read) const
-  {
-    return mistakes.attempt(read);
   }
 
   void Parameters::refuse(const std::string &path, const std::string &message) const

@@ -53,7 +53,7 @@ namespace
     return std::sqrt(squared);
   }
 
-  Matrix identity()
+  Matrix identity_matrix()
   {
     return {{{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}}};
   }
@@ -160,7 +160,7 @@ TEST(TensorFunction, makes_increments_of_strains_and_rotations)
       {
         const Matrix strain = random_symmetric(generator, strain_size);
         Matrix3<Lanes> h;
-        Matrix to_begin = identity();
+        Matrix to_begin = identity_matrix();
         const Matrix increment = random_matrix(generator, increment_size);
         for (unsigned int i = 0; i < 3; ++i)
           for (unsigned int j = 0; j < 3; ++j)
@@ -178,9 +178,9 @@ TEST(TensorFunction, makes_increments_of_strains_and_rotations)
           EXPECT_NEAR(motion.spin[i][0], of_rate.spin[i][0], 1e-15 * increment_size);
         EXPECT_NEAR(motion.volume_factor[0], of_rate.volume_factor[0], 1e-15);
 
-        const Matrix stretch = sum(identity(), 1, inverse_stretch(strain));
+        const Matrix stretch = sum(identity_matrix(), 1, inverse_stretch(strain));
         const Matrix expected = strain_of_inverse_stretch(
-            sum(product(transposed(to_begin), product(stretch, to_begin)), -1, identity()));
+            sum(product(transposed(to_begin), product(stretch, to_begin)), -1, identity_matrix()));
         const Matrix found = sum(of_lane(motion.strain), 1, of_lane(turned));
         EXPECT_LT(size_of(sum(found, -1, expected)),
                   2e-15 * (strain_size + increment_size) + 1e-18);

@@ -33,9 +33,9 @@ namespace
   };
 
   /** What has one variable of each kind; of three nodes on each rank. */
-  struct Owner
+  struct RecordsOwner
   {
-    explicit Owner(const bool has_new_kind = true)
+    explicit RecordsOwner(const bool has_new_kind = true)
     {
       IndexSet owned(3 * Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD));
       owned.add_range(first(), first() + 3);
@@ -118,14 +118,14 @@ namespace
     Records records;
   };
 
-  void expect_filled(const Owner &owner)
+  void expect_filled(const RecordsOwner &owner)
   {
     EXPECT_EQ(owner.time, 2.);
     EXPECT_EQ(owner.name, "two");
     EXPECT_EQ(owner.axis[1], 3.);
-    EXPECT_EQ(owner.share, 4. + Owner::first());
-    EXPECT_EQ(owner.axis_shares[1], 4. + Owner::first());
-    EXPECT_EQ(owner.vector.node(1)[2], 5. + Owner::first());
+    EXPECT_EQ(owner.share, 4. + RecordsOwner::first());
+    EXPECT_EQ(owner.axis_shares[1], 4. + RecordsOwner::first());
+    EXPECT_EQ(owner.vector.node(1)[2], 5. + RecordsOwner::first());
     ASSERT_EQ(owner.springs.size(), 2u);
     EXPECT_EQ(owner.springs[1].stiffness, 6.);
     EXPECT_TRUE(owner.springs[1].is_bonded);
@@ -148,11 +148,11 @@ TEST(Records, come_back_from_a_checkpoint)
 {
   const TestDirectory directory("records");
   const std::string file = file_in(directory);
-  Owner first(false), second;
+  RecordsOwner first(false), second;
   first.fill();
   first.write(file);
   StateArchive archive(file, StateArchive::Mode::read, MPI_COMM_WORLD);
-  archive.set_nodes(Owner::ids());
+  archive.set_nodes(RecordsOwner::ids());
   second.records.serialize(archive);
   expect_filled(second);
   EXPECT_EQ(second.was_read, 9.);
@@ -166,7 +166,7 @@ TEST(Records, come_back_from_a_checkpoint)
 
 TEST(Records, go_back_to_what_was_kept_any_number_of_times)
 {
-  Owner owner;
+  RecordsOwner owner;
   owner.fill();
   owner.records.keep();
   for (unsigned int trial = 0; trial < 2; ++trial)
@@ -187,12 +187,12 @@ TEST(Records, a_run_that_starts_from_the_end_of_another_takes_what_continues_and
 {
   const TestDirectory directory("records_continued");
   const std::string file = file_in(directory);
-  Owner first, second;
+  RecordsOwner first, second;
   first.fill();
   first.write(file);
   second.records.group("of nobody").value("nothing", second.further).continues();
   StateArchive archive(file, StateArchive::Mode::read, MPI_COMM_WORLD);
-  archive.set_nodes(Owner::ids());
+  archive.set_nodes(RecordsOwner::ids());
   second.records.continue_from(archive);
   EXPECT_EQ(second.time, 2.);
   EXPECT_EQ(second.springs[1].stiffness, 6.);
@@ -207,13 +207,13 @@ TEST(Records, new_nodes_of_a_divided_mesh_get_zeros_or_the_mean_of_a_field)
 {
   const TestDirectory directory("records_divided");
   const std::string file = file_in(directory);
-  Owner first, second;
+  RecordsOwner first, second;
   first.fill();
   first.field.node(2)[1] = 9.;
   first.write(file, true);
   StateArchive archive(file, StateArchive::Mode::read, MPI_COMM_WORLD);
   archive.divide({});
-  const unsigned int n = Owner::first();
+  const unsigned int n = RecordsOwner::first();
   archive.set_nodes(RowSources{{{n + 1u, 0.5}, {n + 2u, 0.5}}, {{n + 1u, 1.}}, {{n, 1.}}});
   second.records.serialize(archive);
   EXPECT_EQ(second.springs[1].stiffness, 6.);

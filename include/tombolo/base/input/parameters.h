@@ -37,6 +37,7 @@ namespace tombolo
   {
   public:
     explicit Parameters(MPI_Comm communicator);
+    ~Parameters();
 
     /** From now on mistakes are noted, until refuse_mistakes(). A missing entry is read as a value
      * that stands in for it. */
@@ -44,7 +45,10 @@ namespace tombolo
 
     /** Calls @p read. While mistakes are collected, an InputError that it throws is noted, unless
      * it follows from another mistake; otherwise it passes. Returns whether nothing was wrong. */
-    bool attempt(const std::function<void()> &read) const;
+    bool attempt(const std::function<void()> &read) const
+    {
+      return mistakes.attempt(read);
+    }
 
     /** fail(), or a note of it while mistakes are collected. */
     void refuse(const std::string &path, const std::string &message) const;

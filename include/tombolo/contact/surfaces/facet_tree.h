@@ -273,4 +273,7 @@ namespace tombolo
   private:
     FacetTree<dim> tree;
   };
+
+  extern template class ClosedSurface<2>;
+  extern template class ClosedSurface<3>;
 } // namespace tombolo

@@ -128,4 +128,7 @@ namespace tombolo
     std::vector<dealii::Point<dim>> positions;
     std::vector<double> volumes, supports;
   };
+
+  extern template class ParticleSet<2>;
+  extern template class ParticleSet<3>;
 } // namespace tombolo

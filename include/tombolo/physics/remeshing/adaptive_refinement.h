@@ -329,4 +329,7 @@ namespace tombolo
     double lost = 0;
     std::array<double, 3> lost_momentum{}, lost_angular_momentum{};
   };
+
+  extern template class AdaptiveRefinement<2>;
+  extern template class AdaptiveRefinement<3>;
 } // namespace tombolo

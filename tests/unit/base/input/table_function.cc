@@ -11,7 +11,7 @@ using namespace tombolo;
 
 namespace
 {
-  std::string refusal(const std::string &text)
+  std::string table_refusal(const std::string &text)
   {
     try
     {
@@ -43,18 +43,19 @@ TEST(TableFunction, reads_headings_comments_and_all_usual_separators)
 
 TEST(TableFunction, what_is_no_table_is_refused_with_its_line)
 {
-  EXPECT_EQ(refusal("0, 1\n1, 2\n1, 3\n"),
+  EXPECT_EQ(table_refusal("0, 1\n1, 2\n1, 3\n"),
             "line 3: arguments must rise from line to line; \"1\" is "
             "not above that of the line before.");
-  EXPECT_EQ(refusal("0, 1\n2, 2\n1, 3\n").substr(0, 30), "line 3: arguments must rise fr");
-  EXPECT_EQ(refusal("0, 1\n,2\n"), "line 2: the argument is missing.");
-  EXPECT_EQ(refusal("0, 1\n1,\n"), "line 2: the value is missing.");
-  EXPECT_EQ(refusal("0, 1\n1, nan\n"), "line 2: \"nan\" is not a finite number.");
-  EXPECT_EQ(refusal("0, 1\n1, 2x\n"), "line 2: \"2x\" is not a finite number.");
-  EXPECT_EQ(refusal("t, f\nt, f\n0, 1\n"), "line 2: \"t\" is not a finite number.");
-  EXPECT_EQ(refusal("0 1 2\n"), "line 1: two numbers are needed, an argument and a value; found 3 "
-                                "entries.");
-  EXPECT_EQ(refusal("0, 1\n"), "a table needs two points or more, found 1.");
+  EXPECT_EQ(table_refusal("0, 1\n2, 2\n1, 3\n").substr(0, 30), "line 3: arguments must rise fr");
+  EXPECT_EQ(table_refusal("0, 1\n,2\n"), "line 2: the argument is missing.");
+  EXPECT_EQ(table_refusal("0, 1\n1,\n"), "line 2: the value is missing.");
+  EXPECT_EQ(table_refusal("0, 1\n1, nan\n"), "line 2: \"nan\" is not a finite number.");
+  EXPECT_EQ(table_refusal("0, 1\n1, 2x\n"), "line 2: \"2x\" is not a finite number.");
+  EXPECT_EQ(table_refusal("t, f\nt, f\n0, 1\n"), "line 2: \"t\" is not a finite number.");
+  EXPECT_EQ(table_refusal("0 1 2\n"),
+            "line 1: two numbers are needed, an argument and a value; found 3 "
+            "entries.");
+  EXPECT_EQ(table_refusal("0, 1\n"), "a table needs two points or more, found 1.");
 }
 
 TEST(TableCalls, become_names)

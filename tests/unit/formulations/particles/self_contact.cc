@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "frozen_body.h"
 #include "torn_plate.h"
 
 #include <tombolo/formulations/particles/fragments.h>
@@ -184,11 +185,6 @@ namespace
     for (const double component : sum)
       EXPECT_NEAR(component, 0., 1e-13);
     return energy;
-  }
-
-  double sum_over_ranks(const double share)
-  {
-    return Utilities::MPI::sum(share, MPI_COMM_WORLD);
   }
 } // namespace
 

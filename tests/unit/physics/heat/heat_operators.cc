@@ -15,8 +15,9 @@ namespace
 {
   const std::string flux = "subsection Condition: flux\nset Type = heat flux\nset Where = x > "
                            "1.999\nset Function = 3 + y\nend\n";
-  const std::string film = "subsection Condition: air\nset Type = convection\nset Where = x < "
-                           "1e-3\nset Film coefficient = 2\nset Ambient temperature = 1\nend\n";
+  const std::string film_section =
+      "subsection Condition: air\nset Type = convection\nset Where = x < "
+      "1e-3\nset Film coefficient = 2\nset Ambient temperature = 1\nend\n";
   const std::string sky =
       "subsection Condition: sky\nset Type = radiation\nset Where = y < 1e-3\nset Emissivity = "
       "0.5\nset Ambient temperature = 2\nset Stefan-Boltzmann constant = 1e-3\nend\n";
@@ -62,7 +63,7 @@ namespace
   template <int dim>
   void expect_symmetric_and_not_negative(const HeatedMethod &method)
   {
-    HeatedBody<dim> body(method, film + sky + flux);
+    HeatedBody<dim> body(method, film_section + sky + flux);
     body.set_temperature([](const double *x) { return 6. + 2. * x[0]; });
     body.step->start(*body.model, 0.);
     NodalVector a = body.vector(), b = body.vector(), of_a = body.vector(), of_b = body.vector();
@@ -82,7 +83,7 @@ namespace
   {
     if (method.has_tables)
       return; // the linear operator leaves dk/dθ out
-    HeatedBody<dim> body(method, film + sky + flux + source);
+    HeatedBody<dim> body(method, film_section + sky + flux + source);
     ThermalModel<dim> &heat = body.heat();
     const NodalVector &x = body.model->state.position;
     NodalVector direction = body.vector(), expected = body.vector(), field = body.vector(),
@@ -116,7 +117,7 @@ namespace
   template <int dim>
   void expect_what_enters_to_be_what_is_gained(const HeatedMethod &method)
   {
-    HeatedBody<dim> body(method, film + sky + flux + source);
+    HeatedBody<dim> body(method, film_section + sky + flux + source);
     ThermalModel<dim> &heat = body.heat();
     body.set_temperature([](const double *x) { return 5. + disorder(x, 0.); });
     body.step->start(*body.model, 0.);
@@ -276,7 +277,7 @@ TEST(ExplicitHeat, is_stable_just_below_the_spectral_limit_and_not_above)
 {
   for (const char *const smoothing : {"paper", "affine"})
   {
-    HeatedBody<2> body({"coupled", smoothing}, film);
+    HeatedBody<2> body({"coupled", smoothing}, film_section);
     ThermalModel<2> &heat = body.heat();
     body.step->start(*body.model, 0.);
     body.step->allowed_step(*body.model);
