@@ -2,6 +2,7 @@
 // ranks: 1 2
 #include "frozen_body.h"
 
+#include <tombolo/base/output_directory.h>
 #include <tombolo/model/follow_divisions.h>
 
 #include <gtest/gtest.h>
