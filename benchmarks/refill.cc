@@ -21,14 +21,14 @@ namespace tombolo
   {
     using namespace dealii;
 
-    constexpr unsigned int n_along_axis = 16;
     constexpr double disorder = 0.2; // of the size of a cell
     using Cells = std::vector<RemapCell<3>>;
 
     class Block
     {
     public:
-      explicit Block(const bool slides = false) : parameters(MPI_COMM_SELF), slides(slides)
+      explicit Block(const bool slides = false, const unsigned int n_along_axis = 16)
+          : parameters(MPI_COMM_SELF), n_along_axis(n_along_axis), slides(slides)
       {
         const std::string n = std::to_string(n_along_axis);
         parameters.read_text(
@@ -127,6 +127,7 @@ namespace tombolo
       }
 
       Parameters parameters;
+      unsigned int n_along_axis;
       bool slides;
       EnergyLedger ledger;
       std::unique_ptr<Model<3>> model;
@@ -143,9 +144,9 @@ namespace tombolo
                                                          benchmark::Counter::kInvert);
     }
 
-    void whole_refill(benchmark::State &state, const bool slides)
+    void whole_refill(benchmark::State &state, const bool slides, const unsigned int n_along_axis)
     {
-      Block block(slides);
+      Block block(slides, n_along_axis);
       const Cells cells = block.moved_cells();
       for (auto _ : state)
       {
@@ -284,9 +285,11 @@ int main(int argc, char **argv)
 {
   using namespace tombolo;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  add("whole_refill", [](benchmark::State &state) { whole_refill(state, false); });
-  add("whole_refill_with_sliding_surface",
-      [](benchmark::State &state) { whole_refill(state, true); });
+  for (const unsigned int n_along_axis : {16, 31})
+    for (const bool slides : {false, true})
+      add(std::string("whole_refill_of_") + std::to_string(n_along_axis) + "_along_an_axis" +
+              (slides ? "_with_sliding_surface" : ""),
+          [=](benchmark::State &state) { whole_refill(state, slides, n_along_axis); });
   add("look_for_distorted_cells", look);
   add("new_rows", new_rows);
   add("overlap", [](benchmark::State &state) { overlap(state, false); });
