@@ -38,6 +38,9 @@ namespace tombolo
   /** Whether they act on faces of the boundary. */
   bool is_on_faces(MechanicalConditionType type);
 
+  /** Whether they act on all of the body. */
+  bool is_on_volume(MechanicalConditionType type);
+
   /** What one section "Condition: NAME" of mechanics says. */
   template <int dim>
   struct MechanicalCondition

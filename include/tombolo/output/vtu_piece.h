@@ -209,15 +209,16 @@ namespace tombolo
         const int status =
             compress2(body.data() + start, &compressed_size, bytes + block * block_size,
                       static_cast<uLong>(size), Z_BEST_SPEED);
-        AssertThrow(status == Z_OK, ExcMessage("zlib cannot compress the data of an output."));
+        AssertThrow(status == Z_OK,
+                    dealii::ExcMessage("zlib cannot compress the data of an output."));
         body.resize(start + compressed_size);
         append_number(header, compressed_size);
       }
-      out << Utilities::encode_base64(header) << Utilities::encode_base64(body);
+      out << dealii::Utilities::encode_base64(header) << dealii::Utilities::encode_base64(body);
 #else
       append_number(header, n_bytes);
       header.insert(header.end(), bytes, bytes + n_bytes);
-      out << Utilities::encode_base64(header);
+      out << dealii::Utilities::encode_base64(header);
 #endif
     }
 
@@ -323,9 +324,10 @@ namespace tombolo
       const std::size_t size =
           std::visit([](const auto &values) { return values.size(); }, array.values);
       AssertThrow(size == n_entities * array.n_components,
-                  ExcMessage("The output array \"" + array.name + "\" has " + std::to_string(size) +
-                             " values for " + std::to_string(n_entities) + " entities of " +
-                             std::to_string(array.n_components) + " components."));
+                  dealii::ExcMessage("The output array \"" + array.name + "\" has " +
+                                     std::to_string(size) + " values for " +
+                                     std::to_string(n_entities) + " entities of " +
+                                     std::to_string(array.n_components) + " components."));
     }
   };
 
