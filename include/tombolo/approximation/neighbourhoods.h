@@ -246,12 +246,6 @@ namespace tombolo
       return true;
     }
 
-    /** Gives back the memory that searches keep for the next one. */
-    void release_buffers()
-    {
-      finder = NeighbourSearch<dim>();
-    }
-
   private:
     /** Makes a list 0, 1, ..., @p n - 1. */
     static void count_up(std::vector<unsigned int> &list, const std::size_t n)

@@ -187,7 +187,6 @@ namespace tombolo
     void compute_at_search()
     {
       compute(neighbours.position_at_search().data(), neighbours.support_at_search().data());
-      neighbours.release_buffers(); // most rows are not searched for again
     }
 
     /** The same at @p position (current ghosts, the numbers of the rows), with these supports of
