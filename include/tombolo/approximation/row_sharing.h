@@ -29,7 +29,7 @@ namespace tombolo
      */
     std::size_t add(const unsigned int n, const double *value, const double *gradient)
     {
-      const std::uint64_t hash = hash_of(n, value);
+      const std::uint64_t hash = hash_of(n, value, gradient);
       const auto range = kept_rows.equal_range(hash);
       for (auto row = range.first; row != range.second; ++row)
         if (is_same(row->second, n, value, gradient))
@@ -60,15 +60,29 @@ namespace tombolo
   private:
     static constexpr unsigned int n_gradient = Stencils::n_gradient;
 
-    static std::uint64_t hash_of(const unsigned int n, const double *value)
+    static double largest_of(const unsigned int n, const double *gradient)
+    {
+      double largest = 0.;
+      for (unsigned int k = 0; k < n_gradient * n; ++k)
+        largest = std::max(largest, std::abs(gradient[k]));
+      return largest;
+    }
+
+    static std::uint64_t hash_of(const unsigned int n, const double *value, const double *gradient)
     {
       // Far coarser than what rows differ by: a value that happens to be rounded both ways keeps
       // its row twice, which does no harm.
       constexpr double resolution = 1 << 26;
       std::uint64_t hash = n;
-      for (unsigned int k = 0; k < n; ++k)
-        hash = (hash ^ static_cast<std::uint64_t>(std::llrint(value[k] * resolution))) *
+      const auto add = [&](const double number)
+      {
+        hash = (hash ^ static_cast<std::uint64_t>(std::llrint(number * resolution))) *
                0x9e3779b97f4a7c15u;
+      };
+      std::for_each(value, value + n, add);
+      if (const double largest = largest_of(n, gradient); largest > 0.)
+        std::for_each(gradient, gradient + std::size_t(n_gradient) * n,
+                      [&](const double component) { add(component / largest); });
       return hash ^ (hash >> 32);
     }
 
@@ -88,16 +102,13 @@ namespace tombolo
       double difference = 0;
       for (unsigned int k = 0; k < n; ++k)
         difference = std::max(difference, std::abs(kept_value[k] - value[k]));
-      double of_gradients = 0, largest = 0;
+      double of_gradients = 0;
       for (unsigned int k = 0; k < n_gradient * n; ++k)
-      {
         of_gradients = std::max(of_gradients, std::abs(kept_gradient[k] - gradient[k]));
-        largest = std::max(largest, std::abs(kept_gradient[k]));
-      }
-      return difference <= tolerance && of_gradients <= tolerance * largest;
+      return difference <= tolerance && of_gradients <= tolerance * largest_of(n, kept_gradient);
     }
 
     std::vector<double> kept_values, kept_gradients;
-    std::unordered_multimap<std::uint64_t, Kept> kept_rows; // by hash of the rounded values
+    std::unordered_multimap<std::uint64_t, Kept> kept_rows; // by hash of rounded entries
   };
 } // namespace tombolo

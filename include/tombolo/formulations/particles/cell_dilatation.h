@@ -82,16 +82,9 @@ namespace tombolo
         cells.row_start.push_back(cell_nodes.size());
         value.assign(cell.nodes.size(), 0.);
         gradient.assign(Stencils::n_gradient * cell.nodes.size(), 0.);
-        double largest = 0.;
-        for (const dealii::Tensor<1, dim> &of_node : cell.gradient)
-          largest = std::max(largest, of_node.norm());
-        // Nothing reads the values, by which rows are looked up.
         for (std::size_t k = 0; k < cell.nodes.size(); ++k)
           for (unsigned int d = 0; d < dim; ++d)
-          {
             gradient[Stencils::n_gradient * k + d] = cell.gradient[k][d];
-            value[k] += (d + 1) * cell.gradient[k][d] / largest;
-          }
         cells.coefficient_start.push_back(
             kept.add(static_cast<unsigned int>(value.size()), value.data(), gradient.data()));
         cell_volume.push_back(0.);
