@@ -201,18 +201,27 @@ class Tables(unittest.TestCase):
         self.assertEqual(process.returncode, 0, process.communicate()[0])
         self.assertGreater(n_read, 1)
 
+    @staticmethod
+    def resumes(output):
+        return ("--resume",) if list((output / "checkpoint").glob("step_*.h5")) else ()
+
+    @staticmethod
+    def is_in_hdf5(output, name):
+        if not (output / "histories.h5").exists():
+            return False
+        with histories.opened(output / "histories.h5") as file:
+            return name in file
+
     @unittest.skipUnless(RANKS == "1", "one number of ranks is enough")
     def test_a_killed_run_loses_no_more_than_the_other_format(self):
         settings = (BOTH, *CHECKPOINTS)
         whole, _ = self.run_scene("whole", *settings, number=150)
         expected = self.tables(whole)
+        output = self.directory / "output"
         generator = random.Random(3)
         n_killed = 0
         for _ in range(8):
-            output = self.directory / "output"
-            checkpoints = list((output / "checkpoint").glob("step_*.h5"))
-            process = subprocess.Popen(self.command("output", *settings, number=150,
-                                                    options=("--resume",) if checkpoints else ()),
+            process = subprocess.Popen(self.command("output", *settings, number=150, options=self.resumes(output)),
                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             while not (output / "histories.h5").exists() and process.poll() is None:
                 time.sleep(0.002)
@@ -226,17 +235,18 @@ class Tables(unittest.TestCase):
             n_killed += 1
             for name in expected:
                 path = output / f"{name}.csv"
-                if not path.exists() or not histories.has_table(output / f"{name}.csv"):
+                if not self.is_in_hdf5(output, name):
                     continue  # the table was about to be begun
-                # Rows are written there first.
+                # A table is begun in CSV first, rows are written there first, and a run that is resumed cuts them there first.
                 of_csv = np.array(list(Table(path, leaves_out_damaged_rows=True).columns.values())).T
                 rows = np.array(histories.read_table(path)[2]).reshape(-1, of_csv.shape[1])
-                np.testing.assert_array_equal(rows, of_csv[:len(rows)], err_msg=name)
+                n_rows = min(len(rows), len(of_csv))
+                np.testing.assert_array_equal(rows[:n_rows], of_csv[:n_rows], err_msg=name)
                 self.assertGreaterEqual(len(rows), len(of_csv) - 2, name)
         self.assertGreater(n_killed, 3)
-        if (self.directory / "output").exists():
-            self.run_scene("output", *settings, options=("--resume",), number=150)
-            self.check_same(self.tables(self.directory / "output"), expected)
+        if output.exists():
+            self.run_scene("output", *settings, options=self.resumes(output), number=150)
+            self.check_same(self.tables(output), expected)
 
 
 def has_pandas():
