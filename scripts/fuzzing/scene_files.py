@@ -324,6 +324,8 @@ class Writer:
         if scene["configuration"] == "updated Lagrangian":
             self.set(*scene["rebuild"])
         self.set("Shape functions", scene["shape functions"])
+        if scene["rounded rows"] and scenes.can_round_rows(scene):
+            self.set("Row precision", "single")
         if scenes.can_share_dilatation(scene):
             of_cells = scene["dilatation of cells"] and not scene["filter"]
             self.set("Dilatation", "of cells" if of_cells else "of particles")

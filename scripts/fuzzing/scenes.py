@@ -158,8 +158,7 @@ def drawn_particles(generator):
             "configuration": choice(["total Lagrangian", "total Lagrangian", "updated Lagrangian", "current"]),
             "rebuild": choice([["Rebuild interval", 7], ["Rebuild interval", 1], ["Rebuild deformation", 0.02]]),
             "shape functions": choice(["automatic", "moving least squares", "moving least squares"])}
-    unused(generator, 4)
-    return particles
+    return dict(particles, **{"rounded rows": generator.randrange(4) == 0})
 
 
 def drawn_failure(generator):
@@ -213,6 +212,10 @@ def can_share_dilatation(scene):
     return (scene["shape functions"] == "automatic" and scene["smoothing"] in ("affine", "none")
             and scene["configuration"] == "total Lagrangian" and scene["bridge"] == "paper" and scene["bonds"] is None
             and scene["conversion"] is None and scene["erosion"] is None)
+
+
+def can_round_rows(scene):
+    return scene["configuration"] != "current" and scene["bonds"] is None
 
 
 def uses_particles(scene):
@@ -340,7 +343,7 @@ SIMPLER = {
     "model": ["elastic"], "flow stress": ["linear hardening"], "poisson": [0., 0.3], "hardening": [0.],
     "taylor quinney": [0.], "expansion": [0.], "softening modulus": [False], "kernel": ["cubic spline"],
     "dilation": [1.8], "dilatation of cells": [False], "smoothing": ["affine", "paper"], "configuration": ["total Lagrangian", "updated Lagrangian"],
-    "shape functions": ["automatic"], "bulk viscosity": [None],
+    "shape functions": ["automatic"], "rounded rows": [False], "bulk viscosity": [None],
     "degree": [1], "bridge": ["paper"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],

@@ -123,7 +123,7 @@ namespace tombolo
           const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
           // Two chains of sums hide the time that an addition takes.
           Deformation f, odd;
-          const Stencils::Row of_row = shape.row(row);
+          const Stencils::Row of_row = shape.row_of_gradients(row);
           const auto add = [&](const unsigned int k, Deformation &sum)
           {
             sum.add(load_node(node(position, of_row.neighbour[k])) - centre,
@@ -180,7 +180,7 @@ namespace tombolo
       {
         const NodeLanes weighted =
             load_node(node(row_mass, row)) * load_node(node(velocity, shape.particle_node[row]));
-        scatter_row(shape.row(row), weighted, momentum);
+        scatter_row(shape.row_of_values(row), weighted, momentum);
       }
     }
 
@@ -189,7 +189,7 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const NodeLanes sum = gather_row(shape.row(row), field);
+        const NodeLanes sum = gather_row(shape.row_of_values(row), field);
         double *const target = node(result, shape.particle_node[row]);
         store_node(load_node(target) + load_node(node(row_weight, row)) * sum, target);
       }
@@ -202,7 +202,7 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const Stencils::Row of_row = shape.row(row);
+        const Stencils::Row of_row = shape.row_of_values(row);
         // Two chains of sums hide the time that an addition takes.
         NodeLanes sum_acceleration = 0., sum_velocity = 0.;
         NodeLanes odd_acceleration = 0., odd_velocity = 0.;

@@ -15,7 +15,7 @@ namespace tombolo
       for (const unsigned int row : part.element_rows)
       {
         const Stencils &shape = *part.shape;
-        const NodeLanes sum = NodalSmoothing::gather_row(shape.row(row), velocity.data());
+        const NodeLanes sum = NodalSmoothing::gather_row(shape.row_of_values(row), velocity.data());
         // A prescribed component keeps its own value.
         const NodeLanes weight =
             load_node(part.smoothed_fraction.data() + std::size_t(row) * node_stride);
@@ -41,7 +41,7 @@ namespace tombolo
         double *const own = element_force.node(shape.particle_node[row]);
         const NodeLanes moved = load_node(own) * load_node(part.smoothed_fraction.data() +
                                                            std::size_t(row) * node_stride);
-        NodalSmoothing::scatter_row(shape.row(row), moved, trace_force.data());
+        NodalSmoothing::scatter_row(shape.row_of_values(row), moved, trace_force.data());
         double *const remaining = trace_force.node(shape.particle_node[row]);
         store_node(load_node(remaining) - moved, remaining);
       }
@@ -63,8 +63,9 @@ namespace tombolo
     NodeLanes place_of_row(const Stencils &shape, const unsigned int row,
                            const NodalVector &position)
     {
-      return shape.is_lumped ? load_node(position.node(shape.particle_node[row]))
-                             : NodalSmoothing::gather_row(shape.row(row), position.data());
+      return shape.is_lumped
+                 ? load_node(position.node(shape.particle_node[row]))
+                 : NodalSmoothing::gather_row(shape.row_of_values(row), position.data());
     }
 
     /** Adds the force of @p load at particle @p row. */
@@ -73,7 +74,7 @@ namespace tombolo
     {
       if (!shape.is_lumped)
       {
-        NodalSmoothing::scatter_row(shape.row(row), load, force.data());
+        NodalSmoothing::scatter_row(shape.row_of_values(row), load, force.data());
         return;
       }
       double *const target = force.node(shape.particle_node[row]);

@@ -19,7 +19,7 @@ namespace tombolo
                                          const NodalVector &position)
   {
     const NodeLanes own = load_node(position.node(shape.particle_node[row]));
-    const Stencils::Row entries = shape.row(row);
+    const Stencils::Row entries = shape.row_of_gradients(row);
     NodeLanes columns[dim];
     for (unsigned int b = 0; b < dim; ++b)
       columns[b] = 0.;
@@ -42,7 +42,7 @@ namespace tombolo
   double present_gradient(const Stencils &shape, const unsigned int row,
                           const NodalVector &position)
   {
-    const Stencils::Row of_row = shape.row(row);
+    const Stencils::Row of_row = shape.row_of_gradients(row);
     const NodeLanes own = load_node(position.node(shape.particle_node[row]));
     NodeLanes deformation[dim], moment[dim]; // F and Σ_J ∇φ_J ⊗ ∇φ_J, by columns
     for (unsigned int b = 0; b < dim; ++b)
@@ -90,7 +90,7 @@ namespace tombolo
   template <int dim>
   double gradient_of_reference(const Stencils &shape, const unsigned int row)
   {
-    const Stencils::Row of_row = shape.row(row);
+    const Stencils::Row of_row = shape.row_of_gradients(row);
     double squared = 0;
     for (unsigned int k = 0; k < of_row.size; ++k)
       for (unsigned int d = 0; d < dim; ++d)

@@ -34,6 +34,8 @@ namespace tombolo
     dealii::AlignedVector<double> value;
     /** Three for each of value, and one more, so that four can be read. [1/L] */
     dealii::AlignedVector<double> gradient;
+    /** Rounded rows in the place of both, each φ before ∇φ; empty where there are none. */
+    dealii::AlignedVector<float> rounded;
     /** Rows whose neighbours do not carry a linear basis, ascending: their φ is Shepard's,
      * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
      * strained. Their deformation counts as the identity. */
@@ -84,11 +86,20 @@ namespace tombolo
       }
     };
 
+    /** Of rounded rows, it holds until the next call of one of these three. */
     TOMBOLO_ALWAYS_INLINE Row row(const unsigned int i) const
     {
-      const std::size_t begin = row_start[i], coefficients = coefficient_start[i];
-      return {static_cast<unsigned int>(row_start[i + 1] - begin), neighbour.data() + begin,
-              value.data() + coefficients, gradient.data() + n_gradient * coefficients};
+      return find_row(i, true, true);
+    }
+    /** The same where ∇φ is not needed; it is undefined. */
+    TOMBOLO_ALWAYS_INLINE Row row_of_values(const unsigned int i) const
+    {
+      return find_row(i, true, false);
+    }
+    /** The same where φ is not needed; it is undefined. */
+    TOMBOLO_ALWAYS_INLINE Row row_of_gradients(const unsigned int i) const
+    {
+      return find_row(i, false, true);
     }
 
     bool is_rigid(const unsigned int i) const
@@ -113,6 +124,29 @@ namespace tombolo
     /** Puts negative φ of row @p i to zero and scales the others so that their sum stays one: no
      * linear functions any more, but no extrapolation either. ∇φ stays. */
     void remove_negative_values(unsigned int i);
+
+    /** Keeps all rows in single precision: φ, and each component of ∇φ, as multiples of a power of
+     * two of at most 2⁻²² of the largest in the row. Sums over the row stay: that of φ is one,
+     * those of ∇φ are zero, without round-off, so that momentum stays and a translation strains
+     * nothing.
+     */
+    void round();
+
+  private:
+    TOMBOLO_ALWAYS_INLINE Row find_row(const unsigned int i, const bool with_values,
+                                       const bool with_gradients) const
+    {
+      if (!rounded.empty())
+        return rounded_row(i, with_values, with_gradients);
+      const std::size_t begin = row_start[i], coefficients = coefficient_start[i];
+      return {static_cast<unsigned int>(row_start[i + 1] - begin), neighbour.data() + begin,
+              value.data() + coefficients, gradient.data() + n_gradient * coefficients};
+    }
+    Row rounded_row(unsigned int i, bool with_values, bool with_gradients) const;
+    /** Writes a row behind the others and returns where. */
+    std::size_t append(const std::vector<double> &values, const std::vector<double> &gradients);
+
+    mutable dealii::AlignedVector<double> last_row; // of rounded_row(): a quarter for φ, then ∇φ
   };
 
   /** A particle that has lost what carried it, and its row of φ before. */

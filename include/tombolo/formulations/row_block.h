@@ -100,7 +100,7 @@ namespace tombolo
           continue;
         }
         const auto number = static_cast<unsigned int>(first + lane);
-        const Stencils::Row row = stencils.row(number);
+        const Stencils::Row row = stencils.row_of_gradients(number);
         NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
         add_row(row, velocity, NodeLanes(0.), h);
         add_row(row, position, load_node(node(position, stencils.particle_node[number])), f);
@@ -124,7 +124,7 @@ namespace tombolo
                  const NodalVector &position, const NodalVector &temperature, const Factor &factor,
                  NodalVector &heat_rate)
     {
-      const Stencils::Row row = stencils.row(number);
+      const Stencils::Row row = stencils.row_of_gradients(number);
       const unsigned int own = stencils.particle_node[number];
       NodeLanes gradient = 0.;
       for (unsigned int k = 0; k < row.size; ++k)

@@ -41,14 +41,33 @@ namespace tombolo
       e.number("Dilation", "1.8", any_number(), "",
                "Half width of a support over the largest distance to a neighbouring node, axis by "
                "axis; above 1, usually 1.5 to 1.9.");
+      is_rounded(e);
       declare<CellAverages<dim>>(e);
+    }
+
+    /** `Row precision`. Throws the InputError of rows that change one by one or in each step. */
+    static bool is_rounded(const Entries &e)
+    {
+      const bool is_single =
+          e.choice(
+              "Row precision", "double", "double|single",
+              "How shape functions are kept. `single`, with errors of 1e-7, is for large bodies "
+              "whose particles have each its own, since meshes are no lattices; not with "
+              "`current` kernels, nor with bonds that fail.") == "single";
+      for (const auto &[entry, is_refused] :
+           {std::pair{"Configuration", e.given("Configuration") == "current"},
+            std::pair{"Bond failure", e.given("Bond failure") != "none"}})
+        e.refuse(is_single && is_refused, "Row precision",
+                 "`single` is for rows that stay for some steps, which they do not with `" +
+                     (entry + (" = " + e.given(entry))) + "`; allowed is double");
+      return is_single;
     }
 
     /** Throws InputError. */
     explicit LeastSquaresRows(const Section &section)
         : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
           support_dilation(section.get_double("Dilation")), averages(section),
-          least_squares(create_kernel(section))
+          least_squares(create_kernel(section)), rounds_rows(is_rounded(section))
     {
       if (!(support_dilation > 1. && support_dilation <= 10.))
         section.fail("Dilation",
@@ -65,16 +84,13 @@ namespace tombolo
     {
       defects = nullptr;
       stencils.inverse_deformation_is_current = false;
+      stencils.rounded.clear();
       if (averages.is_on())
-      {
         averages.fill(found, shares_rows, stencils);
-        return;
-      }
-      defects = &least_squares.compute(found.nodes(), position, support, stencils, shares_rows);
-      stencils.rank_deficient_rows.clear();
-      stencils.non_negative_rows.clear();
-      for (const BasisDefect &defect : *defects)
-        stencils.rank_deficient_rows.push_back(defect.row);
+      else
+        find_least_squares(found, position, support, stencils);
+      if (rounds_rows)
+        stencils.round();
     }
     double dilation() const override
     {
@@ -88,7 +104,7 @@ namespace tombolo
     {
       averages.choose(setup);
       if (averages.is_on())
-        averages.establish(particles);
+        averages.establish(particles, rounds_rows);
       return averages.is_on();
     }
     CellDilatation<dim> *dilatation_of_cells() override
@@ -101,7 +117,7 @@ namespace tombolo
     }
     std::string functions() const override
     {
-      return averages.description();
+      return averages.description() + (rounds_rows ? ", in single precision" : "");
     }
     PatchTest patch_test(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
                          const KernelConfiguration<dim> &kernel, const bool smooths,
@@ -128,6 +144,15 @@ namespace tombolo
     using ParticleRows<dim>::shape;
     using ParticleRows<dim>::neighbours;
 
+    void find_least_squares(const Neighbourhoods<dim> &found, const double *const position,
+                            const double *const support, Stencils &stencils)
+    {
+      defects = &least_squares.compute(found.nodes(), position, support, stencils, shares_rows);
+      stencils.rank_deficient_rows.clear();
+      stencils.non_negative_rows.clear();
+      for (const BasisDefect &defect : *defects)
+        stencils.rank_deficient_rows.push_back(defect.row);
+    }
     void renumber(const NodePartition &partition) override
     {
       ParticleRows<dim>::renumber(partition);
@@ -166,6 +191,7 @@ namespace tombolo
     bool shares_rows;
     CellAverages<dim> averages;
     MovingLeastSquares<dim> least_squares;
+    bool rounds_rows;
     const std::vector<BasisDefect> *defects = nullptr; // of the last fill(), in least_squares
   };
 

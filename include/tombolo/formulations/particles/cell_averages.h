@@ -160,8 +160,9 @@ namespace tombolo
     }
 
     /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
-     * the volumes V_I, and supports that reach all in whose rows they are. Collective. */
-    void establish(ParticleSet<dim> &particles)
+     * the volumes V_I, and supports that reach all in whose rows they are; with @p rounds, the rows
+     * of their cells are kept in single precision. Collective. */
+    void establish(ParticleSet<dim> &particles, const bool rounds)
     {
       accelerated_share = find_accelerated_shares(particles);
       std::vector<Sums> sums(particles.size());
@@ -229,7 +230,7 @@ namespace tombolo
         for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
           of_cells.push_back(node);
       if (shares_dilatation)
-        dilatation.reset(cells_around(of_cells, particles), particles.size());
+        dilatation.reset(cells_around(of_cells, particles), particles.size(), rounds);
 
       std::vector<double> volumes, squared_edges;
       make_rows(sums, volumes, squared_edges);

@@ -65,8 +65,10 @@ namespace tombolo
           shares; ///< particles of this rank and V_cI [L^dim]
     };
 
-    /** Begins anew with these cells around @p n_particles particles. */
-    void reset(const std::vector<Cell> &of_rank, const unsigned int n_particles)
+    /** Begins anew with these cells around @p n_particles particles; with @p rounds, g_cJ are kept
+     * in single precision. */
+    void reset(const std::vector<Cell> &of_rank, const unsigned int n_particles,
+               const bool rounds = false)
     {
       cells = Stencils();
       cell_nodes.clear();
@@ -97,6 +99,8 @@ namespace tombolo
       kept.store(cells);
       cells.particle_node.resize(of_rank.size());
       cells.neighbour.resize(cell_nodes.size());
+      if (rounds)
+        cells.round();
       cofactor.resize(3 * node_stride * of_rank.size());
       for (dealii::AlignedVector<double> *const of_cell : {&jacobian, &rate, &pressure})
       {
@@ -156,7 +160,7 @@ namespace tombolo
         for (unsigned int lane = 0; lane < n; ++lane)
         {
           NodeLanes f[3] = {0., 0., 0.};
-          RowBlock::add_row(cells.row(first + lane), position.data(),
+          RowBlock::add_row(cells.row_of_gradients(first + lane), position.data(),
                             load_node(position.node(cells.particle_node[first + lane])), f);
           for (unsigned int j = 0; j < 3; ++j)
             store_node(f[j], of_place[lane][j]);
@@ -252,7 +256,7 @@ namespace tombolo
       for (unsigned int s = share_begin[particle]; s < share_begin[particle + 1]; ++s)
       {
         const unsigned int c = share_cell[s];
-        const Stencils::Row row = cells.row(c);
+        const Stencils::Row row = cells.row_of_gradients(c);
         const double *const columns = cofactor.data() + 3 * node_stride * std::size_t(c);
         std::vector<std::size_t> places;
         std::vector<dealii::Tensor<1, dim>> areas; // cof(F_c) g_cJ
@@ -327,7 +331,7 @@ namespace tombolo
       {
         const double *const of_areas = cofactor.data() + 3 * node_stride * std::size_t(c);
         NodeLanes h[3] = {0., 0., 0.};
-        RowBlock::add_row(cells.row(c), velocity.data(), NodeLanes(0.), h);
+        RowBlock::add_row(cells.row_of_gradients(c), velocity.data(), NodeLanes(0.), h);
         NodeLanes sum = 0.;
         for (unsigned int j = 0; j < 3; ++j)
           sum += h[j] * load_node(of_areas + j * node_stride);
@@ -401,7 +405,7 @@ namespace tombolo
         const double of_all = pressure[c] + of_cell(c);
         for (unsigned int k = 0; k < 3 * node_stride; ++k)
           columns[k] = of_all * of_areas[k];
-        RowBlock::subtract_row(cells.row(c), columns, force.data());
+        RowBlock::subtract_row(cells.row_of_gradients(c), columns, force.data());
       }
       pressure.fill(0.);
     }

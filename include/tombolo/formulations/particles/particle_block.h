@@ -70,7 +70,7 @@ namespace tombolo
         NodeLanes h[3] = {0., 0., 0.}, of_odd[3] = {0., 0., 0.};
         NodeLanes f[3] = {0., 0., 0.};
         NodeLanes r = 0.;
-        const Stencils::Row of_row = shape.row(row);
+        const Stencils::Row of_row = with_residual ? shape.row(row) : shape.row_of_gradients(row);
         const auto add = [&](const unsigned int k, NodeLanes(&sum)[3])
         {
           const unsigned int neighbour = of_row.neighbour[k];
@@ -122,7 +122,7 @@ namespace tombolo
     {
       for (unsigned int row = first; row < last; ++row)
         if (of_residual == nullptr)
-          RowBlock::subtract_row(shape.row(row), k.columns[row - first][0], force);
+          RowBlock::subtract_row(shape.row_of_gradients(row), k.columns[row - first][0], force);
         else
           RowBlock::subtract_row(shape.row(row), k.columns[row - first][0],
                                  (*of_residual)[row - first], shape.particle_node[row], force);

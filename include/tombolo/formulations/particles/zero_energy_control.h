@@ -159,7 +159,7 @@ namespace tombolo
     {
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
       {
-        const Stencils::Row row = shape.row(i);
+        const Stencils::Row row = shape.row_of_values(i);
         const unsigned int own = shape.particle_node[i];
         scatter(row, own, stiffness(i) * residual(row, own, velocity), force);
       }
@@ -171,7 +171,7 @@ namespace tombolo
                      const unsigned int particle, const NodalVector &position,
                      CellEquations &equations) const
     {
-      const Stencils::Row row = shape.row(particle);
+      const Stencils::Row row = shape.row_of_values(particle);
       const unsigned int own = shape.particle_node[particle];
       NodeLanes elastic = residual(row, own, position);
       double squared = 0;
