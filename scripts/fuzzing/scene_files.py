@@ -324,7 +324,7 @@ class Writer:
         if scene["configuration"] == "updated Lagrangian":
             self.set(*scene["rebuild"])
         self.set("Shape functions", scene["shape functions"])
-        if scene["rounded rows"] and scenes.can_round_rows(scene):
+        if scene["rounded rows"] and scene["configuration"] != "current":
             self.set("Row precision", "single")
         if scenes.can_share_dilatation(scene):
             of_cells = scene["dilatation of cells"] and not scene["filter"]

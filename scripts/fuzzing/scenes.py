@@ -214,10 +214,6 @@ def can_share_dilatation(scene):
             and scene["conversion"] is None and scene["erosion"] is None)
 
 
-def can_round_rows(scene):
-    return scene["configuration"] != "current" and scene["bonds"] is None
-
-
 def uses_particles(scene):
     return PARTICLES in formulations_of(scene) or scene["conversion"] is not None
 

@@ -45,21 +45,18 @@ namespace tombolo
       declare<CellAverages<dim>>(e);
     }
 
-    /** `Row precision`. Throws the InputError of rows that change one by one or in each step. */
+    /** `Row precision`. Throws the InputError of rows that are found anew in each step. */
     static bool is_rounded(const Entries &e)
     {
       const bool is_single =
           e.choice(
               "Row precision", "double", "double|single",
               "How shape functions are kept. `single`, with errors of 1e-7, is for large bodies "
-              "whose particles have each its own, since meshes are no lattices; not with "
-              "`current` kernels, nor with bonds that fail.") == "single";
-      for (const auto &[entry, is_refused] :
-           {std::pair{"Configuration", e.given("Configuration") == "current"},
-            std::pair{"Bond failure", e.given("Bond failure") != "none"}})
-        e.refuse(is_single && is_refused, "Row precision",
-                 "`single` is for rows that stay for some steps, which they do not with `" +
-                     (entry + (" = " + e.given(entry))) + "`; allowed is double");
+              "whose particles have each its own, since meshes are no lattices; not for "
+              "`current` kernels.") == "single";
+      e.refuse(is_single && e.given("Configuration") == "current", "Row precision",
+               "`single` is for rows that stay for some steps, which they do not with "
+               "`Configuration = current`; allowed is double");
       return is_single;
     }
 
