@@ -3,6 +3,7 @@
 
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/image_conditions.h>
+#include <tombolo/model/equal_parts.h>
 #include <tombolo/model/hanging_nodes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
@@ -128,6 +129,7 @@ namespace tombolo
       setup.source = part.source;
       setup.trace_bridge = trace;
       setup.cells_can_leave = cells_can_leave;
+      setup.equal_parts = equal_parts(part_sections, p);
       setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
       if (part.particles == nullptr)

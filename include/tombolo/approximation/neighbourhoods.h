@@ -7,12 +7,14 @@
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/point.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -127,11 +129,81 @@ namespace tombolo
         for (unsigned int &j : neighbour_place)
           if (j >= n_own)
             j = place[j - n_own];
-      if (is_ordered_by_offset)
-        sort_by_offset(shape.row_start);
-      count_up(numbers_in_use, all_nodes.size() + n_images);
-      shape.particle_node = rows;
-      shape.neighbour = neighbour_place;
+      finish(shape);
+    }
+
+    /**
+     * Takes neighbours that are known, in the place of a search: those of each particle are the
+     * members `node` (ImageNode) of a list of @p of_rows, sources of images among them. Those that
+     * are no particles of this rank are at @p places, may belong to other parts, and have no
+     * supports.
+     */
+    template <typename Entry>
+    void assign(const std::vector<dealii::types::global_dof_index> &particles,
+                const std::vector<double> &position, const std::vector<double> &support,
+                const std::vector<std::vector<Entry>> &of_rows,
+                const std::map<dealii::types::global_dof_index, dealii::Point<dim>> &places,
+                Stencils &shape)
+    {
+      n_own = static_cast<unsigned int>(particles.size());
+      std::map<ImageNode, unsigned int> others, images; // and their places
+      std::vector<unsigned int> own;                    // places, from the first particle on
+      constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
+      if (n_own > 0)
+        own.resize(particles.back() - particles.front() + 1, none);
+      for (unsigned int i = 0; i < n_own; ++i)
+        own[particles[i] - particles.front()] = i;
+      const auto place_of_own = [&](const ImageNode &node)
+      {
+        return node.mirrors == 0 && node.source >= particles.front() &&
+                       node.source <= particles.back()
+                   ? own[node.source - particles.front()]
+                   : none;
+      };
+      std::size_t n_entries = 0;
+      for (const std::vector<Entry> &row : of_rows)
+      {
+        n_entries += row.size();
+        for (const Entry &entry : row)
+          if (place_of_own(entry.node) == none)
+            (entry.node.mirrors == 0 ? others : images).emplace(entry.node, 0);
+      }
+
+      all_nodes = particles;
+      all_positions = position;
+      all_images.clear();
+      for (auto *const list : {&others, &images})
+        for (auto &[node, place] : *list)
+        {
+          place = static_cast<unsigned int>(all_positions.size() / node_stride);
+          const unsigned int source = place_of_own({node.source, 0});
+          const double *const x = source != none ? &position[std::size_t(source) * node_stride]
+                                                 : places.at(node.source).begin_raw();
+          const Images::Map map = images_of_body->map(node.mirrors);
+          for (unsigned int d = 0; d < node_stride; ++d)
+            all_positions.push_back(d < dim ? map.sign[d] * x[d] + map.offset[d] : 0.);
+          if (node.mirrors == 0)
+            all_nodes.push_back(node.source);
+          else
+            all_images.push_back(node);
+        }
+      all_supports = support;
+      all_supports.resize(all_positions.size(), 0.);
+
+      shape.row_start.assign(1, 0);
+      neighbour_place.clear();
+      neighbour_place.reserve(n_entries);
+      for (const std::vector<Entry> &row : of_rows)
+      {
+        for (const Entry &entry : row)
+        {
+          const unsigned int place = place_of_own(entry.node);
+          neighbour_place.push_back(
+              place != none ? place : (entry.node.mirrors == 0 ? others : images).at(entry.node));
+        }
+        shape.row_start.push_back(neighbour_place.size());
+      }
+      finish(shape);
     }
 
     /** Global numbers of the nodes of the rows, by place; sources of images are among them. */
@@ -247,6 +319,15 @@ namespace tombolo
     }
 
   private:
+    /** Gives @p shape, which has the starts of rows, what was found. */
+    void finish(Stencils &shape)
+    {
+      if (is_ordered_by_offset)
+        sort_by_offset(shape.row_start);
+      count_up(numbers_in_use, all_nodes.size() + all_images.size());
+      count_up(shape.particle_node, n_own);
+      shape.neighbour = neighbour_place;
+    }
     /** Makes a list 0, 1, ..., @p n - 1. */
     static void count_up(std::vector<unsigned int> &list, const std::size_t n)
     {

@@ -47,6 +47,14 @@ namespace tombolo
     bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
     std::optional<unsigned int> source;
+    /** Other parts of the same material and formulation with the same entries. */
+    std::vector<unsigned int> equal_parts;
+    /** Whether the cells of @p part are of this part or of an equal one. */
+    bool is_of_equals(const unsigned int part) const
+    {
+      return part == index ||
+             std::find(equal_parts.begin(), equal_parts.end(), part) != equal_parts.end();
+    }
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
     const VoidCells<dim> *void_cells =

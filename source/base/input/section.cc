@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/parameters.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -102,6 +103,21 @@ namespace tombolo
   bool Section::is_set(const std::string &entry) const
   {
     return parameters->setting(joined_path(section_path, entry)) != nullptr;
+  }
+
+  bool Section::is_equal_to(const Section &other) const
+  {
+    const auto *const declared = parameters->declarations().find(section_path);
+    return declared == nullptr ||
+           std::all_of(
+               declared->children.begin(), declared->children.end(),
+               [&](const ParameterDeclaration &child)
+               {
+                 return child.is_section
+                            ? subsection(child.name).is_equal_to(other.subsection(child.name))
+                            : parameters->value(child.path) ==
+                                  parameters->value(joined_path(other.section_path, child.name));
+               });
   }
 
   Section Section::subsection(const std::string &name) const

@@ -97,7 +97,7 @@ namespace tombolo
     {
       return "Dilation";
     }
-    bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles) override
+    bool choose_functions(PartSetup<dim> &setup, ParticleSet<dim> &particles) override
     {
       averages.choose(setup);
       if (averages.is_on())
@@ -124,8 +124,8 @@ namespace tombolo
       if (setup.source || !setup.has_mechanics)
         return result;
       result.is_known = true;
-      result.defect =
-          patch_test_defect(setup, particles, smooths, kernel.volumes(particles), position, shape);
+      result.defect = patch_test_defect(setup, particles, smooths, kernel.volumes(particles),
+                                        position, shape, averages.own_shares());
       if (!averages.is_on() && averages.obstacle(setup).empty())
         result.cure = "Shape functions = cell averages";
       return result;
@@ -156,10 +156,12 @@ namespace tombolo
       if (CellDilatation<dim> *const of_cells = averages.dilatation_of_cells())
         of_cells->set_partition(partition);
     }
-    void restrict_neighbours() override
+    bool assign_neighbours(const ParticleSet<dim> &particles, const std::vector<double> &position,
+                           const std::vector<double> &support) override
     {
       if (averages.is_on())
-        averages.restrict(neighbours, shape);
+        averages.assign(particles, position, support, neighbours, shape);
+      return averages.is_on();
     }
     std::string describe_defects(const double *position, const double *support) const override
     {

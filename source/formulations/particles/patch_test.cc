@@ -31,7 +31,7 @@ namespace tombolo
       {
         const bool at_boundary = cell->face(face)->at_boundary();
         if (!at_boundary && (setup.part_cells == nullptr ||
-                             setup.part_cells->part_beyond(cell, face) == setup.index))
+                             setup.is_of_equals(setup.part_cells->part_beyond(cell, face))))
           continue;
         if (at_boundary && !all_nodes.is_outer_face(cell, face))
           continue;
@@ -136,9 +136,12 @@ namespace tombolo
   template <int dim>
   double patch_test_defect(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
                            const bool smooths, const std::vector<double> &volume,
-                           const NodalVector &position, const Stencils &shape)
+                           const NodalVector &position, const Stencils &shape,
+                           const std::vector<double> &own_shares)
   {
     const NodalVector boundary = boundary_areas(setup, particles, smooths, position, shape);
+    const auto own_share = [&](const unsigned int i)
+    { return own_shares.empty() ? 1. : own_shares[i]; };
     NodalVector residual(boundary.partition());
     const auto add = [&](const unsigned int node, const NodeLanes &value)
     { store_node(load_node(residual.node(node)) + value, residual.node(node)); };
@@ -149,20 +152,26 @@ namespace tombolo
       {
         NodeLanes gradient = load_node(row.gradient + k * Stencils::n_gradient);
         gradient[3] = 0.;
-        add(row.neighbour[k], gradient * (-volume[i]));
+        add(row.neighbour[k], gradient * (-volume[i] / own_share(i)));
       }
     }
     residual.add_to_owners();
     for (unsigned int i = 0; i < residual.partition()->n_owned(); ++i)
       add(i, load_node(boundary.node(i)));
-    const double scale = norm_of(boundary), norm = norm_of(residual);
+    // Nodes of equal parts have forces from there, too.
+    NodalVector tested(boundary.partition());
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      if (own_share(i) == 1.)
+        store_node(load_node(residual.node(shape.particle_node[i])),
+                   tested.node(shape.particle_node[i]));
+    const double scale = norm_of(boundary), norm = norm_of(tested);
     return scale > 0. ? norm / scale : 0.;
   }
 
   template double patch_test_defect<2>(const PartSetup<2> &, const ParticleSet<2> &, bool,
                                        const std::vector<double> &, const NodalVector &,
-                                       const Stencils &);
+                                       const Stencils &, const std::vector<double> &);
   template double patch_test_defect<3>(const PartSetup<3> &, const ParticleSet<3> &, bool,
                                        const std::vector<double> &, const NodalVector &,
-                                       const Stencils &);
+                                       const Stencils &, const std::vector<double> &);
 } // namespace tombolo

@@ -55,8 +55,9 @@ namespace tombolo
    * it, whatever elements or particles are there.
    *
    * An interface lies between two parts. Its force is that of the material of the first part on the
-   * nodes that both have: what the first does to the second, since the forces within the second are
-   * in balance. What it does to dependent nodes acts on those on which they depend.
+   * nodes of the second, less that of the second on the other nodes of the first: what the first
+   * does to the second, since the forces within the second are in balance. Only particles reach
+   * beyond shared nodes. What acts on dependent nodes acts on those on which they depend.
    */
   template <int dim>
   class BodySection
@@ -158,11 +159,18 @@ namespace tombolo
       const NodalVector first = mass_of_part(model, *model.parts[between->first].formulation),
                         second = mass_of_part(model, *model.parts[between->second].formulation);
       side.clear();
+      only_of_first.clear();
+      n_shared = 0;
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        if (*first.node(i) > 0. && *second.node(i) > 0.)
+      {
+        n_shared += *first.node(i) > 0. && *second.node(i) > 0. ? 1 : 0;
+        if (*second.node(i) > 0.)
           side.push_back(i);
-      n_shared = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
-      of_first.reinit(model.state.partition());
+        else if (*first.node(i) > 0.)
+          only_of_first.push_back(i);
+      }
+      n_shared = Utilities::MPI::sum(n_shared, model.communicator);
+      of_part.reinit(model.state.partition());
     }
 
     /** Of an interface: what a part, whose number may be any, has added is the force where it @p
@@ -170,25 +178,26 @@ namespace tombolo
     void see_part_force(const std::size_t part, const NodalVector &force, const bool is_added,
                         const NodalVector &position)
     {
-      if (!is_interface() || part != between->first)
+      if (!is_interface() || (part != between->first && part != between->second))
         return;
       if (!is_added)
       {
-        of_first.copy_from(force);
+        of_part.copy_from(force);
         return;
       }
       const std::size_t n = std::size_t(force.partition()->n_local()) * node_stride;
       for (std::size_t i = 0; i < n; ++i)
-        of_first.data()[i] = force.data()[i] - of_first.data()[i];
-      of_first.collect();
-      const LoadSum added = sum_over_side(of_first, position);
+        of_part.data()[i] = force.data()[i] - of_part.data()[i];
+      of_part.collect();
+      const bool is_first = part == between->first;
+      const LoadSum added = sum_over(is_first ? side : only_of_first, of_part, position);
       if (is_complete)
         present = LoadSum();
       is_complete = false;
       for (unsigned int c = 0; c < 3; ++c)
       {
-        present.force[c] += added.force[c];
-        present.moment[c] += added.moment[c];
+        present.force[c] += is_first ? added.force[c] : -added.force[c];
+        present.moment[c] += is_first ? added.moment[c] : -added.moment[c];
       }
     }
 
@@ -197,7 +206,7 @@ namespace tombolo
     {
       is_complete = true;
       if (!is_interface())
-        present = sum_over_side(force, position);
+        present = sum_over(side, force, position);
     }
 
     /** The force at t_n and its moment about the point, of this rank. */
@@ -268,10 +277,11 @@ namespace tombolo
       }
     }
 
-    LoadSum sum_over_side(const NodalVector &force, const NodalVector &position) const
+    LoadSum sum_over(const std::vector<unsigned int> &nodes, const NodalVector &force,
+                     const NodalVector &position) const
     {
       LoadSum sum;
-      for (const unsigned int node : side)
+      for (const unsigned int node : nodes)
         add_about(point, position.node(node), force.node(node), sum);
       return sum;
     }
@@ -281,8 +291,9 @@ namespace tombolo
     std::optional<dealii::Tensor<1, dim>> normal;
     std::optional<Predicate<dim>> where;
     std::optional<std::pair<std::size_t, std::size_t>> between; ///< parts of an interface
-    std::vector<unsigned int> side; ///< owned nodes of a cut, or shared ones of an interface
-    NodalVector of_first;           ///< the force of the first part of an interface
+    std::vector<unsigned int> side; ///< owned nodes of a cut, or of an interface's second part
+    std::vector<unsigned int> only_of_first; ///< of the parts of an interface
+    NodalVector of_part;                     ///< the force of a part of an interface
     LoadSum present;
     bool is_complete = true;  ///< all parts have added to it
     unsigned long n_side = 0; ///< over all ranks, as those below

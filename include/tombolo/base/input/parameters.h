@@ -205,6 +205,8 @@ namespace tombolo
     bool is_declared(const std::string &entry) const;
     /** Whether the file or an override sets the entry. */
     bool is_set(const std::string &entry) const;
+    /** Whether all entries of both sections, and of those in them, are the same. */
+    bool is_equal_to(const Section &other) const;
 
     Section subsection(const std::string &name) const;
     /** The section that this is a subsection of. */

@@ -28,15 +28,15 @@ namespace tombolo
 {
   namespace internal
   {
-    /** Whether nodes on which nodes of the part depend do so themselves. Collective. */
+    /** Whether nodes on which nodes of @p part depend do so themselves. Collective. */
     template <int dim>
-    bool has_cells_of_three_sizes(const PartSetup<dim> &setup)
+    bool has_cells_of_three_sizes(const PartSetup<dim> &setup, const unsigned int part)
     {
       if (!setup.nodes->has_dependent_nodes())
         return false;
       std::vector<dealii::types::global_dof_index> of_rank;
       for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned() && setup.part_cells->part_of(cell) == setup.index)
+        if (cell->is_locally_owned() && setup.part_cells->part_of(cell) == part)
           for (const unsigned int v : cell->vertex_indices())
             if (const DependentNode *const row =
                     setup.nodes->dependent_node(cell->vertex_dof_index(v, 0)))
@@ -100,8 +100,9 @@ namespace tombolo
     }
 
     /** Decides whether the particles of this part have these functions. Throws the InputError of
-     * what they do not have, where they are asked for. */
-    void choose(const PartSetup<dim> &setup)
+     * what they do not have, where they are asked for. Takes equal parts without these functions
+     * from @p setup. Collective. */
+    void choose(PartSetup<dim> &setup)
     {
       reason = wanted == "moving least squares" ? std::string() : obstacle(setup);
       if (wanted == "cell averages" && !reason.empty())
@@ -119,9 +120,13 @@ namespace tombolo
       if (!shares_dilatation)
         if (const std::string entry = control.changed_entry(); !entry.empty())
           section.fail(entry, "it is for `Dilatation = of cells` and cell averages.");
+      std::vector<unsigned int> equal_parts;
+      for (const unsigned int equal : setup.equal_parts)
+        if (is_chosen && !internal::has_cells_of_three_sizes(setup, equal))
+          equal_parts.push_back(equal);
+      setup.equal_parts = equal_parts;
+      of_part = setup;
       nodes = setup.nodes;
-      part_cells = setup.part_cells;
-      part = setup.index;
     }
     /** Why the part cannot have these functions; empty if it can. */
     std::string obstacle(const PartSetup<dim> &setup) const
@@ -141,7 +146,7 @@ namespace tombolo
         return "the trace bridge";
       if (setup.source || setup.cells_can_leave)
         return "cells that become particles or are removed while the run goes on";
-      if (internal::has_cells_of_three_sizes(setup))
+      if (internal::has_cells_of_three_sizes(setup, setup.index))
         return "cells of three sizes side by side";
       return setup.nodes->degree() > 1 ? "cells of a degree above 1" : "";
     }
@@ -181,7 +186,7 @@ namespace tombolo
       };
       // The owner of a particle sees all cells around it, but not those around nodes that follow
       // it.
-      const std::map<Node, dealii::Point<dim>> places = nodes->points_depended_on();
+      places = nodes->points_depended_on();
       std::map<Node, Sums> of_rank;
       std::vector<NodeOfCell> of_cells, of_following_cells;
       std::vector<Node> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
@@ -189,13 +194,18 @@ namespace tombolo
       std::vector<unsigned int> hierarchic;
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
       {
-        if (cell->is_artificial() || part_cells->part_of(cell) != part)
+        if (cell->is_artificial())
+          continue;
+        const unsigned int part = of_part.part_cells->part_of(cell);
+        const bool is_own = part == of_part.index;
+        if (!of_part.is_of_equals(part))
           continue;
         nodes->cell_nodes(cell, cell_nodes);
         const bool follows =
             std::any_of(cell_nodes.begin(), cell_nodes.end(),
                         [&](const Node node) { return nodes->dependent_node(node) != nullptr; });
-        if (follows && !cell->is_locally_owned())
+        if (follows ? !cell->is_locally_owned()
+                    : !is_own && std::none_of(cell_nodes.begin(), cell_nodes.end(), sums_of))
           continue;
         nodes->cell_points(cell, points);
         cell->get_dof_indices(cell_dofs);
@@ -212,28 +222,26 @@ namespace tombolo
               cell->n_lines();
         if (follows)
         {
-          const CellIntegrals<dim> of_others = integrals.of_nodes_that_move(*nodes, places);
-          add_cell(of_others, [&](const Node node) { return &of_rank[node]; });
-          if (shares_dilatation)
-            list_nodes(of_others, of_following_cells);
+          integrals = integrals.of_nodes_that_move(*nodes, places);
+          add_cell(integrals, is_own, [&](const Node node) { return &of_rank[node]; });
+          for (std::size_t j = 0; j < integrals.nodes.size(); ++j)
+            places.emplace(integrals.nodes[j], integrals.points[j]);
         }
         else
-        {
-          add_cell(integrals, sums_of);
-          if (shares_dilatation)
-            list_nodes(integrals, of_cells);
-        }
+          add_cell(integrals, is_own, sums_of);
+        if (shares_dilatation)
+          integrals.list_nodes(follows ? of_following_cells : of_cells);
       }
       if (nodes->has_dependent_nodes())
         add_from_ranks(of_rank, sums_of);
       if (shares_dilatation && nodes->has_dependent_nodes())
         for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
           of_cells.push_back(node);
-      if (shares_dilatation)
-        dilatation.reset(cells_around(of_cells, particles), particles.size(), rounds);
 
       std::vector<double> volumes, squared_edges;
       make_rows(sums, volumes, squared_edges);
+      if (shares_dilatation)
+        dilatation.reset(cells_around(of_cells, particles), particles.size(), rounds);
       particles.set_initial_volumes(volumes);
       control.reset(volumes, squared_edges);
       widen_supports(particles);
@@ -251,15 +259,18 @@ namespace tombolo
       return is_chosen && shares_dilatation && control.is_wanted() ? &control : nullptr;
     }
 
-    /** Leaves in the rows of @p found those that have functions. */
-    void restrict(Neighbourhoods<dim> &found, Stencils &stencils) const
+    /** The share of the own part in the volume of the cells around each particle. */
+    const std::vector<double> &own_shares() const
     {
-      found.remove_neighbours([&](const unsigned int row, const unsigned int place)
-                              { return find(found, row, place) == nullptr; },
-                              stencils);
-      for (unsigned int row = 0; row < rows.size(); ++row)
-        AssertThrow(stencils.row_start[row + 1] - stencils.row_start[row] == rows[row].size(),
-                    dealii::ExcInternalError());
+      return own_share;
+    }
+
+    /** Puts the nodes that have functions into the rows of @p found, once after establish(). */
+    void assign(const ParticleSet<dim> &particles, const std::vector<double> &position,
+                const std::vector<double> &support, Neighbourhoods<dim> &found, Stencils &stencils)
+    {
+      found.assign(particles.nodes(), position, support, rows, places, stencils);
+      places.clear();
     }
 
     /** Fills the rows of @p stencils, once after establish(); with @p share_rows, those that are
@@ -299,10 +310,10 @@ namespace tombolo
       double value = 0;
       double gradient[3] = {};
     };
-    /** What the cells around a particle have summed up; all but volume with images of cells. */
+    /** What the cells around a particle have summed up; all but volumes with images of cells. */
     struct Totals
     {
-      double volume = 0, image_volume = 0, weight = 0, squared_edge = 0;
+      double volume = 0, own_volume = 0, image_volume = 0, weight = 0, squared_edge = 0;
       double moment[dim] = {};
     };
     struct Sums : Totals
@@ -324,32 +335,10 @@ namespace tombolo
       std::vector<Entry> entries; // by node
     };
     using Node = dealii::types::global_dof_index;
-    /** A node of a cell of @p n_nodes nodes, which are listed after each other. */
-    struct NodeOfCell
-    {
-      unsigned int n_nodes;
-      Node node;
-      double volume;      // V_cI
-      double gradient[3]; // of the mean over the cell
-    };
-    static void list_nodes(const CellIntegrals<dim> &cell, std::vector<NodeOfCell> &list)
-    {
-      const std::size_t n = cell.nodes.size();
-      double volume = 0;
-      for (const double of_node : cell.volume)
-        volume += of_node;
-      for (std::size_t j = 0; j < n; ++j)
-      {
-        NodeOfCell node{static_cast<unsigned int>(n), cell.nodes[j], cell.volume[j], {}};
-        for (std::size_t i = 0; i < n; ++i)
-          for (unsigned int d = 0; d < dim; ++d)
-            node.gradient[d] += cell.gradient[i * n + j][d] / volume;
-        list.push_back(node);
-      }
-    }
+    using NodeOfCell = typename CellIntegrals<dim>::NodeOfCell;
     /** Those of the listed cells that have some of @p particles. */
-    static std::vector<typename CellDilatation<dim>::Cell>
-    cells_around(const std::vector<NodeOfCell> &list, const ParticleSet<dim> &particles)
+    std::vector<typename CellDilatation<dim>::Cell>
+    cells_around(const std::vector<NodeOfCell> &list, const ParticleSet<dim> &particles) const
     {
       std::vector<typename CellDilatation<dim>::Cell> result;
       const std::vector<Node> &numbers = particles.nodes();
@@ -363,9 +352,9 @@ namespace tombolo
           for (unsigned int d = 0; d < dim; ++d)
             cell.gradient.back()[d] = list[i].gradient[d];
           const auto particle = std::lower_bound(numbers.begin(), numbers.end(), list[i].node);
-          if (particle != numbers.end() && *particle == list[i].node)
-            cell.shares.emplace_back(static_cast<unsigned int>(particle - numbers.begin()),
-                                     list[i].volume);
+          if (const auto p = static_cast<unsigned int>(particle - numbers.begin());
+              particle != numbers.end() && *particle == list[i].node)
+            cell.shares.emplace_back(p, own_share[p] * list[i].volume);
         }
         if (!cell.shares.empty())
           result.push_back(std::move(cell));
@@ -408,9 +397,11 @@ namespace tombolo
                    std::vector<double> &squared_edges)
     {
       rows.clear();
+      own_share.clear();
       for (Sums &sum : sums)
       {
-        volumes.push_back(sum.volume);
+        volumes.push_back(sum.own_volume);
+        own_share.push_back(sum.own_volume / sum.volume);
         squared_edges.push_back(sum.squared_edge / sum.volume);
         for (Entry &entry : sum.entries)
         {
@@ -436,12 +427,13 @@ namespace tombolo
       std::vector<dealii::types::global_dof_index> cell_nodes;
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
       {
-        if (!cell->is_locally_owned() || part_cells->part_of(cell) != part)
+        if (!cell->is_locally_owned() || of_part.part_cells->part_of(cell) != of_part.index)
           continue;
         nodes->cell_nodes(cell, cell_nodes);
         const double volume = kappa * cell->measure() / (1u << (dim - 1));
         for (const unsigned int face : cell->face_indices())
-          if (!cell->at_boundary(face) && part_cells->part_beyond(cell, face) != part)
+          if (!cell->at_boundary(face) &&
+              !of_part.is_of_equals(of_part.part_cells->part_beyond(cell, face)))
             for (const unsigned int place : nodes->face_places(face))
             {
               const unsigned int opposite = place ^ (1u << (face / 2));
@@ -457,8 +449,8 @@ namespace tombolo
       return shares;
     }
     /** Adds the integrals of a cell to the sums of its nodes, where @p sums_of has some. */
-    void add_cell(const CellIntegrals<dim> &integrals,
-                  const std::function<Sums *(Node)> &sums_of) const
+    void add_cell(const CellIntegrals<dim> &integrals, const bool is_own,
+                  const std::function<Sums *(Node)> &sums_of)
     {
       const auto n = static_cast<unsigned int>(integrals.nodes.size());
       const double tolerance = 1e-6 * integrals.points.front().distance(integrals.points.back());
@@ -470,8 +462,12 @@ namespace tombolo
       {
         Sums *const sum = sums_of(integrals.nodes[i]);
         if (sum == nullptr)
+        {
+          places.emplace(integrals.nodes[i], integrals.points[i]);
           continue;
+        }
         sum->volume += integrals.volume[i];
+        sum->own_volume += is_own ? integrals.volume[i] : 0.;
         sum->squared_edge += integrals.volume[i] * integrals.squared_edge;
         // With the images of the cell in all combinations of the mirrors of the particle.
         for (unsigned int through = 0; through <= mirrors[i]; ++through)
@@ -495,7 +491,7 @@ namespace tombolo
     }
     /** Adds what all ranks have for particles. Collective. */
     void add_from_ranks(const std::map<Node, Sums> &of_rank,
-                        const std::function<Sums *(Node)> &sums_of) const
+                        const std::function<Sums *(Node)> &sums_of)
     {
       struct TotalsOfNode
       {
@@ -506,6 +502,7 @@ namespace tombolo
       {
         Node node;
         Entry entry;
+        double place[3]; // of the node of the entry
       };
       std::vector<TotalsOfNode> totals_of_rank;
       std::vector<EntryOfNode> entries_of_rank;
@@ -513,60 +510,58 @@ namespace tombolo
       {
         totals_of_rank.push_back({node, sum});
         for (const Entry &entry : sum.entries)
-          entries_of_rank.push_back({node, entry});
+        {
+          entries_of_rank.push_back({node, entry, {}});
+          std::copy_n(places.at(entry.node.source).begin_raw(), dim, entries_of_rank.back().place);
+        }
       }
       for (const auto &[node, totals] : of_all_ranks(totals_of_rank, nodes->communicator()))
         if (Sums *const sum = sums_of(node))
         {
           sum->volume += totals.volume;
+          sum->own_volume += totals.own_volume;
           sum->squared_edge += totals.squared_edge;
           sum->image_volume += totals.image_volume;
           sum->weight += totals.weight;
           for (unsigned int d = 0; d < dim; ++d)
             sum->moment[d] += totals.moment[d];
         }
-      for (const auto &[node, entry] : of_all_ranks(entries_of_rank, nodes->communicator()))
+      for (const auto &[node, entry, place] : of_all_ranks(entries_of_rank, nodes->communicator()))
         if (Sums *const sum = sums_of(node))
         {
+          std::copy_n(place, dim, places[entry.node.source].begin_raw());
           Entry &target = sum->at(entry.node);
           target.value += entry.value;
           for (unsigned int d = 0; d < dim; ++d)
             target.gradient[d] += entry.gradient[d];
         }
     }
-    /** Widens supports of @p particles where they do not reach rows that they are in. Collective.
-     */
+    /** Widens supports of @p particles where they do not reach rows that they are in. */
     void widen_supports(ParticleSet<dim> &particles) const
     {
       if (!nodes->has_dependent_nodes())
         return;
-      dealii::IndexSet sources(particles.owned_nodes().size());
-      for (const std::vector<Entry> &row : rows)
-        for (const Entry &entry : row)
-          sources.add_index(entry.node.source);
-      const auto partition = particles.partition(sources, {});
-      std::vector<unsigned int> local;
-      for (const dealii::types::global_dof_index node : particles.nodes())
-        local.push_back(partition->local_index(node));
-      const NodalVector position =
-          nodal_field(partition, Quantity::scalars, local,
-                      [&](const std::size_t i, double *const place)
-                      { std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place); });
+      const std::vector<Node> &numbers = particles.nodes();
       // A particle is in the rows of those that are in its own.
       constexpr double beyond = 1.01;
       std::vector<double> supports = particles.initial_supports();
       for (unsigned int i = 0; i < particles.size(); ++i)
         for (const Entry &entry : rows[i])
+        {
+          const Images::Map map = nodes->images()->map(entry.node.mirrors);
+          const auto particle = std::lower_bound(numbers.begin(), numbers.end(), entry.node.source);
+          const dealii::Point<dim> &source =
+              particle != numbers.end() && *particle == entry.node.source
+                  ? particles.initial_positions()[std::size_t(particle - numbers.begin())]
+                  : places.at(entry.node.source);
           for (unsigned int d = 0; d < dim; ++d)
           {
-            const Images::Map map = nodes->images()->map(entry.node.mirrors);
-            const double other =
-                map.sign[d] * position.node(partition->local_index(entry.node.source))[d] +
-                map.offset[d];
+            const double other = map.sign[d] * source[d] + map.offset[d];
             double &support = supports[std::size_t(i) * node_stride + d];
             support =
                 std::max(support, beyond * std::abs(other - particles.initial_positions()[i][d]));
           }
+        }
       particles.set_initial_supports(supports);
     }
     const Entry *find(const Neighbourhoods<dim> &found, const unsigned int row,
@@ -587,9 +582,9 @@ namespace tombolo
     CellDilatation<dim> dilatation;
     ZeroEnergyControl control;
     const Nodes<dim> *nodes = nullptr;
-    const PartCells<dim> *part_cells = nullptr;
-    unsigned int part = 0;
-    std::vector<std::vector<Entry>> rows;  // by particle, ascending by node
-    std::vector<double> accelerated_share; // by particle
+    PartSetup<dim> of_part;
+    std::vector<std::vector<Entry>> rows;      // by particle, ascending by node
+    std::map<Node, dealii::Point<dim>> places; // of nodes of rows, and others; not of all particles
+    std::vector<double> accelerated_share, own_share; // by particle
   };
 } // namespace tombolo

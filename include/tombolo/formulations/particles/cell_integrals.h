@@ -39,6 +39,15 @@ namespace tombolo
 
     static constexpr double gradient_sharpness = 2.; ///< s of χ = Π_k (1 ± s ξ_k) / 2
 
+    /** A node of a cell of @p n_nodes nodes, which are listed after each other. */
+    struct NodeOfCell
+    {
+      unsigned int n_nodes;
+      Node node;
+      double volume;      ///< V_cI
+      double gradient[3]; ///< of the mean over the cell
+    };
+
     /** All zero. */
     CellIntegrals(const std::vector<Node> &nodes, const std::vector<dealii::Point<dim>> &points)
         : nodes(nodes), points(points), volume(nodes.size()), weight(nodes.size()),
@@ -113,6 +122,23 @@ namespace tombolo
             }
         }
       return result;
+    }
+
+    /** Appends the nodes, with the means of their gradients over the cell. */
+    void list_nodes(std::vector<NodeOfCell> &list) const
+    {
+      const std::size_t n = nodes.size();
+      double volume_of_all = 0;
+      for (const double of_node : volume)
+        volume_of_all += of_node;
+      for (std::size_t j = 0; j < n; ++j)
+      {
+        NodeOfCell node{static_cast<unsigned int>(n), nodes[j], volume[j], {}};
+        for (std::size_t i = 0; i < n; ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+            node.gradient[d] += gradient[i * n + j][d] / volume_of_all;
+        list.push_back(node);
+      }
     }
 
     std::vector<Node> nodes;

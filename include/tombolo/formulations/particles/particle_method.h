@@ -58,6 +58,8 @@ namespace tombolo
       const unsigned int index = setup.source.value_or(setup.index);
       collect([&](const typename Nodes<dim>::Cell &cell)
               { return setup.part_cells->part_of(cell) == index; });
+      if (self_contact)
+        setup.equal_parts.clear();
       if (rows->choose_functions(setup, set))
       {
         fibres = find_surface_fibres();
@@ -345,7 +347,7 @@ namespace tombolo
         {
           const unsigned int opposite = face ^ 1u;
           if (!nodes.is_outer_face(cell, face) || cell->at_boundary(opposite) ||
-              setup.part_cells->part_beyond(cell, opposite) != setup.index)
+              !setup.is_of_equals(setup.part_cells->part_beyond(cell, opposite)))
             continue;
           nodes.cell_nodes(typename Nodes<dim>::Cell(&nodes.dof_handler().get_triangulation(),
                                                      cell->neighbor(opposite)->level(),

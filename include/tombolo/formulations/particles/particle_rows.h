@@ -59,11 +59,12 @@ namespace tombolo
     /** The entry that says how far supports reach, for messages. */
     virtual const char *support_entry() const = 0;
 
-    /** Decides which functions the particles of the part have, from now on. Returns whether they
-     * are averages over cells. Throws InputError. */
-    virtual bool choose_functions(const PartSetup<dim> & /*setup*/,
-                                  ParticleSet<dim> & /*particles*/)
+    /** Decides which functions the particles of the part have, from now on, and takes those from
+     * the equal parts of @p setup whose cells do not count for them. Returns whether they are
+     * averages over cells. Throws InputError. */
+    virtual bool choose_functions(PartSetup<dim> &setup, ParticleSet<dim> & /*particles*/)
     {
+      setup.equal_parts.clear();
       return false;
     }
     /** Gives @p particles, which come from the cells of @p is_taken, other supports than those of
@@ -175,6 +176,8 @@ namespace tombolo
                 const std::vector<double> &support)
     {
       communicator = particles.communicator();
+      if (assign_neighbours(particles, position, support))
+        return;
       neighbours.search(particles.nodes(), position, support, communicator, searched());
       if (bodies != nullptr)
         separate_bodies(partition(particles), neighbours, searched());
@@ -335,6 +338,13 @@ namespace tombolo
     {
       neighbours.set_partition(partition, shape);
     }
+    /** Puts neighbours that are known without a search into the rows; false: there are none. */
+    virtual bool assign_neighbours(const ParticleSet<dim> & /*particles*/,
+                                   const std::vector<double> & /*position*/,
+                                   const std::vector<double> & /*support*/)
+    {
+      return false;
+    }
     /** Called after each search, for further choices among the neighbours. */
     virtual void restrict_neighbours() {}
     /** The message of a row of the last fill() of the start that has no basis; empty without one.
@@ -370,6 +380,10 @@ namespace tombolo
                        else
                          std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place);
                      });
+      // Neighbours from other parts, too.
+      const std::vector<double> &initial = neighbours.position_at_search();
+      for (std::size_t k = 0; !is_renewed && k < neighbours.nodes().size(); ++k)
+        std::copy_n(&initial[k * node_stride], dim, reference.node(neighbours.nodes()[k]));
     }
 
     bool crosses_gaps;

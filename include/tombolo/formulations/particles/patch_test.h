@@ -53,10 +53,12 @@ namespace tombolo
    * @p smooths tells whether velocities are smoothed by the rows of @p shape, @p volume is that of
    * each row in the reference of the kernels, @p position where the stencils were computed, on the
    * partition of their numbers, which has all nodes of the boundary, with current ghosts.
-   * Collective.
+   * @p own_shares are those of the part in the volumes of particles around which equal parts have
+   * cells, too: particles with one below 1 are not tested. Empty: all are 1. Collective.
    */
   template <int dim>
   double patch_test_defect(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
                            bool smooths, const std::vector<double> &volume,
-                           const NodalVector &position, const Stencils &shape);
+                           const NodalVector &position, const Stencils &shape,
+                           const std::vector<double> &own_shares = {});
 } // namespace tombolo
