@@ -298,8 +298,7 @@ def legal(scene):
         scene["adaptive"] = None
     elif scene["adaptive"] is not None and not is_plastic(scene):
         scene["adaptive"] = dict(scene["adaptive"], criterion="stress gradient")
-    if (not uses_elements(scene) or scene["erosion"] is not None or scene["conversion"] is not None
-            or scene["adaptive"] is not None or scene["bridge"] == "trace" or scene["smoothed cells"]):
+    if (not uses_elements(scene) or scene["adaptive"] is not None or scene["bridge"] == "trace" or scene["smoothed cells"]):
         scene["largest ratio"] = 1
     if scene["smoothed particles"]:
         scene["filter"] = None

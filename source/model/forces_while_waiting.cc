@@ -77,7 +77,7 @@ namespace tombolo
     for (std::size_t p = 0; p < model.parts.size(); ++p)
     {
       auto *const of_part = dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
-      if (of_part == nullptr || !of_part->can_be_grouped())
+      if (of_part == nullptr)
         continue;
       // Some microseconds, and whole blocks of CellIntegration: fewer cells are not worth it.
       constexpr unsigned int n_points_of_lane = 16;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/step_groups.h>
 
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace tombolo
@@ -98,6 +100,36 @@ namespace tombolo
       all.collect();
       group.owned = marked_nodes(all, partition->n_owned());
     }
+  }
+
+  template <int dim>
+  bool StepGroups<dim>::keep_ready(const Model<dim> &model, const std::size_t part,
+                                   std::vector<unsigned int> &cells)
+  {
+    if (cells_of(part) == nullptr)
+      return true;
+    const auto others = std::stable_partition(cells.begin(), cells.end(),
+                                              [&](const unsigned int cell)
+                                              { return model.parts[part].step_ratios[cell] == 1; });
+    const auto all_cells =
+        cells_of_part(*model.nodes, *model.part_cells, static_cast<unsigned int>(part));
+    std::vector<types::global_dof_index> of_cell;
+    const std::vector<unsigned int> nodes =
+        owned_marked_nodes(fast_nodes.partition(),
+                           [&](const auto &mark)
+                           {
+                             for (const unsigned int cell : cells)
+                             {
+                               model.nodes->cell_nodes(all_cells[cell], of_cell);
+                               for (const types::global_dof_index node : of_cell)
+                                 mark(fast_nodes.partition()->local_index(node));
+                             }
+                           });
+    for (const unsigned int node : nodes)
+      *fast_nodes.node(node) = 1.;
+    const int n_others = static_cast<int>(cells.end() - others);
+    cells.erase(others, cells.end());
+    return dealii::Utilities::MPI::max(n_others, model.communicator) == 0;
   }
 
   template <int dim>

@@ -136,6 +136,9 @@ class Case(command_line.Case):
             file.write("half a fi")
 
 
+LONGER_STEPS = "subsection Time step\n  subsection Subcycling\n    set Largest ratio = 4\n  end\nend\n"
+
+
 class BitwiseCase(Case):
     """Resumed on the same ranks, a run leaves the same bits."""
 
@@ -202,6 +205,21 @@ class BitwiseRods(BitwiseCase):
                               "    set Largest ratio = 4\n  end\nend\nsubsection Output"])
         self.check("rod.prm", 7, (0, 0.1, 0.4), 1)
         self.check("rod.prm", 6, (0.2, 0.5), 2)
+
+    def test_cells_that_take_longer_steps_and_are_removed(self):
+        self.write("torn.prm", f"include {REGRESSION}/torn_bar.prm\nset Output directory = output\n"
+                   "subsection Mesh\n  subsection box\n    set Cells = 20 to 1 | 8 to 3; 3; 3\n  end\nend\n"
+                   "subsection Part: left\n  set Cells = x < 1.25\nend\nsubsection Part: layer\n"
+                   "  set Cells = x > 1.25 && x < 1.5\n  subsection hexahedron\n    set Erosion strain = 0.3\n"
+                   "  end\nend\n" + LONGER_STEPS)
+        self.check("torn.prm", 7, (0.3, 0.5), 1)
+        self.check("torn.prm", 7, (0.3, 0.5), 2)
+
+    def test_cells_that_take_longer_steps_and_become_particles(self):
+        self.write("converted.prm", f"include {REGRESSION}/conversion.prm\nset Output directory = output\n"
+                   "subsection Mesh\n  subsection box\n    set Cells = 16 to 0.8 | 9 to 3; 3; 3\n  end\nend\n" + LONGER_STEPS)
+        self.check("converted.prm", 7, (0.2, 0.6), 1)
+        self.check("converted.prm", 7, (0.4,), 2)
 
     def test_run_that_stops_before_its_next_output(self):
         # The summary has impulses and works of the last output, which was before the checkpoint.

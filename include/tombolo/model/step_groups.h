@@ -52,6 +52,7 @@ namespace tombolo
     std::vector<Group> groups; ///< of ratios above one, ascending
     /** Of each part of the model; null: all of its cells take each step. Empty: so do all parts. */
     std::vector<GroupedCells<dim> *> parts;
+    NodalVector fast_nodes; ///< owned ones whose cells are to take each step: one, scalar
     unsigned int step_in_cycle = 0;
     double first_step = 0; ///< about the step to come, at the start [T]
 
@@ -67,6 +68,11 @@ namespace tombolo
 
     /** Finds stresses of all cells at the present positions, by the present smoothed velocity. */
     void synchronize(const Model<dim> &model, const Clock &clock, const NodalVector *temperature);
+
+    /** Leaves in @p cells of a part, by its number, those that take each step: these can leave it
+     * now. Others are to take each step from the next cycle on. Returns whether no rank has others.
+     * Collective. */
+    bool keep_ready(const Model<dim> &model, std::size_t part, std::vector<unsigned int> &cells);
 
     /** For another partition, or other values of owned nodes. Collective. */
     void set_partition(const Model<dim> &model);

@@ -215,11 +215,13 @@ namespace tombolo
   template <int dim>
   void CellBatches<dim>::group(const std::vector<unsigned int> &group_of_cells)
   {
-    Assert(group_of_cells.size() == all_cell_count && cell_count == all_cell_count,
-           ExcInternalError());
+    Assert(group_of_cells.size() == all_cell_count, ExcInternalError());
     std::map<unsigned int, std::vector<unsigned int>> cells_of_groups;
     for (unsigned int cell = 0; cell < all_cell_count; ++cell)
-      cells_of_groups[group_of_cells[cell]].push_back(cell);
+      if (place(cell) < n_batches() * n_lanes)
+        cells_of_groups[group_of_cells[cell]].push_back(cell);
+    if (cells_of_groups.empty())
+      cells_of_groups[1];
     Assert(cells_of_groups.size() <= most_groups, ExcInternalError());
     std::vector<std::vector<unsigned int>> lists;
     all_groups.clear();

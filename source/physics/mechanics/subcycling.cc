@@ -22,12 +22,16 @@ namespace tombolo
 {
   namespace
   {
+    using Ratios = std::vector<std::vector<unsigned int>>; // by part and cell; none: one
+
+    /** Limits of cells that have left their part are above. */
+    constexpr double of_cells_that_left = 1e200;
+
     /** The cells of a part, if they can take longer steps, else null. */
     template <int dim>
-    GroupedCells<dim> *cells_that_can_wait(const Part<dim> &part)
+    GroupedCells<dim> *grouped_cells(const Part<dim> &part)
     {
-      auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get());
-      return cells != nullptr && cells->can_be_grouped() ? cells : nullptr;
+      return dynamic_cast<GroupedCells<dim> *>(part.formulation.get());
     }
 
     /** Calls @p use(part, cell, limit) with eq. (41), with the inertia that it has, for each cell
@@ -39,7 +43,7 @@ namespace tombolo
       for (std::size_t p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &part = model.parts[p];
-        if (cells_that_can_wait(part) == nullptr)
+        if (grouped_cells(part) == nullptr)
           continue;
         part.formulation->courant_limits(model.state.position, limits);
         for (std::size_t cell = 0; cell < limits.size(); ++cell)
@@ -58,12 +62,23 @@ namespace tombolo
       return std::max(1., limit / Utilities::MPI::min(smallest, model.communicator));
     }
 
-    /** Of this rank. */
-    template <int dim>
-    std::size_t n_cells_or_particles(const Part<dim> &part)
+    /** Calls @p count(part, number, ratio) for parts of this rank with the number of particles or
+     * cells that take each step, and for each further cell that has not left. */
+    template <int dim, typename Count>
+    void for_ratios(const Model<dim> &model, const Ratios &ratios, const Count &count)
     {
-      return part.particles != nullptr ? part.formulation->particle_nodes().size()
-                                       : part.formulation->n_cells();
+      for (std::size_t p = 0; p < model.parts.size(); ++p)
+        if (const Part<dim> &part = model.parts[p]; grouped_cells(part) == nullptr)
+          count(p,
+                part.particles != nullptr ? part.formulation->particle_nodes().size()
+                                          : std::size_t(part.formulation->n_cells()),
+                1u);
+      for_limits(model,
+                 [&](const std::size_t p, const std::size_t cell, const double limit)
+                 {
+                   if (limit < of_cells_that_left)
+                     count(p, std::size_t(1), ratios[p][cell]);
+                 });
     }
 
     /** The ratio of a cell that could take so many of the smallest steps in one. */
@@ -77,15 +92,18 @@ namespace tombolo
       return ratio;
     }
 
-    using Ratios = std::vector<std::vector<unsigned int>>; // by part and cell; none: one
-
     /** Those that the limits of the cells allow, each times @p scale in the smallest steps. */
     template <int dim>
     Ratios ratios_by_limits(const Model<dim> &model, const double scale, const unsigned int largest)
     {
       Ratios ratios(model.parts.size());
-      for_limits(model, [&](const std::size_t p, const std::size_t, const double of_cell)
-                 { ratios[p].push_back(ratio_up_to(scale * of_cell, largest)); });
+      for_limits(model,
+                 [&](const std::size_t p, const std::size_t, const double of_cell)
+                 {
+                   // Those of cells that have left stand for what is new beside the others.
+                   ratios[p].push_back(
+                       of_cell < of_cells_that_left ? ratio_up_to(scale * of_cell, largest) : 1);
+                 });
       return ratios;
     }
 
@@ -94,15 +112,15 @@ namespace tombolo
     double relative_cost(const Model<dim> &model, const Ratios &ratios)
     {
       std::array<double, 2> costs{};
-      for (std::size_t p = 0; p < ratios.size(); ++p)
-      {
-        const Part<dim> &part = model.parts[p];
-        const StepCost of_part = part.formulation->step_cost(*part.material, 1.);
-        const double cost = of_part.per_cell + of_part.per_node;
-        costs[0] += cost * double(n_cells_or_particles(part));
-        for (const unsigned int ratio : ratios[p])
-          costs[1] += cost * (1. - 1. / ratio);
-      }
+      for_ratios(model, ratios,
+                 [&](const std::size_t p, const std::size_t number, const unsigned int ratio)
+                 {
+                   const Part<dim> &part = model.parts[p];
+                   const StepCost of_part = part.formulation->step_cost(*part.material, 1.);
+                   const double cost = double(number) * (of_part.per_cell + of_part.per_node);
+                   costs[0] += cost;
+                   costs[1] += cost * (1. - 1. / ratio);
+                 });
       costs = ordered_sum(costs, model.communicator);
       return costs[0] > 0. ? 1. - costs[1] / costs[0] : 1.;
     }
@@ -124,9 +142,9 @@ namespace tombolo
       largest_ratio = static_cast<unsigned int>(std::stoul(e.choice(
           "Largest ratio", "1", "1|2|4|8|16",
           "Cells of elements take one step for 2, 4, 8 or 16 of the smallest of the scene, as far "
-          "as their own limit allows and up to this number. Particles, smoothed cells, cells that "
-          "can be removed or become particles, and cells that touch something, take each step. 1: "
-          "all cells do.")));
+          "as their own limit allows and up to this number. Particles, smoothed cells, and cells "
+          "that touch something, are about to be removed or to become particles, or lie beside "
+          "such cells, take each step. 1: all cells do.")));
     }
 
     unsigned int largest_ratio;
@@ -138,7 +156,7 @@ namespace tombolo
    * One layer of cells around those of each ratio has it, too: waves that only finer cells carry
    * end there. The choice is made at the start, and again at the first step of a cycle where the
    * limits have become other ones, or where a cell that takes longer steps touches something, whose
-   * springs would resonate with them.
+   * springs would resonate with them, or is to leave or lies beside one that leaves.
    */
   template <int dim>
   class Subcycling : public Process<dim>
@@ -150,7 +168,7 @@ namespace tombolo
     {
       for (Part<dim> &part : model.parts)
       {
-        groups.parts.push_back(cells_that_can_wait(part));
+        groups.parts.push_back(grouped_cells(part));
         if (groups.parts.back() != nullptr)
           part.step_ratios.assign(part.formulation->n_cells(), 1);
       }
@@ -194,12 +212,8 @@ namespace tombolo
         choice.stable_step = clock.stable_step;
       for (const auto &process : model.processes)
         if (process->observed.step_limits.is_connected())
-          process->actions.for_touched_nodes(
-              [&](const unsigned int node)
-              {
-                touches_slow_cell = touches_slow_cell || *slow_cells.node(node) > 0.;
-                *touched.node(node) = 1.;
-              });
+          process->actions.for_touched_nodes([&](const unsigned int node)
+                                             { *groups.fast_nodes.node(node) = 1.; });
     }
 
     void after_motion(const Model<dim> &, const Clock &, NodalState &) override
@@ -210,14 +224,13 @@ namespace tombolo
     void model_changed(const Model<dim> &) override
     {
       const auto &partition = model.state.partition();
-      if (slow_cells.partition() == partition) // rows and masses alone are other ones
+      if (groups.fast_nodes.partition() == partition) // rows and masses alone are other ones
         return;
-      if (touched.partition() == nullptr)
-        touched.reinit(partition, Quantity::scalar);
+      if (groups.fast_nodes.partition() == nullptr)
+        groups.fast_nodes.reinit(partition, Quantity::scalar);
       else
-        touched.move_to(partition);
+        groups.fast_nodes.move_to(partition);
       groups.set_partition(model);
-      find_slow_cells();
     }
 
   private:
@@ -257,10 +270,9 @@ namespace tombolo
               }
             }
           });
-      all.nodal("touched", 1, touched);
+      all.nodal("touched", 1, groups.fast_nodes);
       all.numbers("choice", choice.stable_step, choice.limit, choice.scale);
       all.value("step of choice", choice.step);
-      all.value("touches slow cell", touches_slow_cell);
       estimator.list(all.group("spectral estimator"), model);
       all.on_reading([this] { groups.set_partition(model); });
     }
@@ -279,18 +291,21 @@ namespace tombolo
      * Collective. */
     bool chooses_again(const Clock &clock)
     {
-      const bool touches = Utilities::MPI::max(touches_slow_cell ? 1 : 0, model.communicator) == 1;
-      touches_slow_cell = false;
+      int asks = 0;
+      for (const auto &group : groups.groups)
+        for (const unsigned int node : group.owned)
+          asks = *groups.fast_nodes.node(node) > 0. ? 1 : asks;
+      const bool is_asked_for = Utilities::MPI::max(asks, model.communicator) == 1;
       constexpr unsigned long shortest_interval = 200;
       const bool is_due =
           clock.step >= choice.step + shortest_interval && limits_have_changed(clock);
-      if (!touches && !is_due)
+      if (!is_asked_for && !is_due)
         return false;
       std::vector<std::vector<unsigned int>> before;
       for (const Part<dim> &part : model.parts)
         before.push_back(part.step_ratios);
-      if (is_due)
-        touched.set_zero(); // those of now come back with the next contact
+      if (is_due && !is_asked_for)
+        groups.fast_nodes.set_zero(); // those of now come back with the next contact
       choose();
       choice.step = clock.step;
       choice.stable_step = 0.;
@@ -395,7 +410,7 @@ namespace tombolo
               [&]
               {
                 for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-                  *marks.node(i) = *touched.node(i);
+                  *marks.node(i) = *groups.fast_nodes.node(i);
               });
         spread(
             [&]
@@ -417,16 +432,6 @@ namespace tombolo
         if (groups.parts[p] != nullptr)
           groups.parts[p]->set_step_ratios(model.parts[p].step_ratios);
       groups.make(model);
-      find_slow_cells();
-    }
-
-    /** Marks nodes of cells that do not take each step. */
-    void find_slow_cells()
-    {
-      slow_cells.reinit(model.state.partition(), Quantity::scalar);
-      for (const auto &group : groups.groups)
-        for (const unsigned int node : group.owned)
-          *slow_cells.node(node) = 1.;
     }
 
     /** Numbers of cells and particles by ratio, over all ranks, and the cost of their steps over
@@ -435,12 +440,11 @@ namespace tombolo
     {
       std::vector<unsigned long> counts(groups.cycle() + 1, 0);
       Ratios ratios;
-      for (unsigned int p = 0; p < model.parts.size(); ++p)
-      {
-        ratios.push_back(model.parts[p].step_ratios);
-        for (unsigned int cell = 0; cell < n_cells_or_particles(model.parts[p]); ++cell)
-          ++counts[ratio_of(p, cell)];
-      }
+      for (const Part<dim> &part : model.parts)
+        ratios.push_back(part.step_ratios);
+      for_ratios(model, ratios,
+                 [&](const std::size_t, const std::size_t number, const unsigned int ratio)
+                 { counts[ratio] += number; });
       for (unsigned long &count : counts)
         count = Utilities::MPI::sum(count, model.communicator);
       return {counts, relative_cost(model, ratios)};
@@ -481,9 +485,7 @@ namespace tombolo
       unsigned long step = 0; ///< when it was made
     };
     Choice choice;
-    bool is_chosen = false, touches_slow_cell = false;
-    NodalVector touched;    ///< owned nodes that have touched something: one, scalar
-    NodalVector slow_cells; ///< owned nodes of cells that do not take each step: one, scalar
+    bool is_chosen = false;
   };
 
   namespace
@@ -520,10 +522,9 @@ namespace tombolo
           return nullptr;
         const Section section = parameters.section("Time step").subsection(subcycling_section);
         if (std::all_of(model.parts.begin(), model.parts.end(),
-                        [](const Part<dim> &part) { return cells_that_can_wait(part) == nullptr; }))
+                        [](const Part<dim> &part) { return grouped_cells(part) == nullptr; }))
           section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
-                                        "elements that are neither removed nor become particles; "
-                                        "allowed is 1.");
+                                        "elements; allowed is 1.");
         if (model.bridge->is_trace())
           section.fail("Largest ratio", "elements see the field of the particles in each step "
                                         "(`Bridge` = trace); allowed is 1.");

@@ -60,8 +60,8 @@ namespace tombolo
       unsigned int number = 1, first_batch = 0, end_batch = 0;
     };
 
-    /** Gives cells with the same number among @p group_of_cells batches of their own. Not where
-     * cells were removed. */
+    /** Gives present cells with the same number among @p group_of_cells batches of their own, until
+     * cells are removed. */
     void group(const std::vector<unsigned int> &group_of_cells);
 
     /** One of all batches, until cells are grouped. */

@@ -316,7 +316,7 @@ namespace tombolo
           [this](StateArchive &archive)
           {
             if (lost_cells.serialize(this->n_cells(), part_points.heat() != nullptr, archive))
-              cell_points.remove(lost_cells.flags(), points());
+              take_lost_cells();
           });
     }
 
@@ -325,43 +325,52 @@ namespace tombolo
       return erosion.is_on();
     }
 
-    unsigned int find_failed_cells(const NodalVector &position) override
+    std::vector<unsigned int> find_failed_cells(const NodalVector &position) const override
     {
       // A point with more than this part of its initial volume does not lose it in one stable step.
       constexpr double small_volume = 0.5;
+      const CellBatches<dim> &cells = cell_points.cells();
       const double *const ratios = points().component(MaterialPoints::volume_ratio, 0);
-      failed_places.clear();
-      for (unsigned int place = 0; place < cell_points.cells().n_present_cells(); ++place)
+      std::vector<unsigned int> failed;
+      for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
       {
-        bool is_large = true;
-        for (unsigned int q = 0; q < Element::n_points; ++q)
-          is_large = is_large && ratios[Points::point_at(place, q)] > small_volume;
-        if (erosion.means().are_reached(points(), place, Element::n_points) ||
-            (!is_large && !integration.is_volume_positive(place, position)))
-          failed_places.push_back(place);
+        unsigned int n_small[n_lanes] = {};
+        for (unsigned int i = 0; i < Points::points_per_batch; ++i)
+          n_small[i % n_lanes] += ratios[Points::first_point(batch) + i] > small_volume ? 0 : 1;
+        const bool may_fail = erosion.means().may_be_reached(points(), batch, Element::n_points);
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+        {
+          const bool is_small = n_small[lane] > 0;
+          if (!is_small && !may_fail)
+            continue;
+          const unsigned int place = batch * n_lanes + lane, cell = cells.cell_at(place);
+          // It could lose its volume before it takes each step.
+          const bool is_late = !step_ratios.empty() && step_ratios[cell] > 1;
+          if (erosion.means().are_reached(points(), place, Element::n_points) ||
+              (is_small && (is_late || !integration.is_volume_positive(place, position))))
+            failed.push_back(cell);
+        }
       }
-      return static_cast<unsigned int>(failed_places.size());
+      std::sort(failed.begin(), failed.end());
+      return failed;
     }
 
-    RemovedCells remove_failed_cells(const NodalVector &position, const NodalVector &velocity,
-                                     const double time_increment) override
+    RemovedCells remove_cells(const std::vector<unsigned int> &failed, const NodalVector &position,
+                              const NodalVector &velocity, const double time_increment) override
     {
       RemovedCells result;
-      if (failed_places.empty())
+      if (failed.empty())
         return result;
       const EnergyAccounts before = energies();
       const double pending_before = this->pending_plastic_heat();
       double power = 0;
-      for (const unsigned int place : failed_places)
-        power += integration.internal_power(place, position, velocity, time_increment);
+      for (const unsigned int cell : failed)
+        power += integration.internal_power(cell_points.cells().place(cell), position, velocity,
+                                            time_increment);
 
-      std::vector<unsigned int> failed_cells;
-      for (const unsigned int place : failed_places)
-        failed_cells.push_back(cell_points.cells().cell_at(place));
-      result.n_cells = static_cast<unsigned int>(failed_cells.size());
-      failed_places.clear();
-      lost_cells.remove(failed_cells, this->n_cells());
-      cell_points.remove(lost_cells.flags(), points());
+      result.n_cells = static_cast<unsigned int>(failed.size());
+      lost_cells.remove(failed, this->n_cells());
+      take_lost_cells();
 
       EnergyAccounts lost = before;
       lost.add(energies(), -1.);
@@ -397,20 +406,17 @@ namespace tombolo
       if (converted.empty())
         return;
       lost_cells.convert(converted, this->n_cells());
-      cell_points.remove(lost_cells.flags(), points());
+      take_lost_cells();
     }
 
-    bool can_be_grouped() const override
-    {
-      return !can_lose_cells();
-    }
     void prepare_groups() override
     {
       is_to_be_grouped = true;
     }
     void set_step_ratios(const std::vector<unsigned int> &of_cells) override
     {
-      cell_points.group(of_cells, points());
+      step_ratios = of_cells;
+      cell_points.group(step_ratios, points());
     }
     const std::vector<typename GroupedCells<dim>::Group> &groups() const override
     {
@@ -449,8 +455,16 @@ namespace tombolo
     using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
         Base::part_points, Base::points;
 
+    /** Takes lost cells out of the batches. */
+    void take_lost_cells()
+    {
+      cell_points.remove(lost_cells.flags(), points());
+      if (!step_ratios.empty())
+        cell_points.group(step_ratios, points());
+    }
+
     ErosionCriterion erosion;
-    std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
+    std::vector<unsigned int> step_ratios; // of cells; empty: one
     bool is_to_be_grouped = false;
   };
 } // namespace tombolo

@@ -65,15 +65,15 @@ namespace tombolo
     /** Whether the part has a criterion; without one nothing else is called. */
     virtual bool erodes() const = 0;
 
-    /** Finds the cells of this rank that fulfil the criterion, or whose volume is no longer
-     * positive at these positions. Returns their number. */
-    virtual unsigned int find_failed_cells(const NodalVector &position) = 0;
+    /** The cells of this rank that fulfil the criterion, or whose volume is no longer positive at
+     * these positions, or may be so before they take each step; ascending. */
+    virtual std::vector<unsigned int> find_failed_cells(const NodalVector &position) const = 0;
 
-    /** Removes the cells of the last find_failed_cells(). Ghosts of both vectors must be current;
+    /** Removes cells that take each step. Ghosts of both vectors must be current;
      * @p time_increment is t_n - t_{n-1}. Masses are different afterwards. */
-    virtual RemovedCells remove_failed_cells(const NodalVector &position,
-                                             const NodalVector &velocity,
-                                             double time_increment) = 0;
+    virtual RemovedCells remove_cells(const std::vector<unsigned int> &cells,
+                                      const NodalVector &position, const NodalVector &velocity,
+                                      double time_increment) = 0;
 
     /** Of a cell of this rank, in the order of Formulation::n_cells(). */
     virtual bool is_removed(unsigned int cell) const = 0;

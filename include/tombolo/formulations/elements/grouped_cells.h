@@ -23,9 +23,6 @@ namespace tombolo
 
     virtual ~GroupedCells() = default;
 
-    /** Whether cells can have other ratios than one: those that can leave the part cannot. */
-    virtual bool can_be_grouped() const = 0;
-
     /** Is called before Formulation::initialize() where cells are to be grouped. */
     virtual void prepare_groups() = 0;
 

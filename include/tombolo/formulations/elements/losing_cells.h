@@ -127,28 +127,27 @@ namespace tombolo
     EnergyAccounts dissipated_in_lost;
   };
 
-  /** Marks the places of cells of this @p degree whose corners are too sharp at these positions. */
+  /** Whether the cell of this @p degree at a place has a corner that is too sharp at these
+   * positions. */
   template <int dim>
-  void mark_by_shape(const ConversionCriterion &criterion, const CellBatches<dim> &cells,
-                     const unsigned int degree, const NodalVector &position,
-                     std::vector<bool> &converts)
+  bool is_too_sharp(const ConversionCriterion &criterion, const CellBatches<dim> &cells,
+                    const unsigned int degree, const NodalVector &position,
+                    const unsigned int place)
   {
+    if (!criterion.smallest_jacobian)
+      return false;
     CellVertices<dim> vertices;
-    for (unsigned int place = 0; place < converts.size() && criterion.smallest_jacobian; ++place)
+    const unsigned int *const nodes = cells.nodes(place / n_lanes);
+    for (unsigned int corner = 0; corner < vertices.size(); ++corner)
     {
-      const unsigned int *const nodes = cells.nodes(place / n_lanes);
-      for (unsigned int corner = 0; corner < vertices.size(); ++corner)
-      {
-        unsigned int k = 0, stride = 1;
-        for (unsigned int d = 0; d < dim; ++d, stride *= degree + 1)
-          k += ((corner >> d) & 1u) * degree * stride;
-        const double *const x = position.node(nodes[k * n_lanes + place % n_lanes]);
-        for (unsigned int d = 0; d < dim; ++d)
-          vertices[corner][d] = x[d];
-      }
-      if (!(smallest_corner<dim>(vertices) >= *criterion.smallest_jacobian))
-        converts[place] = true;
+      unsigned int k = 0, stride = 1;
+      for (unsigned int d = 0; d < dim; ++d, stride *= degree + 1)
+        k += ((corner >> d) & 1u) * degree * stride;
+      const double *const x = position.node(nodes[k * n_lanes + place % n_lanes]);
+      for (unsigned int d = 0; d < dim; ++d)
+        vertices[corner][d] = x[d];
     }
+    return !(smallest_corner<dim>(vertices) >= *criterion.smallest_jacobian);
   }
 
   /** ConvertingCells::add_state() of cells with these points. */
@@ -254,19 +253,18 @@ namespace tombolo
     std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override
     {
       const CellBatches<dim> &cells = cell_points.cells();
-      std::vector<bool> converts;
-      for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
-        converts.push_back(
-            criterion.largest_means.are_reached(this->points(), place, this->n_points_per_cell()));
-      mark_by_shape(criterion, cells, this->degree(), position, converts);
       std::vector<double> time_steps;
       if (criterion.smallest_time_step)
         this->courant_limits(position, time_steps);
       std::vector<unsigned int> result;
-      for (unsigned int place = 0; place < converts.size(); ++place)
-        if (const unsigned int cell = cells.cell_at(place);
-            converts[place] ||
-            (criterion.smallest_time_step && !(time_steps[cell] >= *criterion.smallest_time_step)))
+      for (unsigned int cell = 0; cell < cells.n_cells(); ++cell)
+        if (const unsigned int place = cells.place(cell);
+            !lost_cells.is_lost(cell) &&
+            (criterion.largest_means.are_reached(this->points(), place,
+                                                 this->n_points_per_cell()) ||
+             is_too_sharp(criterion, cells, this->degree(), position, place) ||
+             (criterion.smallest_time_step &&
+              !(time_steps[cell] >= *criterion.smallest_time_step))))
           result.push_back(cell);
       return result;
     }

@@ -72,6 +72,27 @@ namespace tombolo
                          });
     }
 
+    /** Whether some cell of a batch could reach one; seldom true where none does, and fast. */
+    bool may_be_reached(const MaterialPoints &points, const unsigned int batch,
+                        const unsigned int n_points) const
+    {
+      return std::any_of(limits.begin(), limits.end(),
+                         [&](const Limit &limit)
+                         {
+                           const double *const values =
+                               points.component(limit.field, 0) +
+                               std::size_t(point_in_lanes(batch * n_lanes, n_points, 0));
+                           Lanes sum = 0.;
+                           for (unsigned int q = 0; q < n_points; ++q)
+                             sum += load_lanes(values + q * n_lanes);
+                           double largest = double(sum[0]);
+                           for (unsigned int lane = 1; lane < n_lanes; ++lane)
+                             largest = std::max(largest, double(sum[lane]));
+                           constexpr double less_round_off = 0.999;
+                           return largest >= less_round_off * limit.value * n_points;
+                         });
+    }
+
   private:
     struct Limit
     {

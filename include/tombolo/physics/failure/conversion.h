@@ -93,6 +93,8 @@ namespace tombolo
         for (unsigned int cell = 0; cell < is_chosen.size(); ++cell)
           if (is_chosen[cell])
             cells.push_back(cell);
+        if (!model.step_groups.keep_ready(model, pairs[k].source, cells))
+          cells.clear(); // all go together, at the next check
         are_found = is_on_any_rank(cells, communicator) || are_found;
       }
       return are_found;

@@ -40,9 +40,11 @@ namespace tombolo
   class Erosion : public Process<dim>
   {
   public:
-    explicit Erosion(Model<dim> &model)
-        : communicator(model.communicator), parts(eroding_parts(model))
+    explicit Erosion(Model<dim> &model) : communicator(model.communicator)
     {
+      for (std::size_t p = 0; p < model.parts.size(); ++p)
+        if (ErodingCells<dim> *const cells = eroding_cells(model.parts[p]))
+          parts.push_back({p, cells});
       this->structure.on_completion([this, &model] { remove_faces(model); });
       this->records.group("erosion").sums("eroded", lost.n_cells, lost.mass, lost.energy,
                                           interleaved(lost.momentum, lost.angular_momentum));
@@ -92,36 +94,34 @@ namespace tombolo
         std::fill_n(state.acceleration.node(node), node_stride, 0.);
     }
 
-    /** The parts whose cells can be removed. */
-    static std::vector<ErodingCells<dim> *> eroding_parts(const Model<dim> &model)
+    /** The cells of a part that can be removed, else null. */
+    static ErodingCells<dim> *eroding_cells(const Part<dim> &part)
     {
-      std::vector<ErodingCells<dim> *> result;
-      for (const Part<dim> &part : model.parts)
-      {
-        auto *const eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
-        if (eroding != nullptr && eroding->erodes())
-          result.push_back(eroding);
-      }
-      return result;
+      auto *const eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+      return eroding != nullptr && eroding->erodes() ? eroding : nullptr;
     }
 
     /** Removes the cells that fulfil their criterion. Returns whether there were any on any rank.
      * Collective. */
     bool erode(Model<dim> &model, const Clock &clock)
     {
-      unsigned int n_failed = 0;
-      for (ErodingCells<dim> *const part : parts)
-        n_failed += part->find_failed_cells(model.state.position);
-      if (dealii::Utilities::MPI::sum(n_failed, communicator) == 0)
+      std::vector<std::vector<unsigned int>> failed;
+      for (const auto &[number, cells] : parts)
+        failed.push_back(cells->find_failed_cells(model.state.position));
+      if (!are_some(failed))
+        return false;
+      for (std::size_t k = 0; k < parts.size(); ++k)
+        model.step_groups.keep_ready(model, parts[k].number, failed[k]);
+      if (!are_some(failed))
         return false;
       model.begin_change();
 
       const NodalVector &element_velocity = model.bridge->element_velocity(model.state.velocity);
       double pending_heat = 0;
-      for (ErodingCells<dim> *const part : parts)
+      for (std::size_t k = 0; k < parts.size(); ++k)
       {
-        const RemovedCells removed =
-            part->remove_failed_cells(model.state.position, element_velocity, clock.previous_step);
+        const RemovedCells removed = parts[k].cells->remove_cells(
+            failed[k], model.state.position, element_velocity, clock.previous_step);
         lost.n_cells += removed.n_cells;
         lost.energy += removed.energy;
         pending_heat += removed.pending_heat;
@@ -154,15 +154,15 @@ namespace tombolo
     unsigned long n_removed_cells() const
     {
       unsigned long count = 0;
-      for (const ErodingCells<dim> *const part : parts)
-        count += part->n_removed_cells();
+      for (const ErodingPart &part : parts)
+        count += part.cells->n_removed_cells();
       return dealii::Utilities::MPI::sum(count, communicator);
     }
 
     /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
     {
-      if (eroding_parts(model).empty())
+      if (std::none_of(model.parts.begin(), model.parts.end(), eroding_cells))
         return nullptr;
       if (model.heat)
         model.heat->can_lose_heat = true;
@@ -170,11 +170,25 @@ namespace tombolo
     }
 
   private:
+    struct ErodingPart
+    {
+      std::size_t number;
+      ErodingCells<dim> *cells;
+    };
+
+    /** Whether any rank has such cells of any part. Collective. */
+    bool are_some(const std::vector<std::vector<unsigned int>> &cells_of_parts) const
+    {
+      const bool is_one = std::any_of(cells_of_parts.begin(), cells_of_parts.end(),
+                                      [](const auto &cells) { return !cells.empty(); });
+      return dealii::Utilities::MPI::max(is_one ? 1 : 0, communicator) == 1;
+    }
+
     void remove_faces(Model<dim> &model) const
     {
       std::vector<std::vector<dealii::types::global_dof_index>> cells;
-      for (const ErodingCells<dim> *const part : parts)
-        part->add_nodes_of_removed_cells(cells);
+      for (const ErodingPart &part : parts)
+        part.cells->add_nodes_of_removed_cells(cells);
       model.remove_faces(cells);
     }
 
@@ -225,7 +239,7 @@ namespace tombolo
     }
 
     MPI_Comm communicator;
-    std::vector<ErodingCells<dim> *> parts;
+    std::vector<ErodingPart> parts; ///< whose cells can be removed
     ErosionLoss lost;
     std::vector<unsigned int> massless; ///< owned nodes all of whose cells were removed
   };
