@@ -150,6 +150,8 @@ namespace tombolo
     for (Group &group : groups)
     {
       const double elapsed = group.age * clock.previous_step;
+      if (elapsed == 0.)
+        continue; // stresses are those of now
       find_velocity(x, group.position, elapsed, group.local, velocity);
       for (const Share &share : group.shares)
         for_group(*parts[share.part], group.ratio,
