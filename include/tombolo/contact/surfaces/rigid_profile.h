@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -39,18 +46,159 @@ namespace tombolo
      * them). Convex corners, those on the axis too, are rounded with @p edge_radius. Throws
      * std::invalid_argument with what is wrong with the corners, or with a radius that the lines
      * between corners are too short for. */
-    RigidProfile(const std::vector<Place> &corners, double edge_radius);
+    RigidProfile(const std::vector<Place> &corners, const double edge_radius) : radius(edge_radius)
+    {
+      check(corners, edge_radius);
+      refuse_crossing_sides(corners);
+      const std::size_t n_sides = corners.size() - 1;
+      std::vector<double> free_length(n_sides);
+      for (std::size_t i = 0; i < n_sides; ++i)
+      {
+        Line line;
+        const Place side = difference(corners[i + 1], corners[i]);
+        line.begin = corners[i];
+        line.length = free_length[i] = length(side);
+        line.along = unit(side);
+        line.normal = {line.along.z, -line.along.r};
+        line.normal_at_begin = line.normal_at_end = line.normal;
+        lines.push_back(line);
+      }
+      low = high = corners.front();
+      for (const Place &corner : corners)
+      {
+        low = {std::min(low.r, corner.r), std::min(low.z, corner.z)};
+        high = {std::max(high.r, corner.r), std::max(high.z, corner.z)};
+      }
+
+      for (std::size_t i = 0; i <= n_sides; ++i)
+      {
+        // Beyond the axis the profile goes on as its mirror image.
+        const auto mirrored = [](const Place &along) -> Place { return {along.r, -along.z}; };
+        const Place before = i == 0 ? mirrored(lines[0].along) : lines[i - 1].along;
+        const Place after = i == n_sides ? mirrored(lines[n_sides - 1].along) : lines[i].along;
+        const Place normal_before = {before.z, -before.r}, normal_after = {after.z, -after.r};
+        const double turn = std::atan2(cross(before, after), dot(before, after));
+        if (!(turn > 1e-12))
+        {
+          const Place mean = {normal_before.r + normal_after.r, normal_before.z + normal_after.z};
+          if (!(length(mean) > 1e-9))
+            throw std::invalid_argument("the profile turns back at " + text_of(corners[i]));
+          if (i > 0)
+            lines[i - 1].normal_at_end = unit(mean);
+          if (i < n_sides)
+            lines[i].normal_at_begin = unit(mean);
+          continue;
+        }
+        const double cut = radius * std::tan(0.5 * turn);
+        const auto shorten = [&](const std::size_t side)
+        {
+          free_length[side] -= cut;
+          if (free_length[side] < -1e-12 * length(difference(high, low)))
+            throw std::invalid_argument("an edge radius of " + std::to_string(radius) +
+                                        " does not fit between the corners at " +
+                                        text_of(corners[side]) + " and " +
+                                        text_of(corners[side + 1]));
+          lines[side].length = std::max(0., lines[side].length - cut);
+        };
+        if (i > 0)
+          shorten(i - 1);
+        if (i < n_sides)
+        {
+          shorten(i);
+          lines[i].begin = moved(lines[i].begin, cut, lines[i].along);
+        }
+        const Place tangent_point = moved(corners[i], -cut, before);
+        arcs.push_back(
+            {moved(tangent_point, -radius, normal_before), normal_before, normal_after, i});
+      }
+    }
 
     /** @p place with r >= 0. */
-    Nearest nearest(const Place &place) const;
+    Nearest nearest(const Place &place) const
+    {
+      Nearest result = {std::numeric_limits<double>::max(), {0., 1.}};
+      const auto consider = [&](const double distance, const Place &away, const Place &outward)
+      {
+        if (!(distance < std::abs(result.gap)))
+          return;
+        const double sign = dot(away, outward) < 0. ? -1. : 1.;
+        // On the surface itself the way to it has no direction.
+        const bool is_on_it = distance < 1e-12 * (high.z - low.z);
+        result.gap = sign * distance;
+        result.normal =
+            is_on_it ? outward : Place{sign * away.r / distance, sign * away.z / distance};
+      };
+      for (const Line &line : lines)
+      {
+        const Place from_begin = difference(place, line.begin);
+        const double s = dot(from_begin, line.along);
+        const double clamped = std::clamp(s, 0., line.length);
+        const Place away = moved(from_begin, -clamped, line.along);
+        consider(length(away), away,
+                 s <= 0.            ? line.normal_at_begin
+                 : s >= line.length ? line.normal_at_end
+                                    : line.normal);
+      }
+      for (const Arc &arc : arcs)
+      {
+        const Place from_center = difference(place, arc.center);
+        const double distance = length(from_center);
+        if (!(distance > 0.) || cross(arc.first_normal, from_center) < 0. ||
+            cross(from_center, arc.last_normal) < 0.)
+          continue;
+        const Place outward = unit(from_center);
+        const double gap = distance - radius;
+        consider(std::abs(gap), {gap * outward.r, gap * outward.z}, outward);
+      }
+      return result;
+    }
 
     /** A distance that is at most the one to the body, positive only outside of a cylinder around
      * it: cheap. */
-    double distance_from_box(const Place &place) const;
+    double distance_from_box(const Place &place) const
+    {
+      return std::max({place.r - high.r, low.z - place.z, place.z - high.z});
+    }
 
     /** Places along the profile from the axis to the axis, for pictures: ends of the lines, and
      * arcs in pieces of at most @p largest_turn [rad]. */
-    std::vector<Place> outline(double largest_turn) const;
+    std::vector<Place> outline(const double largest_turn) const
+    {
+      std::vector<Place> result;
+      const double tolerance = 1e-9 * length(difference(high, low));
+      const auto add = [&](const Place &place)
+      {
+        if (place.r < -tolerance) // an arc on the axis goes on beyond it
+          return;
+        const Place on_this_side = {place.r > tolerance ? place.r : 0., place.z};
+        if (result.empty() || length(difference(on_this_side, result.back())) > tolerance)
+          result.push_back(on_this_side);
+      };
+      for (std::size_t i = 0; i <= lines.size(); ++i)
+      {
+        for (const Arc &arc : arcs)
+          if (arc.next_line == i)
+          {
+            const double turn = std::atan2(cross(arc.first_normal, arc.last_normal),
+                                           dot(arc.first_normal, arc.last_normal));
+            // An even number, so that an arc across the axis has a place on it.
+            const unsigned int n =
+                2 * static_cast<unsigned int>(std::ceil(0.5 * turn / largest_turn));
+            for (unsigned int k = 0; k <= n; ++k)
+            {
+              const double angle = turn * k / n, cosine = std::cos(angle), sine = std::sin(angle);
+              const Place &from = arc.first_normal;
+              add(moved(arc.center, radius,
+                        {cosine * from.r - sine * from.z, sine * from.r + cosine * from.z}));
+            }
+          }
+        if (i == lines.size())
+          break;
+        add(lines[i].begin);
+        add(moved(lines[i].begin, lines[i].length, lines[i].along));
+      }
+      return result;
+    }
 
   private:
     struct Line
@@ -64,6 +212,92 @@ namespace tombolo
       Place center, first_normal, last_normal;
       std::size_t next_line; ///< the number of lines before it
     };
+
+    static Place difference(const Place &a, const Place &b)
+    {
+      return {a.r - b.r, a.z - b.z};
+    }
+
+    static Place moved(const Place &from, const double factor, const Place &along)
+    {
+      return {from.r + factor * along.r, from.z + factor * along.z};
+    }
+
+    static double dot(const Place &a, const Place &b)
+    {
+      return a.r * b.r + a.z * b.z;
+    }
+
+    /** Positive where b turns left from a. */
+    static double cross(const Place &a, const Place &b)
+    {
+      return a.r * b.z - a.z * b.r;
+    }
+
+    static double length(const Place &a)
+    {
+      return std::sqrt(dot(a, a));
+    }
+
+    static Place unit(const Place &a)
+    {
+      const double size = length(a);
+      return {a.r / size, a.z / size};
+    }
+
+    static std::string text_of(const Place &corner)
+    {
+      return as_text("(", corner.r, ", ", corner.z, ")");
+    }
+
+    static void check(const std::vector<Place> &corners, const double edge_radius)
+    {
+      if (corners.size() < 3)
+        throw std::invalid_argument("a profile needs three corners or more");
+      for (const Place &corner : corners)
+        if (!std::isfinite(corner.r) || !std::isfinite(corner.z))
+          throw std::invalid_argument("the corner " + text_of(corner) + " is not finite");
+      for (const Place &end : {corners.front(), corners.back()})
+        if (end.r != 0.)
+          throw std::invalid_argument("the profile must begin and end on the axis, r = 0, not at " +
+                                      text_of(end));
+      double area = 0;
+      for (std::size_t i = 0; i < corners.size(); ++i)
+      {
+        if (i > 0 && i + 1 < corners.size() && !(corners[i].r > 0.))
+          throw std::invalid_argument("r must be above 0 between the ends, not at " +
+                                      text_of(corners[i]));
+        const Place &next = corners[(i + 1) % corners.size()];
+        if (corners[i].r == next.r && corners[i].z == next.z)
+          throw std::invalid_argument("the corner " + text_of(next) + " is there twice in a row");
+        area += 0.5 * cross(corners[i], next);
+      }
+      if (!(area > 0.))
+        throw std::invalid_argument("the body must be to the left of the profile: turn the order "
+                                    "of the corners around");
+      if (!(edge_radius >= 0. && std::isfinite(edge_radius)))
+        throw std::invalid_argument("the edge radius must be zero or a positive number");
+    }
+
+    /** Whether two sides cross, other than neighbours in their common corner. */
+    static void refuse_crossing_sides(const std::vector<Place> &corners)
+    {
+      for (std::size_t i = 0; i + 1 < corners.size(); ++i)
+        for (std::size_t j = i + 2; j + 1 < corners.size(); ++j)
+        {
+          const Place a = difference(corners[i + 1], corners[i]);
+          const Place b = difference(corners[j + 1], corners[j]);
+          const Place between = difference(corners[j], corners[i]);
+          const double determinant = cross(a, b);
+          if (determinant == 0.)
+            continue;
+          const double s = cross(between, b) / determinant;
+          const double t = cross(between, a) / determinant;
+          if (s >= 0. && s <= 1. && t >= 0. && t <= 1.)
+            throw std::invalid_argument("the sides from " + text_of(corners[i]) + " and from " +
+                                        text_of(corners[j]) + " cross");
+        }
+    }
 
     std::vector<Line> lines;
     std::vector<Arc> arcs;
