@@ -3,8 +3,9 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
+
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -74,9 +75,6 @@ namespace tombolo
 
   std::string extension_of(const std::string &file)
   {
-    std::string extension = fs::path(file).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](const unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
+    return boost::to_lower_copy(fs::path(file).extension().string());
   }
 } // namespace tombolo

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/surfaces/facet_list.h>
 
-#include <cctype>
+#include <boost/algorithm/string/case_conv.hpp>
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -73,10 +74,7 @@ namespace tombolo
 
     std::string in_lower_case(const std::string_view word)
     {
-      std::string result(word);
-      std::transform(result.begin(), result.end(), result.begin(),
-                     [](const unsigned char c) { return static_cast<char>(std::tolower(c)); });
-      return result;
+      return boost::to_lower_copy(std::string(word));
     }
 
     /** Reads a word that must be this one. */

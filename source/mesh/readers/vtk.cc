@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/readers/mesh_file.h>
 
-#include <algorithm>
-#include <cctype>
+#include <boost/algorithm/string/case_conv.hpp>
+
 #include <utility>
 
 namespace tombolo
@@ -15,10 +15,7 @@ namespace tombolo
     /** Words of VTK do not differ by case. */
     std::string upper_case(const std::string_view word)
     {
-      std::string result(word);
-      std::transform(result.begin(), result.end(), result.begin(),
-                     [](const unsigned char c) { return static_cast<char>(std::toupper(c)); });
-      return result;
+      return boost::to_upper_copy(std::string(word));
     }
 
     const char *const allowed_data = "Allowed is one set of data: CELL_DATA with \"SCALARS "
