@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_settings.h>
 
+#include <tombolo/base/input/number.h>
+
 namespace tombolo
 {
   void FrictionSettings::read_friction(const Entries &e, const std::string &documentation)
@@ -20,15 +22,8 @@ namespace tombolo
     splits_by_effusivity = text == "by effusivity";
     if (e.declares() || splits_by_effusivity)
       return;
-    heat_fraction = -1.;
-    try
-    {
-      heat_fraction = Utilities::string_to_double(text);
-    }
-    catch (const ExceptionBase &)
-    {
+    if (!is_number(text, heat_fraction))
       e.section().fail("Heat fraction", "allowed is a number from 0 to 1, or \"by effusivity\".");
-    }
     e.refuse(!(heat_fraction >= 0. && heat_fraction <= 1.), "Heat fraction",
              "allowed is a number from 0 to 1.");
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/cowper_symonds.h>
@@ -29,14 +30,8 @@ namespace tombolo
       {
         rows.emplace_back();
         for (const std::string &number : Utilities::split_string_list(row, ','))
-          try
-          {
-            rows.back().push_back(Utilities::string_to_double(number));
-          }
-          catch (const std::exception &)
-          {
+          if (!is_number(number, rows.back().emplace_back()))
             section.fail(entry, "\"" + number + "\" is not a number.");
-          }
       }
       return rows;
     }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/temperature_table.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace tombolo
 {
@@ -21,9 +21,8 @@ namespace tombolo
     double to_number(const Section &section, const std::string &entry, const std::string &text,
                      const std::string &argument)
     {
-      char *end = nullptr;
-      const double number = std::strtod(text.c_str(), &end);
-      if (text.empty() || end != text.c_str() + text.size())
+      double number = 0;
+      if (!is_number(text, number))
         section.fail(entry, in_quotes(text) + " is not a number; " + allowed(argument));
       if (!std::isfinite(number))
         section.fail(entry, in_quotes(text) + " is not finite; allowed are finite numbers.");

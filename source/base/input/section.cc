@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <algorithm>
@@ -10,17 +11,6 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    /** Whether the whole text is one finite number. */
-    bool to_double(const std::string &text, double &value)
-    {
-      char *end = nullptr;
-      value = std::strtod(text.c_str(), &end);
-      return !text.empty() && end == text.c_str() + text.size() && std::isfinite(value);
-    }
-  } // namespace
-
   Section::Section(const Parameters &parameters, const std::string &path)
       : parameters(&parameters), section_path(path)
   {}
@@ -39,7 +29,7 @@ namespace tombolo
   double Section::get_double(const std::string &entry) const
   {
     double value = 0;
-    if (!to_double(get(entry), value))
+    if (!is_number(get(entry), value) || !std::isfinite(value))
       fail(entry, "allowed is a number.");
     return value;
   }
@@ -87,7 +77,7 @@ namespace tombolo
     for (const auto &item : get_list(entry))
     {
       values.emplace_back();
-      if (!to_double(item, values.back()))
+      if (!is_number(item, values.back()) || !std::isfinite(values.back()))
         fail(entry,
              in_quotes(item) + " is not a number; allowed are numbers, separated by commas.");
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/rigid_profile.h>
@@ -125,18 +126,12 @@ namespace tombolo
                    "it, from the axis around the tool and back to it, with the tool to the left."),
                ';'))
       {
-        std::vector<double> numbers;
-        try
-        {
-          numbers = Utilities::string_to_double(Utilities::split_string_list(text, ','));
-        }
-        catch (const ExceptionBase &)
-        {
-          numbers.clear();
-        }
-        if (numbers.size() != 2)
+        const std::vector<std::string> numbers = Utilities::split_string_list(text, ',');
+        RigidProfile::Place corner{};
+        if (numbers.size() != 2 || !is_number(numbers[0], corner.r) ||
+            !is_number(numbers[1], corner.z))
           e.section().fail("Corners", "\"" + text + "\" is not a pair of numbers `r, z`.");
-        corners.push_back({numbers[0], numbers[1]});
+        corners.push_back(corner);
       }
       read_edge_radius(e);
     }

@@ -2,6 +2,7 @@
 #include <tombolo/base/step_impulse.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/state/records.h>
 
@@ -80,11 +81,9 @@ namespace tombolo
   template <int dim>
   typename RigidTranslation<dim>::Mass RigidTranslation<dim>::read_mass(const Section &section)
   {
-    const std::string text = section.get("Mass");
-    char *end = nullptr;
     Mass result;
-    result.mass = std::strtod(text.c_str(), &end);
-    if (*end != '\0' || !(result.mass > 0.) || !std::isfinite(result.mass))
+    if (!is_number(section.get("Mass"), result.mass) || !(result.mass > 0.) ||
+        !std::isfinite(result.mass))
       section.fail("Mass", "allowed is a number larger than zero.");
     result.mass *= inertia_factor(section);
     if (!section.get("Displacement").empty())

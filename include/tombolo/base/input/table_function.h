@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/number.h>
+
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -176,13 +177,6 @@ namespace tombolo
       if (separator == ' ')
         fields.erase(std::remove(fields.begin(), fields.end(), ""), fields.end());
       return fields;
-    }
-
-    static bool is_number(const std::string &field, double &number)
-    {
-      char *end = nullptr;
-      number = std::strtod(field.c_str(), &end);
-      return !field.empty() && *end == '\0';
     }
 
     [[noreturn]] static void fail(const unsigned int line, const std::string &what)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/format.h>
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <deal.II/base/point.h>
@@ -13,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <string>
 #include <vector>
 
@@ -50,25 +50,6 @@ namespace tombolo
       "last one may leave its end out), with equal cells or with \"ratio\" and the size of its "
       "last cell over that of its first (\"40 to 10 | 20 to 25 ratio 3\")";
 
-  inline bool is_whole_number(const std::string &text)
-  {
-    return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  }
-
-  inline bool parse_number(const std::string &text, double &value)
-  {
-    try
-    {
-      std::size_t length = 0;
-      value = std::stod(text, &length);
-      return length == text.size() && std::isfinite(value);
-    }
-    catch (const std::exception &)
-    {
-      return false;
-    }
-  }
-
   /** Cuts @p text at @p word; returns what follows, trimmed. */
   inline std::string cut_at(std::string &text, const std::string &word)
   {
@@ -102,7 +83,7 @@ namespace tombolo
       const bool has_end = count.find("to") != std::string::npos;
       const std::string limit = cut_at(count, "to");
 
-      if (!is_whole_number(count))
+      if (count.empty() || count.find_first_not_of("0123456789") != std::string::npos)
         fail("\"" + count + "\" is not a number of cells" + along +
              ". It must be a positive whole number. " + axis.syntax + ".");
       if (count.size() > 9)
@@ -112,7 +93,7 @@ namespace tombolo
         fail("There are 0 cells" + along + ". At least one is needed.");
 
       if (has_ratio &&
-          !(parse_number(ratio, segment.ratio) && segment.ratio >= 1e-3 && segment.ratio <= 1e3))
+          !(is_number(ratio, segment.ratio) && segment.ratio >= 1e-3 && segment.ratio <= 1e3))
         fail("\"" + ratio + "\" is not a ratio of the last to the first cell" + along +
              ". It must be a number from 0.001 to 1000.");
       if (has_ratio && segment.n_cells == 1)
@@ -128,7 +109,7 @@ namespace tombolo
                axis.syntax + ".");
         segment.end = axis.end;
       }
-      else if (!parse_number(limit, segment.end))
+      else if (!is_number(limit, segment.end) || !std::isfinite(segment.end))
         fail("\"" + limit + "\" is not a coordinate" + along + ". It must be a finite number. " +
              axis.syntax + ".");
 
