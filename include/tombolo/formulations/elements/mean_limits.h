@@ -85,11 +85,8 @@ namespace tombolo
                            Lanes sum = 0.;
                            for (unsigned int q = 0; q < n_points; ++q)
                              sum += load_lanes(values + q * n_lanes);
-                           double largest = double(sum[0]);
-                           for (unsigned int lane = 1; lane < n_lanes; ++lane)
-                             largest = std::max(largest, double(sum[lane]));
                            constexpr double less_round_off = 0.999;
-                           return largest >= less_round_off * limit.value * n_points;
+                           return any_of(sum >= less_round_off * limit.value * n_points);
                          });
     }
 

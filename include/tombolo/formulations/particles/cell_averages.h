@@ -366,7 +366,7 @@ namespace tombolo
     {
       for (std::size_t k = stencils.row_start[row]; k < stencils.row_start[row + 1]; ++k)
       {
-        const Entry &entry = *find(found, row, found.places()[k]);
+        const Entry &entry = entry_at(found, row, found.places()[k]);
         *value++ = entry.value;
         gradient = std::copy_n(entry.gradient, Stencils::n_gradient, gradient);
       }
@@ -564,16 +564,15 @@ namespace tombolo
         }
       particles.set_initial_supports(supports);
     }
-    const Entry *find(const Neighbourhoods<dim> &found, const unsigned int row,
-                      const unsigned int place) const
+    /** The entry of a neighbour that assign() has put there. */
+    const Entry &entry_at(const Neighbourhoods<dim> &found, const unsigned int row,
+                          const unsigned int place) const
     {
       const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
       const ImageNode node = place < n_nodes ? ImageNode{found.global_nodes()[place], 0}
                                              : found.images()[place - n_nodes];
-      const auto entry =
-          std::lower_bound(rows[row].begin(), rows[row].end(), node,
-                           [](const Entry &a, const ImageNode &b) { return a.node < b; });
-      return entry != rows[row].end() && entry->node == node ? &*entry : nullptr;
+      return *std::lower_bound(rows[row].begin(), rows[row].end(), node,
+                               [](const Entry &a, const ImageNode &b) { return a.node < b; });
     }
 
     Section section;
