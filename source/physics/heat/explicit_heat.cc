@@ -147,8 +147,8 @@ namespace tombolo
             image.fill([&](const unsigned int i, double *const value)
                        { *value /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.; });
           },
-          n_calls == 0 ? Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()))
-                       : 6);
+          n_calls == 0 ? solver.from_noise(static_cast<double>(partition->n_global()))
+                       : solver.from_last_mode());
       ++n_calls;
       present = paper;
       present.time_step = largest > 0. ? largest_share * 2. / largest : 1e300;

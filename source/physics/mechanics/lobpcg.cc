@@ -100,13 +100,14 @@ namespace tombolo
       mode.move_to(partition);
   }
 
-  unsigned int Lobpcg::sufficient_iterations(const double n_unknowns)
+  Lobpcg::Stop Lobpcg::from_noise(const double n_unknowns) const
   {
     // For n unknowns a Krylov space of dimension k, started from noise, misses the relative gap ε
     // with a probability below 1.65 √n exp(-√ε (2k - 1)): here 1e-3 for ε = 0.05, half of which is
     // missed in the step.
-    return static_cast<unsigned int>(
-        0.5 * (1. + std::log(1.65e3 * std::sqrt(n_unknowns)) / std::sqrt(0.05)));
+    return {static_cast<unsigned int>(
+                0.5 * (1. + std::log(1.65e3 * std::sqrt(n_unknowns)) / std::sqrt(0.05))),
+            10, tolerance};
   }
 
   void Lobpcg::add_noise(const NodalVector &mass, const NodalVector &initial_position,
@@ -142,8 +143,7 @@ namespace tombolo
     return products[0] / products[1];
   }
 
-  double Lobpcg::find(const NodalVector &mass, const Operator &apply,
-                      const unsigned int min_iterations)
+  double Lobpcg::find(const NodalVector &mass, const Operator &apply, const Stop &stop)
   {
     NodalVector image, residual, residual_image, direction, direction_image;
     for (NodalVector *vector : {&image, &residual, &residual_image, &direction, &direction_image})
@@ -163,7 +163,6 @@ namespace tombolo
     apply(mode, image);
     double eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];
     std::vector<double> history{eigenvalue};
-    const unsigned int look_back = min_iterations > 10 ? 10 : 4;
     bool has_direction = false;
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
@@ -203,8 +202,8 @@ namespace tombolo
       has_direction = true;
       eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];
       history.push_back(eigenvalue);
-      if (history.size() > std::max(look_back, min_iterations) &&
-          eigenvalue - history[history.size() - 1 - look_back] < tolerance * eigenvalue)
+      if (history.size() > std::max(stop.look_back, stop.min_iterations) &&
+          eigenvalue - history[history.size() - 1 - stop.look_back] < stop.growth * eigenvalue)
         break;
     }
     mode.update_ghosts();

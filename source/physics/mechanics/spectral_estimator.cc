@@ -98,14 +98,14 @@ namespace tombolo
 
   template <int dim>
   double SpectralEstimator<dim>::largest_eigenvalue(const Model<dim> &model, const double time_step,
-                                                    const unsigned int min_iterations)
+                                                    const Lobpcg::Stop &stop)
   {
     remove_constrained(model, solver.mode);
     return solver.find(
         model.bridge->mass(),
         [&](const NodalVector &field, NodalVector &image)
         { apply(model, field, time_step, image); },
-        min_iterations);
+        stop);
   }
 
   template <int dim>
@@ -143,28 +143,35 @@ namespace tombolo
     ++n_calls;
 
     double time_step = expected > 0. ? expected : courant_limit(model).time_step;
-    unsigned int min_iterations = 6;
+    Lobpcg::Stop stop = solver.from_last_mode();
     if (is_first)
     {
       has_viscosity = viscous_part(model, time_step, quotient(model, time_step)) > 0.;
-      min_iterations =
-          Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()) * dim);
+      stop = solver.from_noise(static_cast<double>(partition->n_global()) * dim);
     }
+    // Of the iterations from noise the first ones go to find the step at which viscosity acts.
+    const bool is_split = is_first && has_viscosity;
     for (unsigned int pass = 0; pass < 12; ++pass)
     {
-      const double eigenvalue = largest_eigenvalue(model, time_step, min_iterations);
-      min_iterations = 6;
+      const double eigenvalue = largest_eigenvalue(
+          model, time_step, is_split && pass == 0 ? solver.to_one_percent() : stop);
+      if (is_split && pass == 0)
+        // Three applications gave the start.
+        stop.min_iterations -= std::min(stop.min_iterations, count - 3);
+      else
+        stop = solver.from_last_mode();
       const double last = time_step;
       if (!(eigenvalue > 0.)) // no cell is left
         return {};
       time_step = 2. / std::sqrt(eigenvalue);
       if (!has_viscosity)
         break;
-      // For a given mode, Δt² k + 2 Δt c = 4; what the mode changes with Δt is of second order.
+      // For a given mode, Δt² k + 2 Δt c = 4; what the mode changes with Δt is of second order, so
+      // that the last step need not be met closely.
       const double viscous = viscous_part(model, last, eigenvalue);
       const double elastic = eigenvalue - 2. * viscous / last;
       time_step = 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
-      if (std::abs(time_step - last) < 1e-4 * time_step)
+      if (std::abs(time_step - last) < 2e-3 * time_step && !(is_split && pass == 0))
         break;
     }
 

@@ -20,8 +20,15 @@ namespace tombolo
     /** image = A field; @p field has current ghosts, owned values of @p image are set. */
     using Operator = std::function<void(const NodalVector &field, NodalVector &image)>;
 
-    /** The iteration ends when the eigenvalue has grown by less than @p tolerance over ten
-     * iterations (four, where few are asked for at least), or after @p max_iterations. */
+    /** An iteration ends, after at least so many steps, when the eigenvalue has grown by less than
+     * this fraction over the last ones. */
+    struct Stop
+    {
+      unsigned int min_iterations, look_back;
+      double growth;
+    };
+
+    /** Iterations end by @p tolerance, or after @p max_iterations. */
     Lobpcg(double tolerance, unsigned int max_iterations, Quantity quantity = Quantity::vector);
 
     /** Makes the mode, zero, or moves it. Collective. */
@@ -37,14 +44,25 @@ namespace tombolo
     void add(const NodalVector &mass, const NodalVector &field, double share);
 
     /** Collective. */
-    double find(const NodalVector &mass, const Operator &apply, unsigned int min_iterations);
+    double find(const NodalVector &mass, const Operator &apply, const Stop &stop);
 
     /** Of the mode as it is. Collective. */
     double rayleigh_quotient(const NodalVector &mass, const Operator &apply) const;
 
-    /** As many iterations as a Krylov space from noise needs for any spectrum, however dense its
-     * upper end (Kuczyński and Woźniakowski 1992). */
-    static unsigned int sufficient_iterations(double n_unknowns);
+    /** For a mode that was noise: as many iterations as a Krylov space needs for any spectrum,
+     * however dense its upper end (Kuczyński and Woźniakowski 1992), and growth by less than the
+     * tolerance over ten. */
+    Stop from_noise(double n_unknowns) const;
+    /** For a later call: growth by less than the tolerance over four iterations. */
+    Stop from_last_mode() const
+    {
+      return {6, 4, tolerance};
+    }
+    /** Until the eigenvalue grows by less than one percent over four iterations. */
+    static Stop to_one_percent()
+    {
+      return {6, 4, 0.01};
+    }
 
     NodalVector mode;
 

@@ -90,8 +90,7 @@ namespace tombolo
     void apply(const Model<dim> &model, const NodalVector &v_hat, double time_step,
                NodalVector &result);
     /** Largest eigenvalue of A; the eigenvector goes into mode. */
-    double largest_eigenvalue(const Model<dim> &model, double time_step,
-                              unsigned int min_iterations);
+    double largest_eigenvalue(const Model<dim> &model, double time_step, const Lobpcg::Stop &stop);
     /** The Rayleigh quotient of the mode in A. */
     double quotient(const Model<dim> &model, double time_step);
     /** mode·C mode of the normalized mode, of which quotient() is @p whole. */
