@@ -129,7 +129,7 @@ namespace tombolo
       setup.source = part.source;
       setup.trace_bridge = trace;
       setup.cells_can_leave = cells_can_leave;
-      setup.equal_parts = equal_parts(part_sections, p);
+      find_equal_parts(part_sections, setup);
       setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
       if (part.particles == nullptr)

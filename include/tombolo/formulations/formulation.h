@@ -47,13 +47,27 @@ namespace tombolo
     bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
     std::optional<unsigned int> source;
-    /** Other parts of the same material and formulation with the same entries. */
-    std::vector<unsigned int> equal_parts;
+    /** Other parts of the same formulation with the same entries, of the same material and of
+     * another. */
+    std::vector<unsigned int> equal_parts, parts_of_other_material;
     /** Whether the cells of @p part are of this part or of an equal one. */
     bool is_of_equals(const unsigned int part) const
     {
       return part == index ||
              std::find(equal_parts.begin(), equal_parts.end(), part) != equal_parts.end();
+    }
+    /** Whether values of rows take the cells of @p part, for what is smoothed. */
+    bool smooths_over(const unsigned int part) const
+    {
+      return is_of_equals(part) ||
+             std::find(parts_of_other_material.begin(), parts_of_other_material.end(), part) !=
+                 parts_of_other_material.end();
+    }
+    /** Rows take the cells of the part alone. */
+    void end_at_own_cells()
+    {
+      equal_parts.clear();
+      parts_of_other_material.clear();
     }
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;

@@ -2,26 +2,26 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/formulation.h>
 
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
-  /** PartSetup::equal_parts of the part number @p part, whose section is one of @p part_sections.
-   */
-  inline std::vector<unsigned int> equal_parts(const std::vector<Section> &part_sections,
-                                               const unsigned int part)
+  /** Sets the equal parts, and those of another material, of a part whose section is one of
+   * @p part_sections. */
+  template <int dim>
+  void find_equal_parts(const std::vector<Section> &part_sections, PartSetup<dim> &setup)
   {
-    std::vector<unsigned int> result;
-    const Section &section = part_sections[part];
+    const Section &section = part_sections[setup.index];
     const std::string formulation = section.get("Formulation");
     for (unsigned int p = 0; p < part_sections.size(); ++p)
       if (const Section &other = part_sections[p];
-          p != part && other.get("Material") == section.get("Material") &&
-          other.get("Formulation") == formulation &&
+          p != setup.index && other.get("Formulation") == formulation &&
           section.subsection(formulation).is_equal_to(other.subsection(formulation)))
-        result.push_back(p);
-    return result;
+        (other.get("Material") == section.get("Material") ? setup.equal_parts
+                                                          : setup.parts_of_other_material)
+            .push_back(p);
   }
 } // namespace tombolo

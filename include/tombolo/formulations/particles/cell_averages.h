@@ -120,11 +120,13 @@ namespace tombolo
       if (!shares_dilatation)
         if (const std::string entry = control.changed_entry(); !entry.empty())
           section.fail(entry, "it is for `Dilatation = of cells` and cell averages.");
-      std::vector<unsigned int> equal_parts;
-      for (const unsigned int equal : setup.equal_parts)
-        if (is_chosen && !internal::has_cells_of_three_sizes(setup, equal))
-          equal_parts.push_back(equal);
-      setup.equal_parts = equal_parts;
+      const auto ends = [&](const unsigned int part)
+      { return !is_chosen || internal::has_cells_of_three_sizes(setup, part); };
+      for (std::vector<unsigned int> *parts : {&setup.equal_parts, &setup.parts_of_other_material})
+        parts->erase(std::remove_if(parts->begin(), parts->end(), ends), parts->end());
+      // Where nothing is smoothed, values would only stiffen the kink between materials.
+      if (section.get("Smoothing") == "none")
+        setup.parts_of_other_material.clear();
       of_part = setup;
       nodes = setup.nodes;
     }
@@ -198,7 +200,7 @@ namespace tombolo
           continue;
         const unsigned int part = of_part.part_cells->part_of(cell);
         const bool is_own = part == of_part.index;
-        if (!of_part.is_of_equals(part))
+        if (!of_part.smooths_over(part))
           continue;
         nodes->cell_nodes(cell, cell_nodes);
         const bool follows =
@@ -223,13 +225,13 @@ namespace tombolo
         if (follows)
         {
           integrals = integrals.of_nodes_that_move(*nodes, places);
-          add_cell(integrals, is_own, [&](const Node node) { return &of_rank[node]; });
+          add_cell(integrals, part, [&](const Node node) { return &of_rank[node]; });
           for (std::size_t j = 0; j < integrals.nodes.size(); ++j)
             places.emplace(integrals.nodes[j], integrals.points[j]);
         }
         else
-          add_cell(integrals, is_own, sums_of);
-        if (shares_dilatation)
+          add_cell(integrals, part, sums_of);
+        if (shares_dilatation && of_part.is_of_equals(part))
           integrals.list_nodes(follows ? of_following_cells : of_cells);
       }
       if (nodes->has_dependent_nodes())
@@ -238,12 +240,12 @@ namespace tombolo
         for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
           of_cells.push_back(node);
 
-      std::vector<double> volumes, squared_edges;
-      make_rows(sums, volumes, squared_edges);
+      std::vector<double> volumes, controlled_volumes, squared_edges;
+      make_rows(sums, volumes, controlled_volumes, squared_edges);
       if (shares_dilatation)
         dilatation.reset(cells_around(of_cells, particles), particles.size(), rounds);
       particles.set_initial_volumes(volumes);
-      control.reset(volumes, squared_edges);
+      control.reset(controlled_volumes, squared_edges);
       widen_supports(particles);
     }
 
@@ -310,9 +312,11 @@ namespace tombolo
       double value = 0;
       double gradient[3] = {};
     };
-    /** What the cells around a particle have summed up; all but volumes with images of cells. */
+    /** What the cells around a particle have summed up; all but volumes with images of cells.
+     * Cells of other materials count for values alone. */
     struct Totals
     {
+      bool has_other_materials = false;
       double volume = 0, own_volume = 0, image_volume = 0, weight = 0, squared_edge = 0;
       double moment[dim] = {};
     };
@@ -394,13 +398,15 @@ namespace tombolo
     }
     /** Turns sums into rows. */
     void make_rows(std::vector<Sums> &sums, std::vector<double> &volumes,
-                   std::vector<double> &squared_edges)
+                   std::vector<double> &controlled_volumes, std::vector<double> &squared_edges)
     {
       rows.clear();
       own_share.clear();
       for (Sums &sum : sums)
       {
         volumes.push_back(sum.own_volume);
+        // A displacement may have a kink between materials.
+        controlled_volumes.push_back(sum.has_other_materials ? 0. : sum.own_volume);
         own_share.push_back(sum.own_volume / sum.volume);
         squared_edges.push_back(sum.squared_edge / sum.volume);
         for (Entry &entry : sum.entries)
@@ -433,7 +439,7 @@ namespace tombolo
         const double volume = kappa * cell->measure() / (1u << (dim - 1));
         for (const unsigned int face : cell->face_indices())
           if (!cell->at_boundary(face) &&
-              !of_part.is_of_equals(of_part.part_cells->part_beyond(cell, face)))
+              !of_part.smooths_over(of_part.part_cells->part_beyond(cell, face)))
             for (const unsigned int place : nodes->face_places(face))
             {
               const unsigned int opposite = place ^ (1u << (face / 2));
@@ -449,9 +455,10 @@ namespace tombolo
       return shares;
     }
     /** Adds the integrals of a cell to the sums of its nodes, where @p sums_of has some. */
-    void add_cell(const CellIntegrals<dim> &integrals, const bool is_own,
+    void add_cell(const CellIntegrals<dim> &integrals, const unsigned int part,
                   const std::function<Sums *(Node)> &sums_of)
     {
+      const bool is_own = part == of_part.index, is_of_equals = of_part.is_of_equals(part);
       const auto n = static_cast<unsigned int>(integrals.nodes.size());
       const double tolerance = 1e-6 * integrals.points.front().distance(integrals.points.back());
       const Images &images = *nodes->images();
@@ -466,16 +473,18 @@ namespace tombolo
           places.emplace(integrals.nodes[i], integrals.points[i]);
           continue;
         }
-        sum->volume += integrals.volume[i];
+        const double volume = is_of_equals ? integrals.volume[i] : 0.;
+        sum->has_other_materials = sum->has_other_materials || !is_of_equals;
+        sum->volume += volume;
         sum->own_volume += is_own ? integrals.volume[i] : 0.;
-        sum->squared_edge += integrals.volume[i] * integrals.squared_edge;
+        sum->squared_edge += volume * integrals.squared_edge;
         // With the images of the cell in all combinations of the mirrors of the particle.
         for (unsigned int through = 0; through <= mirrors[i]; ++through)
         {
           if ((through & ~mirrors[i]) != 0)
             continue;
           const Images::Map map = images.map(through);
-          sum->image_volume += integrals.volume[i];
+          sum->image_volume += volume;
           sum->weight += integrals.weight[i];
           for (unsigned int d = 0; d < dim; ++d)
             sum->moment[d] += map.sign[d] * integrals.moment[i][d];
@@ -483,7 +492,7 @@ namespace tombolo
           {
             Entry &target = sum->at({integrals.nodes[j], through & ~mirrors[j]});
             target.value += integrals.value[i * n + j];
-            for (unsigned int d = 0; d < dim; ++d)
+            for (unsigned int d = 0; is_of_equals && d < dim; ++d)
               target.gradient[d] += map.sign[d] * integrals.gradient[i * n + j][d];
           }
         }
@@ -518,6 +527,7 @@ namespace tombolo
       for (const auto &[node, totals] : of_all_ranks(totals_of_rank, nodes->communicator()))
         if (Sums *const sum = sums_of(node))
         {
+          sum->has_other_materials = sum->has_other_materials || totals.has_other_materials;
           sum->volume += totals.volume;
           sum->own_volume += totals.own_volume;
           sum->squared_edge += totals.squared_edge;

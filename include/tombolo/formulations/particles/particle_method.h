@@ -59,7 +59,7 @@ namespace tombolo
       collect([&](const typename Nodes<dim>::Cell &cell)
               { return setup.part_cells->part_of(cell) == index; });
       if (self_contact)
-        setup.equal_parts.clear();
+        setup.end_at_own_cells();
       if (rows->choose_functions(setup, set))
       {
         fibres = find_surface_fibres();

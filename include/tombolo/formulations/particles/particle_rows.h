@@ -64,7 +64,7 @@ namespace tombolo
      * averages over cells. Throws InputError. */
     virtual bool choose_functions(PartSetup<dim> &setup, ParticleSet<dim> & /*particles*/)
     {
-      setup.equal_parts.clear();
+      setup.end_at_own_cells();
       return false;
     }
     /** Gives @p particles, which come from the cells of @p is_taken, other supports than those of
