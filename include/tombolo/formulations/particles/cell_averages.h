@@ -240,12 +240,12 @@ namespace tombolo
         for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
           of_cells.push_back(node);
 
-      std::vector<double> volumes, controlled_volumes, squared_edges;
-      make_rows(sums, volumes, controlled_volumes, squared_edges);
+      std::vector<double> volumes, squared_edges;
+      make_rows(sums, volumes, squared_edges);
       if (shares_dilatation)
         dilatation.reset(cells_around(of_cells, particles), particles.size(), rounds);
       particles.set_initial_volumes(volumes);
-      control.reset(controlled_volumes, squared_edges);
+      control.reset(volumes, squared_edges);
       widen_supports(particles);
     }
 
@@ -398,17 +398,16 @@ namespace tombolo
     }
     /** Turns sums into rows. */
     void make_rows(std::vector<Sums> &sums, std::vector<double> &volumes,
-                   std::vector<double> &controlled_volumes, std::vector<double> &squared_edges)
+                   std::vector<double> &squared_edges)
     {
       rows.clear();
       own_share.clear();
       for (Sums &sum : sums)
       {
         volumes.push_back(sum.own_volume);
-        // A displacement may have a kink between materials.
-        controlled_volumes.push_back(sum.has_other_materials ? 0. : sum.own_volume);
         own_share.push_back(sum.own_volume / sum.volume);
-        squared_edges.push_back(sum.squared_edge / sum.volume);
+        // Displacements have a kink between materials, which nothing must resist.
+        squared_edges.push_back(sum.has_other_materials ? 1e100 : sum.squared_edge / sum.volume);
         for (Entry &entry : sum.entries)
         {
           entry.value /= sum.weight;
