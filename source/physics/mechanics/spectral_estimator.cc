@@ -171,7 +171,7 @@ namespace tombolo
       const double viscous = viscous_part(model, last, eigenvalue);
       const double elastic = eigenvalue - 2. * viscous / last;
       time_step = 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
-      if (std::abs(time_step - last) < 2e-3 * time_step && !(is_split && pass == 0))
+      if (std::abs(time_step - last) < 0.01 * time_step && !(is_split && pass == 0))
         break;
     }
 
