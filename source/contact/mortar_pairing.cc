@@ -163,7 +163,10 @@ namespace tombolo
         const Lanes change_eta = (by_xi[0] * rest[1] - by_xi[1] * rest[0]) * inverse;
         xi += change_xi;
         eta += change_eta;
-        if (all_of(abs(change_xi) + abs(change_eta) < 1e-14))
+        // The product of the changes times the twist is all that is left: what follows from it.
+        const Lanes next = abs(twist[0] * by_eta[1] - twist[1] * by_eta[0]) +
+                           abs(by_xi[0] * twist[1] - by_xi[1] * twist[0]);
+        if (all_of(abs(change_xi * change_eta * inverse) * next < 1e-14))
           break;
       }
       shape[0] = (1. - xi) * (1. - eta);
@@ -309,11 +312,17 @@ namespace tombolo
       {
         if (master.area * normal > largest_cosine * master.area.norm())
           continue;
-        FacePair<dim> pair(slave, master);
-        pair.set_normal(normal);
-        if (integrate(heights, master.corners,
-                      this->reach() * std::min(slave.thickness, master.thickness), overlap, pair))
-          pairs.push_back(pair);
+        const double distance = this->reach() * std::min(slave.thickness, master.thickness);
+        double of_master[n_corners];
+        if (!heights.find(master.corners, distance, of_master))
+          continue;
+        overlap.find(master.corners);
+        if (overlap.n_points() == 0)
+          continue;
+        pairs.emplace_back(slave, master);
+        pairs.back().set_normal(normal);
+        if (!integrate(heights, of_master, distance, overlap, pairs.back()))
+          pairs.pop_back();
       }
     }
 
@@ -335,23 +344,26 @@ namespace tombolo
           warp = std::max(warp, std::abs(height - middle));
       }
 
+      /** Those of the corners of a master. Returns whether it can be within the @p distance. */
+      bool find(const FaceCorners<dim> &master, const double distance,
+                double (&of_master)[n_corners]) const
+      {
+        for (unsigned int k = 0; k < n_corners; ++k)
+          of_master[k] = (master[k] - place) * normal;
+        const auto [nearest, farthest] = std::minmax_element(of_master, of_master + n_corners);
+        return !(*nearest - middle > distance + warp || *farthest - middle < -distance - warp);
+      }
+
       Tensor<1, dim> place, normal;
       double of_slave[n_corners];
       double middle = 0, warp = 0;
     };
 
     /** Returns whether there is a common part within the @p distance. */
-    bool integrate(const Heights &heights, const FaceCorners<dim> &master, const double distance,
-                   FaceOverlap<dim> &overlap, FacePair<dim> &pair) const
+    static bool integrate(const Heights &heights, const double (&of_master)[n_corners],
+                          const double distance, const FaceOverlap<dim> &overlap,
+                          FacePair<dim> &pair)
     {
-      double of_master[n_corners];
-      for (unsigned int k = 0; k < n_corners; ++k)
-        of_master[k] = (master[k] - heights.place) * heights.normal;
-      const auto [nearest, farthest] = std::minmax_element(of_master, of_master + n_corners);
-      if (*nearest - heights.middle > distance + heights.warp ||
-          *farthest - heights.middle < -distance - heights.warp)
-        return false;
-      overlap.find(master);
       bool is_empty = true;
       Lanes to_slave[n_corners][n_corners], to_master[n_corners][n_corners];
       for (unsigned int i = 0; i < n_corners; ++i)

@@ -57,8 +57,11 @@ namespace tombolo
   bool have_common_points(const dealii::BoundingBox<dim> &one,
                           const dealii::BoundingBox<dim> &other)
   {
+    // A bound by itself is a call of the library.
+    const auto &[low, high] = one.get_boundary_points();
+    const auto &[other_low, other_high] = other.get_boundary_points();
     for (unsigned int d = 0; d < dim; ++d)
-      if (one.lower_bound(d) > other.upper_bound(d) || other.lower_bound(d) > one.upper_bound(d))
+      if (low[d] > other_high[d] || other_low[d] > high[d])
         return false;
     return true;
   }
