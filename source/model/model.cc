@@ -253,11 +253,8 @@ namespace tombolo
   {
     if (!has_mechanics || !heat)
       return;
-    const auto has_changed = [&]()
-    {
-      const bool for_motion = bridge->take_change_of_rows();
-      return heat->bridge.take_change_of_rows() || for_motion;
-    };
+    const auto has_changed = [&] // asks both
+    { return std::max(bridge->take_change_of_rows(), heat->bridge.take_change_of_rows()); };
     while (has_changed())
     {
       bridge->update_nodal_mass();
@@ -348,9 +345,11 @@ namespace tombolo
     if (found == NeighbourhoodChange::values)
     {
       // In the order of renew_masses(), which a resumed run does instead: each can change rows.
-      if (heat)
+      // Without smoothing masses do not depend on rows.
+      if (heat && heat->bridge.operators() != Bridge::Operators::identity)
         heat->update_shape_functions();
-      bridge->update_nodal_mass();
+      if (bridge->operators() != Bridge::Operators::identity)
+        bridge->update_nodal_mass();
       settle_rows();
       return change;
     }
