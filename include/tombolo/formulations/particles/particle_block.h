@@ -56,8 +56,8 @@ namespace tombolo
     using BlockVectors = double[block_size][node_stride];
 
     /** ∂v/∂X and, where asked for, F = ∂x/∂X of the particles of a block, and what φ makes of the
-     * positions less those of the particles. */
-    template <bool with_deformation, bool with_residual>
+     * positions less those of the particles. In the plane ∇φ has two components. */
+    template <int dim, bool with_deformation, bool with_residual>
     void gather_gradients(const Stencils &shape, const unsigned int first, const unsigned int last,
                           const double *position, const double *velocity,
                           BlockMatrices &velocity_gradient, BlockMatrices &deformation,
@@ -77,7 +77,7 @@ namespace tombolo
           const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
           const NodeLanes v = load_node(node(velocity, neighbour));
           TOMBOLO_UNROLL
-          for (unsigned int d = 0; d < 3; ++d)
+          for (unsigned int d = 0; d < dim; ++d)
             sum[d] += v * gradient[d];
           if constexpr (with_deformation || with_residual)
           {
@@ -85,7 +85,7 @@ namespace tombolo
             if constexpr (with_deformation)
             {
               TOMBOLO_UNROLL
-              for (unsigned int d = 0; d < 3; ++d)
+              for (unsigned int d = 0; d < dim; ++d)
                 f[d] += offset * gradient[d];
             }
             if constexpr (with_residual)
@@ -101,7 +101,7 @@ namespace tombolo
             add(k + 1, of_odd);
           }
           TOMBOLO_UNROLL
-          for (unsigned int d = 0; d < 3; ++d)
+          for (unsigned int d = 0; d < dim; ++d)
             h[d] += of_odd[d];
         }
         for (; k < of_row.size; ++k)
@@ -184,7 +184,7 @@ namespace tombolo
       BlockVectors none;
       const auto gather = [&](const auto with_deformation, const auto with_residual)
       {
-        gather_gradients<with_deformation(), with_residual()>(
+        gather_gradients<dim, with_deformation(), with_residual()>(
             shape, first, last, position, velocity, velocity_gradient, deformation,
             with_residual() ? *residual : none);
       };
