@@ -4,6 +4,7 @@
 #include <tombolo/approximation/kernel.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/base/simd/reciprocal_root.h>
 #include <tombolo/base/simd/selected_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 
@@ -205,6 +206,9 @@ namespace tombolo
      * in the first-level cache. */
     static constexpr std::size_t block_entries = 512;
 
+    /** Of distances: far from subnormal numbers, with which the machine is slow [L^2]. */
+    static constexpr double smallest_square = 1e-200;
+
     /** The inverse of a matrix with the determinant @p det; the library's is a call for each row.
      */
     static dealii::SymmetricTensor<2, 2> inverse_of(const dealii::SymmetricTensor<2, 2> &matrix,
@@ -292,8 +296,8 @@ namespace tombolo
         n_buffered =
             std::max(n_buffered, candidates.row_start[row + 1] - candidates.row_start[row]);
       n_buffered += block_entries + 2 * n_lanes;
-      for (auto *const buffer :
-           {&offset[0], &offset[1], &offset[2], &squared, &factor, &distance, &value, &slope})
+      for (auto *const buffer : {&offset[0], &offset[1], &offset[2], &squared, &factor, &distance,
+                                 &inverse_distance, &value, &slope})
         if (buffer->size() < n_buffered)
           buffer->resize_fast(n_buffered);
     }
@@ -374,7 +378,13 @@ namespace tombolo
     void evaluate_kernel(const std::size_t n_entries)
     {
       for (std::size_t k = 0; k < n_entries; k += n_lanes)
-        store_lanes(square_root(load_lanes(&squared[k])), &distance[k]);
+      {
+        const Lanes square = load_lanes(&squared[k]);
+        // Of the particle itself finite, so that its distance is zero.
+        const Lanes inverse = reciprocal_root(max(square, Lanes(smallest_square)));
+        store_lanes(inverse, &inverse_distance[k]);
+        store_lanes(square * inverse, &distance[k]);
+      }
       radial_kernel.evaluate(n_entries, distance.data(), value.data(), slope.data());
     }
     /** The factors c of ∇φ_J = c d of a row. Returns F = Σ c d dᵀ and counts the neighbours within
@@ -390,12 +400,14 @@ namespace tombolo
       const std::size_t begin = entries.begin, n = entries.padded();
       double *const of_entry = &factor[begin];
       const double *const r_of = &distance[begin], *const slope_of = &slope[begin];
+      const double *const inverse_of_r = &inverse_distance[begin];
       const double *const d_of[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
       unsigned int count = 0;
       for (std::size_t k = 0; k < n; k += n_lanes)
       {
         const Lanes r = load_lanes(r_of + k);
-        Lanes c = -load_lanes(slope_of + k) * load_lanes(of_entry + k) / r;
+        Lanes c =
+            -load_lanes(slope_of + k) * load_lanes(of_entry + k) * load_lanes(inverse_of_r + k);
         where(!(r > 0.) || !(r < end), c) = 0.;
         store_lanes(c, of_entry + k);
         count += static_cast<unsigned int>(popcount(c > 0.));
@@ -508,7 +520,8 @@ namespace tombolo
     Uncorrected treatment;
     std::vector<Defect> defects;
     dealii::AlignedVector<double> records; // of each node: position and V⁰
-    dealii::AlignedVector<double> offset[3], squared, factor, distance, value, slope;
+    dealii::AlignedVector<double> offset[3], squared, factor, distance, inverse_distance, value,
+        slope;
     std::vector<Entries> of_block;
     std::vector<std::size_t> own_candidate; // by row, where it was last
     std::vector<std::size_t> own_entry;     // by row of shape

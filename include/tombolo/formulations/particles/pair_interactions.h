@@ -5,6 +5,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/interpolation.h>
 #include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/base/simd/reciprocal_root.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/materials/temperature_table.h>
@@ -105,8 +106,8 @@ namespace tombolo
       }
       const LaneMask is_pair = squared > 0.;
       where(!is_pair, squared) = 1.;
-      distance = square_root(squared);
-      const Lanes inverse = 1. / distance; // divides while the table is read
+      const Lanes inverse = reciprocal_root(squared);
+      distance = squared * inverse;
       Lanes slope = (*rows.slope)(distance)*inverse;
       where(!is_pair, slope) = 0.;
       const double *const own_volumes = rows.volumes + std::size_t(particle) * node_stride;
@@ -134,7 +135,7 @@ namespace tombolo
     unsigned int last[n_lanes];
     Lanes offset[dim]; ///< x_j - x_i
     Lanes squared;     ///< its square; 1 for a particle with itself
-    Lanes distance;    ///< its root
+    Lanes distance;    ///< |x_j - x_i|
     /** V_i V⁰_j |dW/dr|/r: V⁰_i times the size of ∇φ_j of row i over the distance. Zero for a
      * particle with itself. */
     Lanes of_row;

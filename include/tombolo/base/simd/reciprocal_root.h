@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/simd/vectorization.h>
+
+namespace tombolo
+{
+  /** 1/√value of positive normal numbers, to round-off. Where the machine estimates it, two steps
+   * of Newton's method are a small part of a root and a division. */
+  TOMBOLO_ALWAYS_INLINE Lanes reciprocal_root(const Lanes &value)
+  {
+#if defined(__AVX512F__)
+    __m512d of_value;
+    static_assert(sizeof(of_value) == sizeof(value), "Lanes are packed doubles.");
+    std::memcpy(&of_value, static_cast<const void *>(&value), sizeof of_value);
+    of_value = _mm512_maskz_rsqrt14_pd(0xFF, of_value);
+    Lanes result;
+    std::memcpy(static_cast<void *>(&result), &of_value, sizeof result);
+    const Lanes half = 0.5 * value;
+    for (unsigned int step = 0; step < 2; ++step)
+      result += result * (0.5 - half * (result * result));
+    return result;
+#else
+    return 1. / square_root(value);
+#endif
+  }
+} // namespace tombolo
