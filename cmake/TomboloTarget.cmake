@@ -41,9 +41,13 @@ function(tombolo_setup_target target)
   endif()
 endfunction()
 
-# Of code that is compiled more often than its loops matter: see TOMBOLO_COLD_ROOMS and the tests.
-set(TOMBOLO_COLD_OPTIONS -O1)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  # It is part of -O2, and g++ ignores a precompiled header that was made with it otherwise.
-  list(APPEND TOMBOLO_COLD_OPTIONS -mvzeroupper)
-endif()
+# Of code that is compiled more often than its loops matter.
+set(TOMBOLO_COLD_OPTIONS
+  "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-O1;-fno-unroll-loops;-fno-unroll-all-loops>")
+# tombolo_compile_cold(TARGET): these options, and the precompiled header that was made with them. Most
+# functions get the options of the header: -O1 with a header that was made with -O3 has no effect on them.
+function(tombolo_compile_cold target)
+  target_compile_options(${target} PRIVATE ${TOMBOLO_COLD_OPTIONS})
+  set_target_properties(${target} PROPERTIES DEFINE_SYMBOL "")
+  target_precompile_headers(${target} REUSE_FROM tombolo)
+endfunction()

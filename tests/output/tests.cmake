@@ -2,6 +2,7 @@
 find_program(TOMBOLO_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 add_executable(write_solution ${CMAKE_CURRENT_SOURCE_DIR}/output/write_solution.cc)
 tombolo_setup_target(write_solution)
+tombolo_compile_cold(write_solution)
 target_link_libraries(write_solution tombolo)
 
 # Dimension, degree, first x of the particles, all of the section or one cell, ranks. With one cell

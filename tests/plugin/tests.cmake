@@ -2,6 +2,7 @@
 # loaded through `Plugin libraries`.
 add_library(plain_hexahedron MODULE ${CMAKE_CURRENT_LIST_DIR}/plain_hexahedron.cc)
 tombolo_setup_target(plain_hexahedron)
+tombolo_compile_cold(plain_hexahedron)
 target_link_libraries(plain_hexahedron tombolo)
 set_target_properties(plain_hexahedron PROPERTIES
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/plugin)

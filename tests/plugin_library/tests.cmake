@@ -3,6 +3,7 @@ foreach(plugin twin_material second_elastic_material incomplete_material throwin
     exiting_material)
   add_library(${plugin} MODULE ${CMAKE_CURRENT_LIST_DIR}/${plugin}.cc)
   tombolo_setup_target(${plugin})
+  tombolo_compile_cold(${plugin})
   target_link_libraries(${plugin} tombolo)
   set_target_properties(${plugin} PROPERTIES
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/plugin_library)
