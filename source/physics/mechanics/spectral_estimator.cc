@@ -143,35 +143,38 @@ namespace tombolo
     ++n_calls;
 
     double time_step = expected > 0. ? expected : courant_limit(model).time_step;
+    const auto step_with_viscosity = [&](const double last, const double eigenvalue)
+    {
+      // For a given mode, Δt² k + 2 Δt c = 4.
+      const double viscous = viscous_part(model, last, eigenvalue);
+      const double elastic = eigenvalue - 2. * viscous / last;
+      return 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
+    };
     Lobpcg::Stop stop = solver.from_last_mode();
     if (is_first)
     {
       has_viscosity = viscous_part(model, time_step, quotient(model, time_step)) > 0.;
       stop = solver.from_noise(static_cast<double>(partition->n_global()) * dim);
-    }
-    // Of the iterations from noise the first ones go to find the step at which viscosity acts.
-    const bool is_split = is_first && has_viscosity;
-    for (unsigned int pass = 0; pass < 12; ++pass)
-    {
-      const double eigenvalue = largest_eigenvalue(
-          model, time_step, is_split && pass == 0 ? solver.to_one_percent() : stop);
-      if (is_split && pass == 0)
+      if (has_viscosity)
+      {
+        // Of the iterations from noise the first ones go to find the step at which viscosity acts.
+        const double eigenvalue = largest_eigenvalue(model, time_step, Lobpcg::to_one_percent());
         // Three applications gave the start.
         stop.min_iterations -= std::min(stop.min_iterations, count - 3);
-      else
-        stop = solver.from_last_mode();
+        time_step = step_with_viscosity(time_step, eigenvalue);
+      }
+    }
+    for (unsigned int pass = 0; pass < 12; ++pass)
+    {
+      const double eigenvalue = largest_eigenvalue(model, time_step, stop);
+      stop = solver.from_last_mode();
       const double last = time_step;
       if (!(eigenvalue > 0.)) // no cell is left
         return {};
-      time_step = 2. / std::sqrt(eigenvalue);
-      if (!has_viscosity)
-        break;
-      // For a given mode, Δt² k + 2 Δt c = 4; what the mode changes with Δt is of second order, so
-      // that the last step need not be met closely.
-      const double viscous = viscous_part(model, last, eigenvalue);
-      const double elastic = eigenvalue - 2. * viscous / last;
-      time_step = 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
-      if (std::abs(time_step - last) < 0.01 * time_step && !(is_split && pass == 0))
+      time_step =
+          has_viscosity ? step_with_viscosity(last, eigenvalue) : 2. / std::sqrt(eigenvalue);
+      // What the mode changes with Δt is of second order: the last step need not be met closely.
+      if (!has_viscosity || std::abs(time_step - last) < 0.01 * time_step)
         break;
     }
 
