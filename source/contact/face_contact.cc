@@ -219,7 +219,7 @@ namespace tombolo
     }
 
   private:
-    /** A quadrature point behind the surface. */
+    /** A quadrature point that is behind the surface, or was before the step. */
     struct Point
     {
       unsigned int face, q;
@@ -227,6 +227,7 @@ namespace tombolo
       double depth;   ///< <-g> [L]
       double rubbing; ///< weight of motion and friction: the area, in static steps times the depth
       Tensor<1, dim> normal, motion;
+      double approach = 0, past_approach = 0; ///< of a point that is, was behind the surface [L]
     };
 
     /** Slots of the sums at nodes. */
@@ -237,8 +238,11 @@ namespace tombolo
       pressed, ///< ∫ N_I dA over the points behind the surface, by the weights of rubbing
       squares  ///< ∫ N_I <-g>² dA
     };
+    /** The slot of normals and motions with the integrals of approaches of points that are and that
+     * were behind the surface. */
+    static constexpr unsigned int approach = node_stride - 1;
 
-    /** Finds the points behind the surface at t_n, and A_I. */
+    /** Finds the points behind the surface at t_n or before, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock)
     {
       const double begin = clock.time - clock.previous_step;
@@ -286,23 +290,32 @@ namespace tombolo
         }
       }
       find_gaps();
-      std::size_t n_behind = 0;
+      std::size_t n_kept = 0;
       for (std::size_t p = 0; p < points.size(); ++p)
       {
-        if (!(gaps[p] < this->touch_distance))
-          continue;
         Point point = points[p];
         point.depth = std::max(0., -gaps[p]);
         if (is_static())
           point.rubbing *= point.depth + this->touch_distance;
-        point.normal = this->surface->normal(places[p], clock.time);
-        point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
+        Tensor<1, dim> last_place;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          point.motion -= shapes.value(point.q, k) *
-                          vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
-        points[n_behind++] = point;
+          last_place += shapes.value(point.q, k) *
+                        vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
+        point.motion = places[p] - this->surface->motion(places[p], begin, clock.time) - last_place;
+        const bool is_behind = gaps[p] < this->touch_distance;
+        if (!is_behind && (is_static() || !(gaps[p] < point.motion.norm())))
+          continue;
+        point.normal = this->surface->normal(places[p], clock.time);
+        const double approach = -(point.motion * point.normal);
+        if (is_behind)
+          point.approach = approach;
+        else
+          point.rubbing = 0.;
+        if (gaps[p] + approach < 0.)
+          point.past_approach = -(point.motion * this->surface->normal(last_place, begin));
+        points[n_kept++] = point;
       }
-      points.resize(n_behind);
+      points.resize(n_kept);
     }
 
     /** Sums over points at nodes. Collective. */
@@ -322,6 +335,8 @@ namespace tombolo
             normals.node(node)[d] += rubbing * point.normal[d];
             motions.node(node)[d] += rubbing * point.motion[d];
           }
+          normals.node(node)[approach] += weight * point.approach;
+          motions.node(node)[approach] += weight * point.past_approach;
         }
       for (NodalVector *const vector : {&sums, &normals, &motions})
         vector->add_to_owners();
@@ -359,17 +374,21 @@ namespace tombolo
       std::fill_n(tangentials.node(node), node_stride, 0.);
       if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
       {
+        ContactMotion<dim> move(0., Tensor<1, dim>(), Tensor<1, dim>());
+        if (mass > 0. && of_node[area] > 0.)
+          move.past_approach = motions.node(node)[approach] / of_node[area];
         if (spring.is_closed())
-          this->release(k, mass == 0. ? 0. : -spring.depth, mass == 0., nodal_heat);
+          this->release(k, move, nodal_heat);
         return;
       }
       normal /= normal.norm();
       // In explicit steps over the whole area, as the depth: forces act on the pressed share of it.
       const double whole = is_static() ? of_node[pressed] : of_node[area];
-      const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / whole;
-      this->press(k,
-                  {of_node[depth] / of_node[area], motion, normal, mass, of_node[pressed] / whole},
-                  clock, nodal_heat);
+      ContactMotion<dim> move(of_node[depth] / of_node[area],
+                              vector_of<dim>(motions.node(node)) / whole, normal);
+      move.approach = normals.node(node)[approach] / of_node[area];
+      move.past_approach = motions.node(node)[approach] / of_node[area];
+      this->press(k, move, mass, of_node[pressed] / whole, clock, nodal_heat);
       *pressures.node(node) =
           (is_static() ? spring.stiffness : spring.normal_force()) / of_node[area];
       for (unsigned int d = 0; d < dim; ++d)
@@ -384,7 +403,7 @@ namespace tombolo
       const auto add = [&](const Point &point)
       {
         const auto &nodes = faces.faces()[point.face].nodes;
-        const double pressing = point.weight * (is_static() ? point.depth : 1.);
+        const double pressing = is_static() ? point.weight * point.depth : point.rubbing;
         Tensor<1, dim> force;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
           force += shapes.value(point.q, k) *

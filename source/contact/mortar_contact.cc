@@ -250,7 +250,6 @@ namespace tombolo
     if (settings.has_heat)
       heat_flow.update_ghosts();
     segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, loads, heat);
-    faces_are_new = false;
   }
 
   template <int dim>
@@ -265,7 +264,7 @@ namespace tombolo
     if (!segments.find_normal(node, normal))
     {
       if (history.spring.is_closed())
-        release(history, node, 0., true, heat);
+        release(history, node, Tensor<1, dim>(), heat);
       history.area = history.offset = 0.;
       return;
     }
@@ -292,16 +291,13 @@ namespace tombolo
     if (!(-distance - history.offset > -touch_distance) && !history.is_bonded)
     {
       if (spring.is_closed())
-        release(history, node, -(motion * normal), faces_are_new, heat);
+        release(history, node, motion, heat);
       history.area = area;
       return;
     }
     // What comes into contact, or leaves it, at a depth that others have.
     if (spring.is_closed())
       totals.damping -= (area - history.area) * spring.elastic_energy();
-    if (spring.is_closed() && faces_are_new) // no motion has led to the new depth
-      totals.damping -= 0.5 * area * spring.stiffness * (spring.depth + pressed_depth(history)) *
-                        (pressed_depth(history) - spring.depth + motion * normal);
     history.area = area;
     press(history, node, motion, step);
     conduct(history, node, step.time_step);
@@ -312,21 +308,22 @@ namespace tombolo
                                  const Tensor<1, dim> &motion, const Step &step)
   {
     ContactSpring<dim> &spring = history.spring;
+    const ContactMotion<dim> move(pressed_depth(history), motion, history.normal);
     double dissipated = 0, friction = 0;
     (history.is_bonded ? settings.bond : settings.law)
-        .press(pressed_depth(history), motion, history.normal, step.mass, step.stable_step,
-               step.time_step, spring, dissipated);
-    totals.damping += history.area * dissipated;
+        .press(move, step.mass, step.stable_step, step.time_step, spring, dissipated);
+    if (!is_static)
+      totals.damping += history.area * dissipated;
     const double temperature = settings.needs_temperature() && settings.has_heat
                                    ? mean(node, MortarSegments<dim>::mean_temperature)
                                    : 0.;
     if (history.is_bonded)
-      spring.elastic_slip += motion - (motion * history.normal) * history.normal;
+      spring.elastic_slip += move.along;
     else if (settings.friction.largest() > 0.)
     {
       const double limit = settings.largest_traction(spring.normal_force(), temperature);
       spring.limit_follows_pressure = limit < settings.shear_limit;
-      friction = ContactLaw::slide(motion, history.normal, limit, spring);
+      friction = ContactLaw::slide(move, limit, spring);
     }
     if (settings.bonding_temperature && temperature >= *settings.bonding_temperature)
       history.is_bonded = true;

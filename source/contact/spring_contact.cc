@@ -33,13 +33,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpringContact<dim>::press(const std::size_t candidate, const Press &press,
-                                 const Clock &clock, const NodalHeat &nodal_heat)
+  void SpringContact<dim>::press(const std::size_t candidate, const ContactMotion<dim> &move,
+                                 const double mass, const double share, const Clock &clock,
+                                 const NodalHeat &nodal_heat)
   {
     ContactSpring<dim> &spring = springs[candidate];
-    this->settings.law.press(press.depth, press.motion, press.normal, press.mass, clock.stable_step,
-                             clock.previous_step, spring, this->totals.damping);
-    const double area = this->area(candidate, press.normal);
+    double lost = 0;
+    this->settings.law.press(move, mass, clock.stable_step, clock.previous_step, spring, lost);
+    this->add_loss(lost);
+    const double area = this->area(candidate, move.normal);
     if (this->settings.friction.largest() > 0.)
     {
       const double shear_limit = this->shear_limit(candidate, area);
@@ -48,14 +50,13 @@ namespace tombolo
       const auto heat_of = [&](const double coefficient)
       {
         ContactSpring<dim> trial = spring;
-        return ContactLaw::slide(press.motion, press.normal, limit_of(coefficient), trial);
+        return ContactLaw::slide(move, limit_of(coefficient), trial);
       };
       const double limit = limit_of(this->implicit_friction(candidate, nodal_heat, heat_of));
       spring.limit_follows_pressure = limit < shear_limit;
-      this->add_friction_heat(
-          candidate, ContactLaw::slide(press.motion, press.normal, limit, spring), nodal_heat);
+      this->add_friction_heat(candidate, ContactLaw::slide(move, limit, spring), nodal_heat);
     }
-    this->add_contact(candidate, press.share * spring.normal_force(), area, clock);
+    this->add_contact(candidate, share * spring.normal_force(), area, clock);
   }
 
   template <int dim>
@@ -208,21 +209,21 @@ namespace tombolo
         const Tensor<1, dim> &of_surface = below.motion, &normal = below.normal;
         const Tensor<1, dim> motion = x - history.position - of_surface;
         const bool touches = is_behind && !has_eroded;
+        ContactMotion<dim> move(std::max(0., -this->gap[k]), motion, normal);
+        // Along the normal that the surface had below the node.
+        if (springs[k].normal_force() > 0.)
+          move.past_approach = -(history.force + springs[k].stiffness * springs[k].elastic_slip) *
+                               motion / springs[k].normal_force();
         Tensor<1, dim> force;
         if (touches)
         {
           const double mass = *state.mass.node(candidates[k]) / below.mass_ratio;
           // What only touches is not deep: no spring pulls.
-          this->press(k, {std::max(0., -this->gap[k]), motion, normal, mass}, clock, nodal_heat);
+          this->press(k, move, mass, 1., clock, nodal_heat);
           force = springs[k].force(normal);
         }
         else
-        {
-          // A node that leaves a part across an edge is as deep as it was.
-          const double approach = -(motion * normal);
-          const bool is_cut = has_eroded || (this->part && springs[k].depth + approach > 0.);
-          this->release(k, approach, is_cut, nodal_heat);
-        }
+          this->release(k, move, nodal_heat);
         this->set_force(k, x, force, of_surface, touches, loads, loaded_nodes);
         if (touches && this->part)
           this->part->add_reaction(this->part->place(k), force);

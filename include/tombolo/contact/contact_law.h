@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tombolo
 {
@@ -45,6 +46,23 @@ namespace tombolo
     }
   };
 
+  /** How a contact has moved over a step, relative to what it touches. */
+  template <int dim>
+  struct ContactMotion
+  {
+    ContactMotion(const double depth, const dealii::Tensor<1, dim> &motion,
+                  const dealii::Tensor<1, dim> &normal)
+        : depth(depth), motion(motion), normal(normal), approach(-(motion * normal)),
+          past_approach(approach), along(motion + approach * normal)
+    {}
+
+    double depth;                          ///< δ at the end [L]
+    dealii::Tensor<1, dim> motion, normal; ///< [L], out of what is touched [1]
+    double approach;                       ///< of the points that are in contact at the end [L]
+    double past_approach;                  ///< of those in contact at the start [L]
+    dealii::Tensor<1, dim> along;          ///< along the surface [L]
+  };
+
   /**
    * The penalty law of contact with friction (doc/method.md, section 11; after Fraser et al.,
    * Hybrid thermo-mechanical contact algorithm for 3D SPH-FEM multi-physics simulations, eqs 7-13):
@@ -59,8 +77,9 @@ namespace tombolo
    * throw back what has arrived.
    *
    * Dissipated energies are computed from the motion over a step with the mean of the forces at
-   * both of its ends, so that stored and dissipated energies sum to the work of the forces where
-   * the motion is integrated consistently.
+   * both of its ends, so that stored and dissipated energies sum to the work of the forces. Without
+   * dampers the normal force takes and gives back on average: what begins within a step takes, and
+   * what ends gives.
    */
   class ContactLaw
   {
@@ -96,61 +115,54 @@ namespace tombolo
                       damps_return ? std::min(0., -spring.stiffness * spring.depth) : 0.);
     }
 
-    /** Moves @p spring to the penetration @p depth after the relative @p motion over @p time_step,
-     * which is zero at the start of a run. Adds to @p dissipated what damping and a decrease of the
-     * stiffness take. Leaves the elastic slip to slide(). */
+    /** Moves @p spring after the motion @p move over @p time_step, which is zero at the start of a
+     * run. Adds to @p dissipated what the normal force and a decrease of the stiffness take. Leaves
+     * the elastic slip to slide(). */
     template <int dim>
-    void press(const double depth, const dealii::Tensor<1, dim> &motion,
-               const dealii::Tensor<1, dim> &normal, const double mass, const double stable_step,
+    void press(const ContactMotion<dim> &move, const double mass, const double stable_step,
                const double time_step, ContactSpring<dim> &spring, double &dissipated) const
     {
       const ContactSpring<dim> before = spring;
       const double allowed = stiffness(mass, stable_step);
       spring.stiffness = before.is_closed() ? std::min(before.stiffness, allowed) : allowed;
-      spring.depth = depth;
-      const double approach = -(motion * normal);
-      spring.damping_force = time_step > 0. ? damping_force(spring, mass, approach, time_step) : 0.;
-      dissipated += 0.5 * (before.damping_force + spring.damping_force) * approach;
-      if (before.is_closed() && before.stiffness > spring.stiffness)
-      {
-        const dealii::Tensor<1, dim> along = motion - (motion * normal) * normal;
-        dissipated += 0.5 * (before.stiffness - spring.stiffness) *
-                      (before.depth * depth + before.elastic_slip * (before.elastic_slip + along));
-      }
+      spring.depth = move.depth;
+      spring.damping_force =
+          time_step > 0. ? damping_force(spring, mass, move.approach, time_step) : 0.;
+      if (time_step > 0.)
+        dissipated += lost_by_normal_force(before, spring, move) +
+                      0.5 * (before.stiffness - spring.stiffness) * before.elastic_slip *
+                          (before.elastic_slip + move.along);
     }
 
     /** After press(): the elastic slip, whose force is at most @p limit, which by Coulomb's law is
      * the coefficient times the normal force. Returns the heat of friction. */
     template <int dim>
-    static double slide(const dealii::Tensor<1, dim> &motion, const dealii::Tensor<1, dim> &normal,
-                        const double limit, ContactSpring<dim> &spring)
+    static double slide(const ContactMotion<dim> &move, const double limit,
+                        ContactSpring<dim> &spring)
     {
       const dealii::Tensor<1, dim> before = spring.elastic_slip;
       const double stiffness = spring.stiffness;
-      spring.elastic_slip = before + motion;
-      spring.elastic_slip -= (spring.elastic_slip * normal) * normal;
+      spring.elastic_slip = before + move.motion;
+      spring.elastic_slip -= (spring.elastic_slip * move.normal) * move.normal;
       spring.trial_slip = spring.elastic_slip.norm();
       const double trial_tangential_force = stiffness * spring.trial_slip;
       if (trial_tangential_force > limit)
         spring.elastic_slip *= limit / trial_tangential_force;
-      const dealii::Tensor<1, dim> along = motion - (motion * normal) * normal;
-      return 0.5 * stiffness * (before + spring.elastic_slip) * along -
-             0.5 * stiffness * (spring.elastic_slip.norm_square() - before.norm_square());
+      return 0.5 * stiffness *
+             ((before + spring.elastic_slip) * move.along -
+              (spring.elastic_slip.norm_square() - before.norm_square()));
     }
 
-    /** Ends a contact after the approach over the last step. Adds to @p dissipated what damping has
-     * taken, and with @p is_cut in the middle of the step what the normal spring stored. Returns
-     * what the spring along the surface stored, which becomes heat of friction. */
+    /** Ends a contact after the motion @p move. Adds to @p dissipated what the normal force has
+     * taken. Returns the heat of friction: what the spring along the surface stored, less what it
+     * gave back on the way. */
     template <int dim>
-    static double release(const double approach, const bool is_cut, ContactSpring<dim> &spring,
+    static double release(const ContactMotion<dim> &move, ContactSpring<dim> &spring,
                           double &dissipated)
     {
-      dissipated += 0.5 * spring.damping_force * approach;
-      if (is_cut)
-        dissipated += 0.5 * spring.stiffness * spring.depth * (spring.depth + approach);
-      const double stored = 0.5 * spring.stiffness * spring.elastic_slip.norm_square();
-      spring = ContactSpring<dim>();
-      return stored;
+      const ContactSpring<dim> before = std::exchange(spring, ContactSpring<dim>());
+      dissipated += lost_by_normal_force(before, spring, move);
+      return 0.5 * before.stiffness * before.elastic_slip * (before.elastic_slip + move.along);
     }
 
     /** The fraction x of a stable step Δt of the bodies at which the fastest mode of a node is
@@ -170,6 +182,20 @@ namespace tombolo
     }
 
   private:
+    /** The work of the normal force less what its spring stores thereby: that of the damper, of a
+     * decrease of the stiffness, and of a contact that began or ended within the step. */
+    template <int dim>
+    static double lost_by_normal_force(const ContactSpring<dim> &before,
+                                       const ContactSpring<dim> &after,
+                                       const ContactMotion<dim> &move)
+    {
+      const auto stored = [](const ContactSpring<dim> &spring)
+      { return 0.5 * spring.stiffness * spring.depth * spring.depth; };
+      return 0.5 * (before.normal_force() * move.past_approach +
+                    after.normal_force() * move.approach) -
+             (stored(after) - stored(before));
+    }
+
     double stiffness_factor = 1.; ///< α
     double damping_ratio = 0.;    ///< ζ
     bool damps_return = false;

@@ -346,7 +346,6 @@ namespace tombolo
       masters = ContactFaces<dim>(nodes, is_master, is_gone);
       stiffness.forget_masses();
       set_partition(std::shared_ptr<const NodePartition>(traction.partition()));
-      faces_are_new = true;
       totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
     }
 
@@ -474,14 +473,16 @@ namespace tombolo
                const Step &step);
     /** The same of a tied node, with its mean @p gap vector. */
     void hold(NodeHistory &history, const dealii::Tensor<1, dim> &gap, const Step &step);
-    /** Heat of what the spring along the surface stored stays at the slave node. */
-    void release(NodeHistory &history, const unsigned int node, const double approach,
-                 const bool is_cut, NodalVector *const heat)
+    /** Heat of friction of the spring along the surface stays at the slave node. */
+    void release(NodeHistory &history, const unsigned int node,
+                 const dealii::Tensor<1, dim> &motion, NodalVector *const heat)
     {
       double dissipated = 0;
       const double friction =
-          history.area * ContactLaw::release(approach, is_cut, history.spring, dissipated);
-      totals.damping += history.area * dissipated;
+          history.area * ContactLaw::release(ContactMotion<dim>(0., motion, history.normal),
+                                             history.spring, dissipated);
+      if (!is_static)
+        totals.damping += history.area * dissipated;
       totals.friction += friction;
       if (heat != nullptr)
         *heat->node(node) += friction;
@@ -514,8 +515,7 @@ namespace tombolo
     NodalVector traction, heat_flow, thermal;
     ContactSums<dim> totals; ///< of this rank
     bool is_static = false;
-    bool faces_are_new = false; ///< since the last forces
-    double touch_distance = 0;  ///< what is nearer touches; zero in explicit steps [L]
+    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
   };
 
   extern template class MortarContact<2>;

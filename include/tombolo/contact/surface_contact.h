@@ -485,18 +485,10 @@ namespace tombolo
   protected:
     using typename SurfaceContact<dim>::NodeHistory;
 
-    /** What a step does to a candidate in contact. */
-    struct Press
-    {
-      double depth;                          ///< δ [L]
-      dealii::Tensor<1, dim> motion, normal; ///< relative to the surface, out of it
-      double mass;
-      double share = 1.; ///< of the node's area that is pressed
-    };
-
-    /** Moves the spring of a candidate, with friction and heat. */
-    void press(std::size_t candidate, const Press &press, const Clock &clock,
-               const NodalHeat &nodal_heat);
+    /** Moves the spring of a candidate of this @p mass, with friction and heat. @p share is that of
+     * its area that is pressed. */
+    void press(std::size_t candidate, const ContactMotion<dim> &move, double mass, double share,
+               const Clock &clock, const NodalHeat &nodal_heat);
     /** Coulomb's coefficient with the heat of this step: @p heat_of(c) is that of sliding by a
      * coefficient c. */
     template <typename HeatOf>
@@ -514,14 +506,13 @@ namespace tombolo
             return nodal_heat.enthalpy->temperature(node, enthalpy + share * heat_of(coefficient));
           });
     }
-    /** Ends the contact of a candidate after its @p approach. */
-    void release(const std::size_t candidate, const double approach, const bool has_eroded,
+    /** Ends the contact of a candidate after the motion @p move. */
+    void release(const std::size_t candidate, const ContactMotion<dim> &move,
                  const NodalHeat &nodal_heat)
     {
-      this->add_friction_heat(
-          candidate,
-          ContactLaw::release(approach, has_eroded, springs[candidate], this->totals.damping),
-          nodal_heat);
+      this->add_friction_heat(candidate,
+                              ContactLaw::release(move, springs[candidate], this->totals.damping),
+                              nodal_heat);
     }
 
     /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
@@ -548,6 +539,14 @@ namespace tombolo
     std::vector<ContactSpring<dim>> springs; ///< of each candidate
 
   private:
+    /** What a normal force has taken. The increments of static steps have no rates: there it is the
+     * error of their integration. */
+    void add_loss(const double lost)
+    {
+      if (this->touch_distance == 0.)
+        this->totals.damping += lost;
+    }
+
     /** Of all closed springs of all ranks; very large where there is none. Collective. */
     double mean_stiffness() const;
 

@@ -28,14 +28,18 @@ namespace tombolo
 
       void move(const double depth, const double along)
       {
-        const Vector before = force(), motion{{along, spring.depth - depth}};
+        // A contact begins and ends on the way.
+        const double gap = depth > 0. && spring.depth > 0. ? 0. : 0.03;
+        const Vector before = force(),
+                     motion{{along, spring.depth - depth + (depth > 0. ? -gap : gap)}};
+        const ContactMotion<2> move(depth, motion, normal);
         if (depth > 0. || !spring.is_closed())
         {
-          law.press(depth, motion, normal, mass, stable_step, step, spring, dissipated);
-          dissipated += ContactLaw::slide(motion, normal, friction * spring.normal_force(), spring);
+          law.press(move, mass, stable_step, step, spring, dissipated);
+          dissipated += ContactLaw::slide(move, friction * spring.normal_force(), spring);
         }
         else
-          dissipated += ContactLaw::release(-(motion * normal), false, spring, dissipated);
+          dissipated += ContactLaw::release(move, spring, dissipated);
         work += 0.5 * (before + force()) * motion;
       }
     };
