@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/base/simd/selected_lanes.h>
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/aligned_vector.h>
@@ -207,7 +207,9 @@ namespace tombolo
           const Lanes limit = load_lanes(candidate_a[d] + j);
           reaches &= (difference < limit) & (-difference < limit);
         }
-        count = append_selected(reaches, n - j, node + j, out, count);
+        const SelectedLanes selected(reaches, n - j);
+        selected.store(node + j, out + count);
+        count += selected.count();
       }
       return count;
     }
@@ -440,7 +442,9 @@ namespace tombolo
         unsigned int place[n_lanes];
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           place[lane] = begin + i + lane;
-        count = append_selected(near, n - i, place, out, count);
+        const SelectedLanes selected(near, n - i);
+        selected.store(place, out + count);
+        count += selected.count();
       }
       n_candidates = count;
     }

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 
 namespace tombolo
 {
@@ -31,10 +30,9 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE void round_here([[maybe_unused]] Lanes &value)
   {
 #if defined(__GNUC__) && defined(__x86_64__)
-    double __attribute__((vector_size(sizeof(Lanes)))) in_register;
-    std::memcpy(&in_register, static_cast<const void *>(&value), sizeof value);
+    auto in_register = internal::bit_cast<internal::LaneRegister>(value);
     asm("" : "+v"(in_register));
-    std::memcpy(static_cast<void *>(&value), &in_register, sizeof value);
+    value = internal::bit_cast<Lanes>(in_register);
 #endif
   }
 

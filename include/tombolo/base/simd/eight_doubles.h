@@ -31,10 +31,7 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE EightDoubles repeat_four(const double *data)
   {
 #if defined(__AVX512F__)
-    const __m512d repeated = _mm512_maskz_broadcast_f64x4(0xFF, _mm256_loadu_pd(data));
-    EightDoubles result;
-    std::memcpy(static_cast<void *>(&result), &repeated, sizeof result);
-    return result;
+    return internal::bit_cast<Lanes>(_mm512_maskz_broadcast_f64x4(0xFF, _mm256_loadu_pd(data)));
 #else
     return EightDoubles([&](const auto k) { return data[k % 4]; });
 #endif
@@ -50,35 +47,14 @@ namespace tombolo
 #endif
   }
 
-  /** The set entries of a mask as bits, the first one lowest. */
-  TOMBOLO_ALWAYS_INLINE unsigned int bits_of(const EightDoubles::mask_type &mask)
-  {
-#if defined(__AVX512F__)
-    __mmask8 bits;
-    static_assert(sizeof(mask) == sizeof(bits), "A mask is one bit a lane.");
-    std::memcpy(&bits, static_cast<const void *>(&mask), sizeof bits);
-    // GCC 12 takes the mask register whole, with what is above its eight bits.
-    asm("" : "+q"(bits));
-    return bits & 0xFFu;
-#else
-    unsigned int bits = 0;
-    for (unsigned int k = 0; k < 8; ++k)
-      bits |= (mask[k] ? 1u : 0u) << k;
-    return bits;
-#endif
-  }
-
   /** Those of 16 doubles at @p data that have these eight @p numbers, which are below 16. */
   TOMBOLO_ALWAYS_INLINE EightDoubles pick_eight(const double *data, const std::uint8_t *numbers)
   {
 #if defined(__AVX512F__)
     const __m512i indices = _mm512_maskz_cvtepu8_epi64(
         0xFF, _mm_loadl_epi64(reinterpret_cast<const __m128i *>(numbers)));
-    const __m512d picked =
-        _mm512_permutex2var_pd(_mm512_loadu_pd(data), indices, _mm512_loadu_pd(data + 8));
-    EightDoubles result;
-    std::memcpy(static_cast<void *>(&result), &picked, sizeof result);
-    return result;
+    return internal::bit_cast<Lanes>(
+        _mm512_permutex2var_pd(_mm512_loadu_pd(data), indices, _mm512_loadu_pd(data + 8)));
 #else
     return EightDoubles([&](const auto k) { return data[numbers[k]]; });
 #endif
@@ -99,8 +75,7 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE EightDoubles sums_of(const EightDoubles (&values)[8])
   {
 #if defined(__AVX512F__)
-    using Register = double __attribute__((vector_size(64)));
-    Register level[8];
+    internal::LaneRegister level[8];
     std::memcpy(level, static_cast<const void *>(values), sizeof level);
     // Pairs of entries, then pairs of pairs, and these again.
     TOMBOLO_UNROLL
@@ -115,9 +90,7 @@ namespace tombolo
       level[k] =
           __builtin_shufflevector(level[2 * k], level[2 * k + 1], 0, 1, 4, 5, 8, 9, 12, 13) +
           __builtin_shufflevector(level[2 * k], level[2 * k + 1], 2, 3, 6, 7, 10, 11, 14, 15);
-    EightDoubles result;
-    std::memcpy(static_cast<void *>(&result), &level[0], sizeof result);
-    return result;
+    return internal::bit_cast<Lanes>(level[0]);
 #else
     return EightDoubles([&](const auto k) { return sum_of(values[k]); });
 #endif

@@ -11,8 +11,7 @@ namespace tombolo
                                                 const unsigned int end)
   {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
-    __m512d at;
-    std::memcpy(&at, static_cast<const void *>(&place), sizeof at);
+    __m512d at = internal::bit_cast<internal::LaneRegister>(place);
     // By masks, since GCC 12 warns of what its own functions without a mask leave undefined.
     constexpr __mmask8 all = 0xFF;
     const __m512d zero = _mm512_setzero_pd();
@@ -22,9 +21,7 @@ namespace tombolo
     const __m512d high = _mm512_mask_i32gather_pd(zero, all, index, values + 1, 8);
     at = _mm512_fmadd_pd(_mm512_sub_pd(at, _mm512_maskz_cvtepi32_pd(all, index)),
                          _mm512_sub_pd(high, low), low);
-    Lanes result;
-    std::memcpy(static_cast<void *>(&result), &at, sizeof at);
-    return result;
+    return internal::bit_cast<Lanes>(at);
 #else
     alignas(64) double entries[n_lanes];
     store_lanes(place, entries);

@@ -4,28 +4,10 @@
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 
-#include <cstring>
-
 namespace tombolo
 {
   namespace internal
   {
-    /** Registers as the compiler shuffles them. std::simd has no shuffles, and element by element a
-     * transposition would cost as much as the computation with its result. */
-    using NodeRegister = double __attribute__((vector_size(32)));
-    using LaneRegister = double __attribute__((vector_size(8 * n_lanes)));
-    static_assert(sizeof(NodeLanes) == sizeof(NodeRegister), "NodeLanes are packed doubles");
-    static_assert(sizeof(Lanes) == sizeof(LaneRegister), "Lanes are packed doubles");
-
-    template <typename To, typename From>
-    TOMBOLO_ALWAYS_INLINE To bit_cast(const From &from)
-    {
-      To to;
-      static_assert(sizeof(to) == sizeof(from), "The same bits");
-      std::memcpy(static_cast<void *>(&to), static_cast<const void *>(&from), sizeof to);
-      return to;
-    }
-
 #if defined(__AVX512F__)
     TOMBOLO_ALWAYS_INLINE void transpose(const NodeRegister (&node)[8],
                                          LaneRegister (&component)[4])

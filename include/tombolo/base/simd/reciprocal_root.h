@@ -10,12 +10,8 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE Lanes reciprocal_root(const Lanes &value)
   {
 #if defined(__AVX512F__)
-    __m512d of_value;
-    static_assert(sizeof(of_value) == sizeof(value), "Lanes are packed doubles.");
-    std::memcpy(&of_value, static_cast<const void *>(&value), sizeof of_value);
-    of_value = _mm512_maskz_rsqrt14_pd(0xFF, of_value);
-    Lanes result;
-    std::memcpy(static_cast<void *>(&result), &of_value, sizeof result);
+    auto result = internal::bit_cast<Lanes>(
+        _mm512_maskz_rsqrt14_pd(0xFF, internal::bit_cast<internal::LaneRegister>(value)));
     const Lanes half = 0.5 * value;
     for (unsigned int step = 0; step < 2; ++step)
       result += result * (0.5 - half * (result * result));

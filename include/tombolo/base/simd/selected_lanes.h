@@ -12,19 +12,8 @@ namespace tombolo
   public:
     /** Those of the first @p n (at most n_lanes) whose lane of @p mask is set. */
     TOMBOLO_ALWAYS_INLINE SelectedLanes(const LaneMask &mask, const unsigned int n)
-    {
-#if defined(__AVX512F__) && defined(__AVX512VL__)
-      __mmask8 of_mask;
-      static_assert(sizeof(mask) == sizeof(of_mask), "A mask is one bit a lane.");
-      std::memcpy(&of_mask, static_cast<const void *>(&mask), sizeof of_mask);
-      // GCC 12 takes the mask register whole, with what is above its eight bits.
-      asm("" : "+q"(of_mask));
-      bits = of_mask & (n >= n_lanes ? 0xFFu : (1u << n) - 1u);
-#else
-      for (unsigned int lane = 0; lane < n; ++lane)
-        bits |= mask[lane] ? 1u << lane : 0u;
-#endif
-    }
+        : bits(bits_of(mask) & (n >= n_lanes ? ~0u : (1u << n) - 1u))
+    {}
 
     unsigned int count() const
     {
@@ -41,10 +30,9 @@ namespace tombolo
     TOMBOLO_ALWAYS_INLINE void store(const Lanes &value, double *out) const
     {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
-      __m512d all;
-      static_assert(sizeof(all) == sizeof(value), "Lanes are packed doubles.");
-      std::memcpy(&all, static_cast<const void *>(&value), sizeof all);
-      _mm512_storeu_pd(out, _mm512_maskz_compress_pd(static_cast<__mmask8>(bits), all));
+      _mm512_storeu_pd(out,
+                       _mm512_maskz_compress_pd(static_cast<__mmask8>(bits),
+                                                internal::bit_cast<internal::LaneRegister>(value)));
 #else
       unsigned int place = 0;
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
@@ -73,6 +61,6 @@ namespace tombolo
     }
 
   private:
-    unsigned int bits = 0;
+    unsigned int bits;
   };
 } // namespace tombolo

@@ -26,6 +26,25 @@ namespace tombolo
   using NodeLanes =
       std::experimental::simd<double, std::experimental::simd_abi::deduce_t<double, 4>>;
 
+  namespace internal
+  {
+    /** Registers as the compiler shuffles them. std::simd has no shuffles, and element by element a
+     * transposition would cost as much as the computation with its result. */
+    using NodeRegister = double __attribute__((vector_size(32)));
+    using LaneRegister = double __attribute__((vector_size(8 * n_lanes)));
+    static_assert(sizeof(NodeLanes) == sizeof(NodeRegister), "NodeLanes are packed doubles");
+    static_assert(sizeof(Lanes) == sizeof(LaneRegister), "Lanes are packed doubles");
+
+    template <typename To, typename From>
+    TOMBOLO_ALWAYS_INLINE To bit_cast(const From &from)
+    {
+      To to;
+      static_assert(sizeof(to) == sizeof(from), "The same bits");
+      std::memcpy(static_cast<void *>(&to), static_cast<const void *>(&from), sizeof to);
+      return to;
+    }
+  } // namespace internal
+
   /** n rounded up to whole Lanes. */
   constexpr unsigned int padded_to_lanes(const unsigned int n)
   {
@@ -64,13 +83,8 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE Lanes square_root(const Lanes &value)
   {
 #if defined(__AVX512F__)
-    __m512d root;
-    static_assert(sizeof(root) == sizeof(value), "Lanes are packed doubles.");
-    std::memcpy(&root, static_cast<const void *>(&value), sizeof root);
-    root = _mm512_maskz_sqrt_pd(0xFF, root);
-    Lanes result;
-    std::memcpy(static_cast<void *>(&result), &root, sizeof root);
-    return result;
+    return internal::bit_cast<Lanes>(
+        _mm512_maskz_sqrt_pd(0xFF, internal::bit_cast<internal::LaneRegister>(value)));
 #else
     alignas(64) double entries[n_lanes];
     store_lanes(value, entries);
@@ -80,31 +94,20 @@ namespace tombolo
 #endif
   }
 
-  /** Appends those of the first @p n (at most n_lanes) @p numbers whose lane of @p mask is set to
-   * @p out, which has room for n_lanes more, after the @p count numbers there; no branch depends on
-   * the mask. Returns the new count. */
-  inline unsigned int append_selected(const LaneMask &mask, const unsigned int n,
-                                      const unsigned int *numbers, unsigned int *out,
-                                      unsigned int count)
+  /** The set entries of a mask as bits, the first one lowest. */
+  template <typename Mask>
+  TOMBOLO_ALWAYS_INLINE unsigned int bits_of(const Mask &mask)
   {
-#if defined(__AVX512F__) && defined(__AVX512VL__)
-    __mmask8 bits;
-    static_assert(sizeof(mask) == sizeof(bits), "A mask is one bit a lane.");
-    std::memcpy(&bits, static_cast<const void *>(&mask), sizeof bits);
+#if defined(__AVX512F__)
+    auto bits = internal::bit_cast<__mmask8>(mask);
     // GCC 12 takes the mask register whole, with what is above its eight bits.
     asm("" : "+q"(bits));
-    const unsigned int selected = bits & (n >= n_lanes ? 0xFFu : (1u << n) - 1u);
-    const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
-    _mm256_storeu_si256(reinterpret_cast<__m256i *>(out + count),
-                        _mm256_maskz_compress_epi32(static_cast<__mmask8>(selected), all));
-    return count + static_cast<unsigned int>(__builtin_popcount(selected));
+    return bits & 0xFFu;
 #else
-    for (unsigned int lane = 0; lane < n_lanes; ++lane)
-    {
-      out[count] = numbers[lane];
-      count += lane < n && mask[lane] ? 1 : 0;
-    }
-    return count;
+    unsigned int bits = 0;
+    for (unsigned int k = 0; k < Mask::size(); ++k)
+      bits |= (mask[k] ? 1u : 0u) << k;
+    return bits;
 #endif
   }
 } // namespace tombolo

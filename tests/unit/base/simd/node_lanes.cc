@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/base/simd/selected_lanes.h>
 
 #include <gtest/gtest.h>
 
@@ -77,13 +78,15 @@ namespace
     }
   }
 
-  TEST_F(NodeLanesTest, numbers_of_set_lanes_are_appended)
+  TEST_F(NodeLanesTest, numbers_of_set_lanes_are_stored)
   {
     const LaneMask mask = load_lanes(field.data()) > load_lanes(field.data() + n_lanes);
     for (unsigned int n = 1; n <= n_lanes + 1; ++n)
     {
       std::array<unsigned int, 2 + n_lanes> out = {};
-      const unsigned int count = append_selected(mask, n, indices.data(), out.data(), 2);
+      const SelectedLanes selected(mask, n);
+      selected.store(indices.data(), out.data() + 2);
+      const unsigned int count = 2 + selected.count();
       unsigned int expected_count = 2;
       for (unsigned int lane = 0; lane < std::min(n, n_lanes); ++lane)
         if (field[lane] > field[n_lanes + lane])
