@@ -30,11 +30,6 @@ namespace tombolo
     return find_or_append(name, kind, entries);
   }
 
-  void EnergyAccounts::add(const std::string &name, const EnergyKind kind, const double value)
-  {
-    account(name, kind).value += value;
-  }
-
   void EnergyAccounts::add_replicated(const std::string &name, const EnergyKind kind,
                                       const double value)
   {
@@ -52,16 +47,6 @@ namespace tombolo
     for (std::size_t v = 0; v < of_other.size(); ++v)
       for (unsigned int d = 0; d < 3; ++d)
         (*vectors()[v])[d] += factor * (*of_other[v])[d];
-  }
-
-  std::array<std::array<double, 3> *, 4> EnergyAccounts::vectors()
-  {
-    return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
-  }
-
-  std::array<const std::array<double, 3> *, 4> EnergyAccounts::vectors() const
-  {
-    return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
   }
 
   void EnergyAccounts::add_impulse(const std::array<double, 3> &of_forces,

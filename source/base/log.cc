@@ -117,11 +117,6 @@ namespace tombolo
       *file << text << '\n' << std::flush;
   }
 
-  void Log::warn(const std::string &text)
-  {
-    print("Warning: " + text);
-  }
-
   void Log::start_progress(const std::uint64_t n_nodes, const double start_time,
                            const double end_time, const std::uint64_t start_step)
   {

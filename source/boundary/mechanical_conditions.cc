@@ -220,12 +220,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MechanicalConditions<dim>::has_loads() const
-  {
-    return this->has_type([](const MechanicalConditionType type) { return !prescribes(type); });
-  }
-
-  template <int dim>
   void MechanicalConditions<dim>::remove_prescribed(NodalVector &vector) const
   {
     if (!this->has_constraints())

@@ -215,8 +215,4 @@ namespace tombolo
     return work;
   }
 
-  std::vector<ConstrainedParticle> &ConstrainedParticles::particles()
-  {
-    return of_rank;
-  }
 } // namespace tombolo

@@ -251,11 +251,6 @@ namespace tombolo
     result.add_to_owners();
   }
 
-  double MassSplit::accelerated_share(const ParticlePart &part, const unsigned int row) const
-  {
-    return is_of_motion && part.shape->is_lumped ? part.shape->accelerated_share[row] : 1.;
-  }
-
   void MassSplit::find_lumped_masses()
   {
     const auto &partition = total_mass.partition();

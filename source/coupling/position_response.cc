@@ -172,8 +172,4 @@ namespace tombolo
                  response.node(node));
   }
 
-  const NodalVector &PositionResponse::mass() const
-  {
-    return is_global() ? bridge.nodal_mass() : bridge.mass();
-  }
 } // namespace tombolo

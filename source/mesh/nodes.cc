@@ -132,18 +132,6 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int Nodes<dim>::degree() const
-  {
-    return finite_element->degree;
-  }
-
-  template <int dim>
-  MPI_Comm Nodes<dim>::communicator() const
-  {
-    return communicator_of(handler);
-  }
-
-  template <int dim>
   void Nodes<dim>::cell_nodes(const Cell &cell,
                               std::vector<dealii::types::global_dof_index> &nodes) const
   {
@@ -168,12 +156,6 @@ namespace tombolo
                  dealii::Tensor<1, dim>(cell->vertex(vertex));
       points[k] = place;
     }
-  }
-
-  template <int dim>
-  void Nodes<dim>::set_images(std::shared_ptr<const Images> images)
-  {
-    images_of_body = std::move(images);
   }
 
   template <int dim>

@@ -98,12 +98,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ProcessKinds<dim>::add(const int order, std::unique_ptr<const ProcessKind<dim>> kind)
-  {
-    kinds.emplace_back(order, std::move(kind));
-  }
-
-  template <int dim>
   std::vector<const ProcessKind<dim> *> ProcessKinds<dim>::all() const
   {
     std::vector<std::pair<int, const ProcessKind<dim> *>> sorted;

@@ -182,12 +182,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void BalanceHistory<dim>::summarize_largest(const double value)
-  {
-    present_largest.push_back(value);
-  }
-
-  template <int dim>
   void BalanceHistory<dim>::ask(const OutputView<dim> &at, const bool with_row)
   {
     view = &at;

@@ -50,16 +50,6 @@ namespace tombolo
     return (*root)[key];
   }
 
-  Json &Summary::document()
-  {
-    return *root;
-  }
-
-  Json &Summary::results()
-  {
-    return *case_results;
-  }
-
   void Summary::set_units(const UnitLabels &labels)
   {
     Json units = Json::object();

@@ -42,11 +42,6 @@ namespace tombolo
     return static_cast<unsigned int>(found - descriptions.begin());
   }
 
-  void MaterialPoints::begin_trial()
-  {
-    committed = data;
-  }
-
   void MaterialPoints::restart_trial()
   {
     // In place: formulations keep addresses of components.
@@ -54,8 +49,4 @@ namespace tombolo
     std::copy(committed.begin(), committed.end(), data.begin());
   }
 
-  void MaterialPoints::commit_trial()
-  {
-    committed.resize(0);
-  }
 } // namespace tombolo

@@ -5,11 +5,6 @@
 
 namespace tombolo
 {
-  void NodalSource::stays_on_rank()
-  {
-    is_on_rank = true;
-  }
-
   NodalVector &NodalSource::at_all_nodes()
   {
     is_anywhere = true;

@@ -69,12 +69,6 @@ namespace tombolo
     };
   } // namespace
 
-  NodalVector::NodalVector(const std::shared_ptr<const NodePartition> &partition,
-                           const Quantity quantity)
-  {
-    reinit(partition, quantity);
-  }
-
   void NodalVector::fit_to(const std::shared_ptr<const NodePartition> &partition,
                            const Quantity quantity)
   {
@@ -89,11 +83,6 @@ namespace tombolo
     slots = kind == Quantity::scalar ? 1 : node_stride;
     allocate(partition);
     set_zero();
-  }
-
-  void NodalVector::reinit_like(const NodalVector &other)
-  {
-    reinit(other.node_partition, other.kind);
   }
 
   void NodalVector::allocate(const std::shared_ptr<const NodePartition> &partition)

@@ -77,11 +77,6 @@ namespace tombolo
     return n_owned() + n_ghosts() + n_images();
   }
 
-  void NodePartition::continue_counting(const NodePartition &previous)
-  {
-    cost = previous.cost;
-  }
-
   template <int dim>
   std::shared_ptr<NodePartition> partition_of(const Nodes<dim> &nodes, IndexSet required,
                                               const std::vector<ImageNode> &images)

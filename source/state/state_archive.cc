@@ -27,27 +27,6 @@ namespace tombolo
       : archive_file(file, mode, communicator)
   {}
 
-  void StateArchive::close()
-  {
-    archive_file.close();
-  }
-
-  void StateArchive::fail(const std::string &message) const
-  {
-    archive_file.fail(message);
-  }
-
-  void StateArchive::verify(const std::string &file, MPI_Comm communicator)
-  {
-    ArchiveFile::verify(file, communicator);
-  }
-
-  void StateArchive::check_size(const std::string &name, const std::size_t given,
-                                const std::size_t wanted) const
-  {
-    archive_file.check_size(path(name), given, wanted);
-  }
-
   template <typename Value>
   void StateArchive::global(const std::string &name, std::vector<Value> &values)
   {
@@ -65,16 +44,6 @@ namespace tombolo
       check_size(name, n_rows * n_columns, n_rows); // one column
       values = archive_file.read<Value>(path(name), 0, n_rows, 1);
     }
-  }
-
-  void StateArchive::operator()(const std::string &name, std::vector<double> &values)
-  {
-    global(name, values);
-  }
-
-  void StateArchive::operator()(const std::string &name, std::vector<std::uint64_t> &values)
-  {
-    global(name, values);
   }
 
   void StateArchive::operator()(const std::string &name, double &value)
@@ -158,17 +127,6 @@ namespace tombolo
   void StateArchive::set_nodes(const RowSources &sources)
   {
     nodes = std::make_unique<ArchiveRows>(archive_file, path("node"), sources);
-  }
-
-  ArchiveLookup StateArchive::find_rows(const std::vector<std::uint64_t> &ids)
-  {
-    return {archive_file, path("id"), ids};
-  }
-
-  std::vector<double> StateArchive::rows(const ArchiveLookup &lookup, const std::string &name,
-                                         const unsigned int n_components)
-  {
-    return lookup.read(archive_file, path(name), n_components);
   }
 
   void StateArchive::set_rows(const std::vector<std::uint64_t> &ids)

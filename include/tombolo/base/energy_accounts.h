@@ -41,7 +41,10 @@ namespace tombolo
     };
 
     /** Adds the share of this rank. */
-    void add(const std::string &name, EnergyKind kind, double value);
+    void add(const std::string &name, const EnergyKind kind, const double value)
+    {
+      account(name, kind).value += value;
+    }
 
     /** Adds a value that all ranks know alike, and that counts once. */
     void add_replicated(const std::string &name, EnergyKind kind, double value);
@@ -81,8 +84,14 @@ namespace tombolo
     std::array<double, 3> removed_momentum{}, removed_angular_momentum{};
 
   private:
-    std::array<std::array<double, 3> *, 4> vectors();
-    std::array<const std::array<double, 3> *, 4> vectors() const;
+    std::array<const std::array<double, 3> *, 4> vectors() const
+    {
+      return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
+    }
+    std::array<std::array<double, 3> *, 4> vectors()
+    {
+      return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
+    }
     Account &account(const std::string &name, EnergyKind kind);
 
     std::vector<Account> entries;

@@ -58,7 +58,10 @@ namespace tombolo
     void record(const std::string &text);
 
     /** Prints "Warning: ..." */
-    void warn(const std::string &text);
+    void warn(const std::string &text)
+    {
+      print("Warning: " + text);
+    }
 
     /** Starts the clock of speed and time left. A run begins at time 0; one that is resumed has
      * come to @p start_time in @p start_step steps, which count as done. */

@@ -138,7 +138,10 @@ namespace tombolo
                          const Nodes<dim> &nodes);
     ~MechanicalConditions();
 
-    bool has_loads() const;
+    bool has_loads() const
+    {
+      return this->has_type([](const MechanicalConditionType type) { return !prescribes(type); });
+    }
 
     /** Whether conditions prescribe the motion at some times only. */
     bool are_timed() const;

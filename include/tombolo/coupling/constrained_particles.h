@@ -113,7 +113,10 @@ namespace tombolo
     }
 
     /** The same, to read what a checkpoint has of them. */
-    std::vector<ConstrainedParticle> &particles();
+    std::vector<ConstrainedParticle> &particles()
+    {
+      return of_rank;
+    }
 
   private:
     /** A row of a particle with prescribed and with free components. */

@@ -141,7 +141,10 @@ namespace tombolo
     /** W 1, or with @p as_accelerated m, without prescribed components where not @p constrained,
      * into @p result at owned nodes. Collective. */
     void sum_rows(bool constrained, bool as_accelerated, NodalVector &result);
-    double accelerated_share(const ParticlePart &part, unsigned int row) const;
+    double accelerated_share(const ParticlePart &part, const unsigned int row) const
+    {
+      return is_of_motion && part.shape->is_lumped ? part.shape->accelerated_share[row] : 1.;
+    }
     /** m and m̂ where rows are lumped. Collective. */
     void find_lumped_masses();
     /** Whether m is above @p share of m̂ at all nodes of all ranks. Collective. */

@@ -62,7 +62,10 @@ namespace tombolo
                  NodalVector &response, const ObliqueNodes &oblique = {});
 
     /** Scalar, or by component: what bounds A. */
-    const NodalVector &mass() const;
+    const NodalVector &mass() const
+    {
+      return is_global() ? bridge.nodal_mass() : bridge.mass();
+    }
 
   private:
     void respond_affine(const std::vector<std::uint8_t> &constrained, const ObliqueNodes &oblique,

@@ -30,14 +30,20 @@ namespace tombolo
     Nodes(const Mesh<dim> &mesh, unsigned int degree);
     ~Nodes();
 
-    unsigned int degree() const;
+    unsigned int degree() const
+    {
+      return finite_element->degree;
+    }
 
     const dealii::DoFHandler<dim> &dof_handler() const
     {
       return handler;
     }
 
-    MPI_Comm communicator() const;
+    MPI_Comm communicator() const
+    {
+      return communicator_of(handler);
+    }
 
     const dealii::IndexSet &owned() const
     {
@@ -63,7 +69,10 @@ namespace tombolo
     }
 
     /** Images of the mesh, with which the body goes on. */
-    void set_images(std::shared_ptr<const Images> images);
+    void set_images(std::shared_ptr<const Images> images)
+    {
+      images_of_body = std::move(images);
+    }
 
     const std::shared_ptr<const Images> &images() const
     {

@@ -269,7 +269,10 @@ namespace tombolo
   public:
     static ProcessKinds &instance();
 
-    void add(int order, std::unique_ptr<const ProcessKind<dim>> kind);
+    void add(const int order, std::unique_ptr<const ProcessKind<dim>> kind)
+    {
+      kinds.emplace_back(order, std::move(kind));
+    }
 
     /** In the order of the steps. */
     std::vector<const ProcessKind<dim> *> all() const;

@@ -159,7 +159,10 @@ namespace tombolo
     void summarize(const std::string &key, double value);
 
     /** The largest of all rows so far, "largest_" and HistoryOfBalances::largest. */
-    void summarize_largest(double value);
+    void summarize_largest(const double value)
+    {
+      present_largest.push_back(value);
+    }
 
     /** While it is filled. */
     const OutputView<dim> &present() const

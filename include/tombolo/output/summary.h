@@ -34,10 +34,16 @@ namespace tombolo
     Json &operator[](const std::string &key);
 
     /** The whole document, for who fills it. */
-    Json &document();
+    Json &document()
+    {
+      return *root;
+    }
 
     /** The object in which a case puts its own values. */
-    Json &results();
+    Json &results()
+    {
+      return *case_results;
+    }
 
     /** Adds the labels of units under `units`. */
     void set_units(const UnitLabels &labels);

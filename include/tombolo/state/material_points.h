@@ -61,13 +61,19 @@ namespace tombolo
 
     /** Makes the present state the committed one; what follows is a trial. Takes the memory of a
      * second state until the trial ends; without a trial there is none. */
-    void begin_trial();
+    void begin_trial()
+    {
+      committed = data;
+    }
 
     /** Makes the present state the committed one of begin_trial() again, for another evaluation. */
     void restart_trial();
 
     /** Ends the trial with the present state as the committed one. */
-    void commit_trial();
+    void commit_trial()
+    {
+      committed.resize(0);
+    }
 
   private:
     unsigned int n_points = 0;

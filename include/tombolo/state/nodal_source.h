@@ -18,7 +18,10 @@ namespace tombolo
     explicit NodalSource(const Quantity quantity) : quantity(quantity) {}
 
     /** It is given at owned nodes only, so that ranks have nothing to exchange. */
-    void stays_on_rank();
+    void stays_on_rank()
+    {
+      is_on_rank = true;
+    }
 
     /** Adds a value of scalars at a local node. */
     void add(const unsigned int node, const double value)

@@ -46,7 +46,10 @@ namespace tombolo
 
     /** All zero. */
     explicit NodalVector(const std::shared_ptr<const NodePartition> &partition,
-                         Quantity quantity = Quantity::vector);
+                         Quantity quantity = Quantity::vector)
+    {
+      reinit(partition, quantity);
+    }
 
     NodalVector(NodalVector &&) = default;
     NodalVector &operator=(NodalVector &&) = default;
@@ -58,7 +61,10 @@ namespace tombolo
     void fit_to(const std::shared_ptr<const NodePartition> &partition,
                 Quantity quantity = Quantity::vector);
     /** All zero, of the partition and quantity of the other one. */
-    void reinit_like(const NodalVector &other);
+    void reinit_like(const NodalVector &other)
+    {
+      reinit(other.node_partition, other.kind);
+    }
 
     /** Keeps the owned values, takes the ghosts of @p partition, which must own the same nodes;
      * updates the ghosts. Collective. */

@@ -165,7 +165,10 @@ namespace tombolo
     }
 
     /** Takes over the statistics of @p previous, which this partition replaces. */
-    void continue_counting(const NodePartition &previous);
+    void continue_counting(const NodePartition &previous)
+    {
+      cost = previous.cost;
+    }
 
     /** Where NodalVector books what its exchanges cost. */
     ExchangeCost &exchange_cost() const

@@ -47,7 +47,10 @@ namespace tombolo
 
     /** Ends writing, with all bits on the disk. Throws RunError where something could not be
      * written. */
-    void close();
+    void close()
+    {
+      archive_file.close();
+    }
 
     bool is_reading() const
     {
@@ -89,8 +92,14 @@ namespace tombolo
 
     void operator()(const std::string &name, double &value);
     void operator()(const std::string &name, bool &value);
-    void operator()(const std::string &name, std::vector<double> &values);
-    void operator()(const std::string &name, std::vector<std::uint64_t> &values);
+    void operator()(const std::string &name, std::vector<double> &values)
+    {
+      global(name, values);
+    }
+    void operator()(const std::string &name, std::vector<std::uint64_t> &values)
+    {
+      global(name, values);
+    }
     void operator()(const std::string &name, std::string &value);
     void operator()(const std::string &name, std::vector<std::string> &values); ///< lines
 
@@ -159,13 +168,22 @@ namespace tombolo
     void rows(const std::string &name, unsigned int n_components, std::vector<double> &values);
 
     /** Rows of the present group by identifiers, of which some may be missing. Only on reading. */
-    ArchiveLookup find_rows(const std::vector<std::uint64_t> &ids);
+    ArchiveLookup find_rows(const std::vector<std::uint64_t> &ids)
+    {
+      return {archive_file, path("id"), ids};
+    }
     std::vector<double> rows(const ArchiveLookup &lookup, const std::string &name,
-                             unsigned int n_components);
+                             const unsigned int n_components)
+    {
+      return lookup.read(archive_file, path(name), n_components);
+    }
 
     /** Reads all datasets of a file and compares their checksums. Throws a DamagedCheckpoint that
      * names the first which is wrong. */
-    static void verify(const std::string &file, MPI_Comm communicator);
+    static void verify(const std::string &file, MPI_Comm communicator)
+    {
+      ArchiveFile::verify(file, communicator);
+    }
 
     /** How a mesh that is divided in the run goes over to the next one. */
     struct Division
@@ -185,7 +203,10 @@ namespace tombolo
     }
 
     /** Throws an InputError that begins with the name of the file. */
-    [[noreturn]] void fail(const std::string &message) const;
+    [[noreturn]] void fail(const std::string &message) const
+    {
+      archive_file.fail(message);
+    }
 
   private:
     std::string path(const std::string &name) const
@@ -193,7 +214,11 @@ namespace tombolo
       return prefix + name;
     }
 
-    void check_size(const std::string &name, std::size_t given, std::size_t wanted) const;
+    void check_size(const std::string &name, const std::size_t given,
+                    const std::size_t wanted) const
+    {
+      archive_file.check_size(path(name), given, wanted);
+    }
     template <typename Value>
     void global(const std::string &name, std::vector<Value> &values);
 

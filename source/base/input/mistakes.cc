@@ -40,11 +40,6 @@ namespace tombolo
     }
   } // namespace
 
-  void Mistakes::collect()
-  {
-    is_collecting = true;
-  }
-
   void Mistakes::add(const std::string &message)
   {
     if (!is_collecting)
@@ -94,16 +89,6 @@ namespace tombolo
     is_right = is_right && !has_stand_in && messages.size() == n_before;
     has_stand_in = outer_has_stand_in || !is_right;
     return is_right;
-  }
-
-  void Mistakes::mark_refused(const std::string &path)
-  {
-    refused.insert(path);
-  }
-
-  void Mistakes::mark_meant(const std::string &path)
-  {
-    meant.insert(path);
   }
 
   bool Mistakes::is_meant(const std::string &path) const

@@ -58,11 +58,6 @@ namespace tombolo
     mistakes.add(describe(path) + ": " + message);
   }
 
-  void Parameters::refuse_mistakes() const
-  {
-    mistakes.refuse(scanner.file_names());
-  }
-
   void Parameters::read_file(const std::string &file_name)
   {
     if (main_file.empty())

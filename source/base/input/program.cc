@@ -52,11 +52,6 @@ namespace tombolo
     }
   }
 
-  bool CommandLine::has(const std::string &option) const
-  {
-    return options.count(option) > 0;
-  }
-
   std::string CommandLine::value(const std::string &option, const std::string &what) const
   {
     const std::string &text = options.at(option);

@@ -68,11 +68,6 @@ namespace tombolo
     return result;
   }
 
-  void TextScanner::count_bytes()
-  {
-    counts_bytes = true;
-  }
-
   bool TextScanner::next_line(std::string_view &line)
   {
     skip_blanks();
@@ -141,16 +136,6 @@ namespace tombolo
     return value;
   }
 
-  double TextScanner::real(const char *what)
-  {
-    return to_real(word(what), what);
-  }
-
-  long long TextScanner::integer(const char *what)
-  {
-    return to_integer(word(what), what);
-  }
-
   std::size_t TextScanner::count(const char *what)
   {
     const std::string_view text_of_count = word(what);
@@ -171,11 +156,6 @@ namespace tombolo
     const std::string result(text.substr(position + 1, end - position - 1));
     position = end + 1;
     return result;
-  }
-
-  unsigned int TextScanner::line_number() const
-  {
-    return line_of_word;
   }
 
   void TextScanner::fail(const std::string &message) const

@@ -30,7 +30,10 @@ namespace tombolo
     /** So many messages are shown by refuse(). */
     static constexpr unsigned int most_shown = 20;
 
-    void collect();
+    void collect()
+    {
+      is_collecting = true;
+    }
 
     bool are_collected() const
     {
@@ -51,7 +54,10 @@ namespace tombolo
     bool attempt(const std::function<void()> &read);
 
     /** The value of the entry was refused. */
-    void mark_refused(const std::string &path);
+    void mark_refused(const std::string &path)
+    {
+      refused.insert(path);
+    }
 
     bool is_refused(const std::string &path) const
     {
@@ -59,7 +65,10 @@ namespace tombolo
     }
 
     /** Another name was refused in whose place this entry or section can have been meant. */
-    void mark_meant(const std::string &path);
+    void mark_meant(const std::string &path)
+    {
+      meant.insert(path);
+    }
     /** Whether the entry, or a section that it is in, can have been meant. */
     bool is_meant(const std::string &path) const;
 

@@ -54,7 +54,10 @@ namespace tombolo
     void refuse(const std::string &path, const std::string &message) const;
 
     /** Ends the collection and throws the InputError of all that was noted, if anything was. */
-    void refuse_mistakes() const;
+    void refuse_mistakes() const
+    {
+      mistakes.refuse(scanner.file_names());
+    }
 
     /** Scans a deal.II parameter file: `set`, `subsection`, `end`, `#` comments, `\` continuation,
      * `include` relative to the including file. Throws InputError. */

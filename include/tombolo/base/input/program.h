@@ -26,7 +26,10 @@ namespace tombolo
       return program_name;
     }
 
-    bool has(const std::string &option) const;
+    bool has(const std::string &option) const
+    {
+      return options.count(option) > 0;
+    }
 
     /** The value of an option that was given; empty where it was given without one. Throws
      * InputError, with @p what an empty value ought to be, for `--name=`. */

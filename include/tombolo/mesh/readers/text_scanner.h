@@ -36,7 +36,10 @@ namespace tombolo
     std::string_view bytes(std::size_t n, const char *what);
 
     /** From now on messages name places by bytes and not by lines. */
-    void count_bytes();
+    void count_bytes()
+    {
+      counts_bytes = true;
+    }
 
     /** Whether only blanks are left. */
     bool is_at_end();
@@ -44,8 +47,14 @@ namespace tombolo
     /** The next word, delimited by blanks or ends of lines. @p what is for the message where the
      * text ends. All that follow throw MeshFileError. */
     std::string_view word(const char *what);
-    double real(const char *what);
-    long long integer(const char *what);
+    double real(const char *what)
+    {
+      return to_real(word(what), what);
+    }
+    long long integer(const char *what)
+    {
+      return to_integer(word(what), what);
+    }
     /** An integer that is not negative. */
     std::size_t count(const char *what);
     /** Text between double quotes. */
@@ -56,7 +65,10 @@ namespace tombolo
     long long to_integer(std::string_view word, const char *what) const;
 
     /** The number of the line of what was read last. */
-    unsigned int line_number() const;
+    unsigned int line_number() const
+    {
+      return line_of_word;
+    }
 
     /** Throws a MeshFileError at the line of what was read last. */
     [[noreturn]] void fail(const std::string &message) const;
