@@ -113,11 +113,12 @@ namespace tombolo
      * Solves A @p solution = @p right_side at the owned nodes where @p preconditioner (scalar) is
      * positive, by conjugate gradients that it preconditions as a diagonal; elsewhere the solution
      * stays. Ends where each slot of the residual has fallen to @p tolerance of what it would be
-     * for no solution, or falls no more. Ghosts of the solution are updated. Returns the number of
-     * iterations. Collective.
+     * for no solution, or to @p reduction of what it was, or falls no more. Ghosts of the solution
+     * are updated. Returns the number of iterations. Collective.
      */
     unsigned int solve(const NodalVector &right_side, const NodalVector &preconditioner,
-                       const double tolerance, NodalVector &solution) const
+                       const double tolerance, NodalVector &solution,
+                       const double reduction = 0.) const
     {
       constexpr unsigned int most_iterations = 1000;
       NodalVector residual, preconditioned, direction, product, inverse;
@@ -148,13 +149,17 @@ namespace tombolo
       };
       Slots scale = find_residual(start);
       Slots square = find_residual(solution);
+      Slots limit;
       for (unsigned int slot = 0; slot < node_stride; ++slot)
+      {
         if (scale[slot] == 0.) // the solution is zero
           scale[slot] = square[slot];
+        limit[slot] =
+            std::max(tolerance * tolerance * scale[slot], reduction * reduction * square[slot]);
+      }
       direction.copy_from(preconditioned);
       unsigned int iteration = 0;
-      const auto is_large = [&](const unsigned int slot)
-      { return square[slot] > tolerance * tolerance * scale[slot]; };
+      const auto is_large = [&](const unsigned int slot) { return square[slot] > limit[slot]; };
       for (; iteration < most_iterations; ++iteration)
       {
         if (!is_large(0) && !is_large(1) && !is_large(2) && !is_large(3))

@@ -129,13 +129,15 @@ namespace tombolo
    *
    * @p nodes and @p lattice: local numbers and initial corners of the cells of the part on this
    * rank; @p is_free (scalar, owned nodes): positive where a node is placed anew; @p position gets
-   * the places, with current ghosts. @p initial: initial positions. Collective.
+   * the places, with current ghosts. @p initial: initial positions. @p reduction: see
+   * CellMatrices::solve(). Collective.
    */
   template <int dim>
   void
   place_inner_nodes(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
                     const std::vector<typename SubCells<dim>::Corners> &lattice,
-                    const NodalVector &is_free, const NodalVector &initial, NodalVector &position)
+                    const NodalVector &is_free, const NodalVector &initial, NodalVector &position,
+                    const double reduction = 0.)
   {
     const auto &partition = position.partition();
     CellMatrices<dim> matrices(partition, nodes.size());
@@ -148,7 +150,7 @@ namespace tombolo
       if (!(*is_free.node(i) > 0.))
         *preconditioner.node(i) = 0.;
     constexpr double tolerance = 1e-14;
-    matrices.solve(nothing, preconditioner, tolerance, displacement);
+    matrices.solve(nothing, preconditioner, tolerance, displacement, reduction);
     position.fill(
         [&](const unsigned int i, double *const place)
         {
@@ -174,7 +176,9 @@ namespace tombolo
     const auto &partition = position.partition();
     // Where the steps lead to: iterations start from there.
     NodalVector harmonic = initial.copy(), result;
-    place_inner_nodes<dim>(nodes, corners_at<dim>(nodes, position), is_free, position, harmonic);
+    constexpr double reduction = 1e-3; // a step leaves as much of the way to where they lead
+    place_inner_nodes<dim>(nodes, corners_at<dim>(nodes, position), is_free, position, harmonic,
+                           reduction);
     const std::array<NodalVector, dim> deformation =
         deformation_at_nodes<dim>(nodes, lattice, position);
     result.reinit(partition);

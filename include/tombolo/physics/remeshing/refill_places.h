@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -178,11 +179,13 @@ namespace tombolo
     NodalVector find_below_sliding_surface(const Model<dim> &model, const Clock &clock)
     {
       constexpr unsigned int n_steps = 8, most_attempts = 10;
+      constexpr double negligible = 1e-9; // of the first step: the next one is far below
       const NodalVector &position = model.state.position;
       const NodalVector mesh_places = motion.places(model.state.initial_position, clock.time);
       const std::vector<Corners> of_lattice = motion.corners(cells, clock.time, model.communicator);
       const NodalVector all_inside = inside.copy();
       NodalVector result = slide_surface(model, clock, mesh_places), trial = position.copy();
+      double first_way = 0;
       for (unsigned int step = 0; step < n_steps; ++step)
       {
         NodalVector way =
@@ -206,6 +209,13 @@ namespace tombolo
         if (!is_possible)
           break;
         result.copy_from(trial);
+        double largest = 0;
+        for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+          largest = std::max(largest, vector_of<dim>(way.node(i)).norm_square());
+        largest = dealii::Utilities::MPI::max(std::sqrt(largest), model.communicator);
+        first_way = step == 0 ? largest : first_way;
+        if (largest <= negligible * first_way)
+          break;
       }
       return result;
     }
@@ -216,6 +226,7 @@ namespace tombolo
                               const NodalVector &mesh_places)
     {
       constexpr unsigned int most_attempts = 20;
+      constexpr double reduction = 1e-3; // of the residual: the steps that follow make up for it
       const NodalVector &position = model.state.position;
       const std::vector<Corners> present = corners_at<dim>(local_nodes, position);
       const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
@@ -254,7 +265,7 @@ namespace tombolo
         const bool is_cut = wrong.has_value();
         if (!is_cut)
         {
-          place_inner_nodes<dim>(local_nodes, present, inside, moved, result);
+          place_inner_nodes<dim>(local_nodes, present, inside, moved, result, reduction);
           wrong = nodes_of_unusable_cells(position, result);
         }
         if (!wrong)
