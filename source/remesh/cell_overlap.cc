@@ -36,16 +36,12 @@ namespace tombolo
   } // namespace
 
   std::map<unsigned int, std::vector<double>>
-  exchange_by_rank(const std::map<unsigned int, std::vector<double>> &for_ranks,
+  exchange_by_rank(std::map<unsigned int, std::vector<double>> for_ranks,
                    const MPI_Comm communicator)
   {
-    const unsigned int self = Utilities::MPI::this_mpi_process(communicator);
-    auto for_others = for_ranks;
-    for_others.erase(self);
-    auto result = Utilities::MPI::some_to_some(communicator, for_others);
-    const auto own = for_ranks.find(self);
-    if (own != for_ranks.end())
-      result[self] = own->second;
+    auto own = for_ranks.extract(Utilities::MPI::this_mpi_process(communicator));
+    auto result = Utilities::MPI::some_to_some(communicator, for_ranks);
+    result.insert(std::move(own));
     return result;
   }
 
@@ -162,7 +158,7 @@ namespace tombolo
       }
     }
     const std::size_t size = Received::size(std::size_t(n_fields) * n_corners * node_stride);
-    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
     {
       n_received[rank] = static_cast<unsigned int>(data.size() / size);
       received_data.insert(received_data.end(), data.begin(), data.end());
@@ -176,7 +172,7 @@ namespace tombolo
     const auto &corners = cells[cell].before;
     const auto volumes = CellSimplices<dim>::volumes(corners);
     const std::vector<double> values = values_at_corners(cells[cell], fields);
-    std::vector<double> of_points;
+    std::vector<EightDoubles> of_points;
     values_at_points<dim>(values.data(), n_fields, of_points);
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
     double of_simplices[SimplexLanes<dim>::n_padded];
@@ -262,7 +258,7 @@ namespace tombolo
           data.insert(data.end(), &of_sub_cell.moment[0], &of_sub_cell.moment[0] + dim);
         }
     covered.assign(cells.size() * n_sub_cells, {});
-    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
     {
       const double *value = data.data();
       for (const unsigned int cell : sent.at(rank))
@@ -359,12 +355,19 @@ namespace tombolo
   {
     std::map<unsigned int, std::vector<double>> messages;
     for (const auto &[rank, of_rank] : sent)
+    {
+      std::vector<double> &data = messages[rank];
+      data.reserve(of_rank.size() * n);
       for (const unsigned int cell : of_rank)
-        messages[rank].insert(messages[rank].end(), of_cells.begin() + std::ptrdiff_t(cell) * n,
-                              of_cells.begin() + std::ptrdiff_t(cell + 1) * n);
+        data.insert(data.end(), of_cells.begin() + std::ptrdiff_t(cell) * n,
+                    of_cells.begin() + std::ptrdiff_t(cell + 1) * n);
+    }
     std::vector<double> result;
-    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
-      result.insert(result.end(), data.begin(), data.end());
+    for (auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
+      if (result.empty())
+        result = std::move(data);
+      else
+        result.insert(result.end(), data.begin(), data.end());
     return result;
   }
 

@@ -342,6 +342,7 @@ namespace tombolo
       const Gradients<dim> gradients(overlap.cells, partition, points);
       const Bounds<dim> bounds(overlap.cells, partition, points);
       std::vector<double> result;
+      result.reserve(points.mass.size() * (1 + dim) * (1 + points.n_components));
       for (unsigned int c = 0; c < overlap.cells.size(); ++c)
       {
         const RemapCell<dim> &cell = overlap.cells[c];

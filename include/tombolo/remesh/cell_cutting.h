@@ -28,12 +28,11 @@ namespace tombolo
   template <int dim>
   struct SimplexIntegrals
   {
-    static constexpr unsigned int n_slots = 2 * node_stride; // of two fields
-    double products[dim + 1][4] = {};                        ///< of the functions
-    std::vector<double> values; ///< of fields, by two fields, function, field and slot
+    alignas(32) double products[dim + 1][4] = {}; ///< of the functions
+    std::vector<EightDoubles> values; ///< of two fields each, by slot; by two fields and function
 
     explicit SimplexIntegrals(const unsigned int n_fields)
-        : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.)
+        : values(n_pairs_of(n_fields) * (dim + 1), 0.)
     {}
 
     void clear()
@@ -48,10 +47,10 @@ namespace tombolo
      * the fields have the values @p of_old at points of the old cell (values_at_points()), of which
      * @p vertices are those of the simplex. */
     void add(const OverlapMoments<dim> &moments, const double of_simplex,
-             const double (&old_at_new)[4][4], const std::vector<double> &of_old,
+             const double (&old_at_new)[4][4], const std::vector<EightDoubles> &of_old,
              const std::uint8_t *const vertices)
     {
-      double of_density[dim + 1][4];
+      alignas(32) double of_density[dim + 1][4];
       TOMBOLO_UNROLL
       for (unsigned int j = 0; j <= dim; ++j)
       {
@@ -60,14 +59,14 @@ namespace tombolo
         store_node(load_node(products[j]) + row, products[j]);
       }
       const std::size_t of_point = values.size() / (dim + 1);
-      for (std::size_t first = 0; first < of_point; first += n_slots)
+      for (std::size_t two = 0; two < of_point; ++two)
       {
         // The fields as linear functions of the new coordinates.
         EightDoubles of_new[dim + 1];
         TOMBOLO_UNROLL
         for (unsigned int i = 0; i <= dim; ++i)
         {
-          const EightDoubles z = load_eight(of_old.data() + vertices[i] * of_point + first);
+          const EightDoubles z = of_old[vertices[i] * of_point + two];
           TOMBOLO_UNROLL
           for (unsigned int k = 0; k <= dim; ++k)
             of_new[k] = i == 0 ? old_at_new[k][i] * z : of_new[k] + old_at_new[k][i] * z;
@@ -75,21 +74,20 @@ namespace tombolo
         TOMBOLO_UNROLL
         for (unsigned int k = 1; k <= dim; ++k)
           of_new[k] -= of_new[0];
-        double *const to = values.data() + first * (dim + 1);
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j <= dim; ++j)
         {
-          EightDoubles sum = load_eight(to + j * n_slots);
+          EightDoubles sum = values[two * (dim + 1) + j];
           TOMBOLO_UNROLL
           for (unsigned int k = 0; k <= dim; ++k)
             sum += of_density[j][k] * of_new[k];
-          store_eight(sum, to + j * n_slots);
+          values[two * (dim + 1) + j] = sum;
         }
       }
     }
 
     /** What it has of itself. */
-    void add_whole(const double mass, const std::vector<double> &of_old,
+    void add_whole(const double mass, const std::vector<EightDoubles> &of_old,
                    const std::uint8_t *const vertices)
     {
       static const OverlapMoments<dim> moments = moments_of_whole_simplex();
@@ -107,13 +105,9 @@ namespace tombolo
       for (auto &row : products)
         for (unsigned int k = 1; k <= dim; ++k)
           row[0] -= row[k];
-      const std::size_t of_point = values.size() / (dim + 1);
-      for (std::size_t first = 0; first < of_point; first += n_slots)
-      {
-        double *const of_first = values.data() + first * (dim + 1);
+      for (std::size_t first = 0; first < values.size(); first += dim + 1)
         for (unsigned int j = 1; j <= dim; ++j)
-          store_eight(load_eight(of_first) - load_eight(of_first + j * n_slots), of_first);
-      }
+          values[first] -= values[first + j];
     }
 
   private:
@@ -129,21 +123,25 @@ namespace tombolo
     }
   };
 
-  /** Values of fields at the points of a cell, by point, field and slot, from those at corners.
+  /** Values of fields at the points of a cell, by point and two fields, from those at corners.
    * Where the number of fields is odd, there is one more, of zeros. */
   template <int dim>
   void values_at_points(const double *const of_corners, const std::size_t n_fields,
-                        std::vector<double> &result)
+                        std::vector<EightDoubles> &result)
   {
     const auto &shares = SimplexPoints<dim>::instance().shares;
     const std::size_t n = n_fields * node_stride;
-    const std::size_t of_point = n_pairs_of(n_fields) * 2 * node_stride;
+    const std::size_t of_point = n_pairs_of(n_fields);
     result.assign(shares.size() * of_point, 0.);
     for (std::size_t p = 0; p < shares.size(); ++p)
       for (unsigned int a = 0; a < SimplexPoints<dim>::n_corners; ++a)
-        if (shares[p][a] != 0.)
-          for (std::size_t c = 0; c < n; ++c)
-            result[p * of_point + c] += shares[p][a] * of_corners[a * n + c];
+        for (std::size_t two = 0; two < of_point && shares[p][a] != 0.; ++two)
+        {
+          double of_corner[8] = {};
+          std::copy_n(of_corners + a * n + two * 8, std::min<std::size_t>(8, n - two * 8),
+                      of_corner);
+          result[p * of_point + two] += shares[p][a] * load_eight(of_corner);
+        }
   }
 
   /** A cell of before that reaches cells of after of this rank (CellOverlap), and what they have of
@@ -159,7 +157,7 @@ namespace tombolo
     /** Of sub-cells, and what it has changed by since cells of after have got something of them. */
     std::array<double, n_sub_cells> density, change{};
     bool is_cut;
-    std::vector<double> values;         ///< of fields at its points (SimplexPoints)
+    std::vector<EightDoubles> values;   ///< of fields at its points (values_at_points())
     double centre[4] = {};              ///< and zeros
     double common[n_simplices][4] = {}; ///< of each simplex: ∫ (x - centre), and at the end ∫ 1
 
@@ -215,7 +213,7 @@ namespace tombolo
     static constexpr unsigned int n_points = SimplexPoints<dim>::n_points;
 
     explicit PointIntegrals(const unsigned int n_fields)
-        : values(n_pairs_of(n_fields) * n_points * 2 * node_stride, 0.), n_fields(n_fields)
+        : values(n_pairs_of(n_fields) * n_points, 0.), n_fields(n_fields)
     {}
 
     void clear()
@@ -232,13 +230,8 @@ namespace tombolo
       {
         for (unsigned int k = 0; k <= dim; ++k)
           matrix[vertices[j]][vertices[k]] += integrals.products[j][k];
-        for (std::size_t first = 0; first < of_point; first += 2 * node_stride)
-        {
-          double *const to = values.data() + vertices[j] * of_point + first;
-          const double *const from =
-              integrals.values.data() + first * (dim + 1) + std::size_t(j) * 2 * node_stride;
-          store_eight(load_eight(to) + load_eight(from), to);
-        }
+        for (std::size_t two = 0; two < of_point; ++two)
+          values[vertices[j] * of_point + two] += integrals.values[two * (dim + 1) + j];
       }
     }
 
@@ -254,7 +247,7 @@ namespace tombolo
             for (unsigned int field = 0; field < n_fields; ++field)
               for (unsigned int slot = 0; slot < node_stride; ++slot)
                 cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
-                    share * values[p * of_point + field * node_stride + slot];
+                    share * values[p * of_point + field / 2][field % 2 * node_stride + slot];
       const auto of_corners = points.matrix_of_corners(matrix);
       for (unsigned int k = 0; k < of_corners.size(); ++k)
       {
@@ -265,7 +258,7 @@ namespace tombolo
 
   private:
     double matrix[n_points][n_points] = {};
-    std::vector<double> values; // by point, field and slot
+    std::vector<EightDoubles> values; // by point and two fields
     unsigned int n_fields;
   };
 

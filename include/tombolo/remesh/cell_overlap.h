@@ -151,8 +151,7 @@ namespace tombolo
 
   /** Every rank gets what others have for it, what a rank has for itself included. Collective. */
   std::map<unsigned int, std::vector<double>>
-  exchange_by_rank(const std::map<unsigned int, std::vector<double>> &for_ranks,
-                   MPI_Comm communicator);
+  exchange_by_rank(std::map<unsigned int, std::vector<double>> for_ranks, MPI_Comm communicator);
 
   /** The items of each rank, on all of them. Utilities::MPI::all_gather() compresses what it sends,
    * one rank's to itself too, which takes longer than what is done with many of them. Collective.

@@ -61,7 +61,7 @@ namespace tombolo
     }
 
     dealii::Point<dim> lower, upper;             ///< of the box around its points
-    double place[dim][16];                       ///< of points; those beyond repeat the first
+    alignas(64) double place[dim][16];           ///< of points; those beyond repeat the first
     double volume[SimplexPoints<dim>::n_padded]; ///< of simplices
     /** Bits of the simplices that count: those that are not turned over or flat, or some of them.
      */
@@ -77,7 +77,7 @@ namespace tombolo
   private:
     struct Gradients
     {
-      double entries[dim][4];
+      alignas(32) double entries[dim][4];
     };
 
     std::array<Gradients, SimplexPoints<dim>::n_simplices> gradients_of_simplices;
@@ -94,7 +94,7 @@ namespace tombolo
     {
       /** The coordinates of the old simplex at the vertices of the new one, rows. In two
        * dimensions the last row repeats the first. */
-      double old_at_new[4][4];
+      alignas(64) double old_at_new[4][4];
       unsigned int cell; ///< its place in the order of add_cell()
       unsigned int simplex;
     };
@@ -188,7 +188,7 @@ namespace tombolo
     {
       const SimplexCell<dim> &cell = *cells[number];
       const SimplexPoints<dim> &of_cell = SimplexPoints<dim>::instance();
-      typename SimplexOverlaps<dim>::Points points; // in the new simplex
+      alignas(64) typename SimplexOverlaps<dim>::Points points; // in the new simplex
       unsigned int in_front[dim + 1] = {};
       for (unsigned int first = 0; first < 16; first += 8)
       {
@@ -217,13 +217,22 @@ namespace tombolo
       const std::size_t first_pair = n_pairs;
       if (pairs.size() < n_pairs + SimplexPoints<dim>::n_simplices)
         pairs.resize(n_pairs + SimplexPoints<dim>::n_simplices);
+      EightDoubles offset[dim][2];
+      TOMBOLO_UNROLL
+      for (unsigned int d = 0; d < dim; ++d)
+        TOMBOLO_UNROLL
+      for (unsigned int half = 0; half < 2; ++half)
+        offset[d][half] = load_eight(place[d] + std::size_t(8) * half) -
+                          cell.place[d][SimplexPoints<dim>::centre];
       for (; candidates != 0; candidates &= candidates - 1)
-        add_pair(cell, number, first_bit(candidates));
+        add_pair(cell, number, first_bit(candidates), offset);
       for (std::size_t pair = first_pair; pair < n_pairs; ++pair)
         overlaps.add(points, of_cell.vertices[pairs[pair].simplex].data());
     }
-    void add_pair(const SimplexCell<dim> &cell, const unsigned int number,
-                  const unsigned int simplex)
+    /** @p offset: the vertices of the new simplex from the centre of the old cell, as place. */
+    TOMBOLO_ALWAYS_INLINE void add_pair(const SimplexCell<dim> &cell, const unsigned int number,
+                                        const unsigned int simplex,
+                                        const EightDoubles (&offset)[dim][2])
     {
       Pair &pair = pairs[n_pairs];
       // Coordinates at the centre; with an entry beyond, which is always in front.
@@ -234,9 +243,8 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
       {
         const EightDoubles of_component = repeat_four(of_old[d]);
-        const double centre = cell.place[d][SimplexPoints<dim>::centre];
-        low += (load_eight(place[d]) - centre) * of_component;
-        high += (load_eight(place[d] + 8) - centre) * of_component;
+        low += offset[d][0] * of_component;
+        high += offset[d][1] * of_component;
       }
       store_eight(low, pair.old_at_new[0]);
       store_eight(high, pair.old_at_new[2]);
@@ -252,7 +260,7 @@ namespace tombolo
     std::vector<double> box; // of cells: lower and upper ends by component, eight cells at a time
     dealii::Point<dim> lower, upper;        // of the new simplex
     double origin[dim], gradient[dim][dim]; // of coordinates but the first
-    double place[dim][16];                  // each component of vertices four times
+    alignas(64) double place[dim][16];      // each component of vertices four times
     SimplexOverlaps<dim> overlaps;
     std::vector<Pair> pairs; // the first n_pairs of them, and room for those of one cell
     std::size_t n_pairs = 0;

@@ -157,7 +157,7 @@ namespace
     double of_corners[SubCells<dim>::n_corners][node_stride] = {};
     for (unsigned int k = 0; k < SubCells<dim>::n_corners; ++k)
       of_corners[k][0] = k;
-    std::vector<double> of_old;
+    std::vector<EightDoubles> of_old;
     values_at_points<dim>(&of_corners[0][0], 1, of_old);
     const auto &points = SimplexPoints<dim>::instance();
     double volume = 0;
@@ -186,11 +186,10 @@ namespace
         {
           EXPECT_NEAR(integrals.products[j][k], (j == k ? 2. : 1.) / ((dim + 1) * (dim + 2)),
                       1e-12);
-          sum += (j == k ? 2. : 1.) / ((dim + 1) * (dim + 2)) *
-                 of_old[points.vertices[s][k] * 2 * node_stride];
+          sum += (j == k ? 2. : 1.) / ((dim + 1) * (dim + 2)) * of_old[points.vertices[s][k]][0];
         }
         for (const SimplexIntegrals<dim> *const of_whole : {&integrals, &expected})
-          EXPECT_NEAR(of_whole->values[j * 2 * node_stride], sum, 1e-11);
+          EXPECT_NEAR(of_whole->values[j][0], sum, 1e-11);
       }
     }
     double expected = 0;
