@@ -3,7 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
@@ -45,29 +45,28 @@ namespace tombolo
         x.data()[i] = a * x.data()[i] + b * y.data()[i] + c * z.data()[i];
     }
 
-    /** The combination of the first @p size of three vectors with the largest Rayleigh quotient, by
-     * their inner products (Gram matrix) and those of one with the image of another; zero for the
-     * other vectors. */
-    std::array<double, 3> rayleigh_ritz(const Eigen::Matrix3d &gram,
-                                        const Eigen::Matrix3d &projected, const int size)
+    using Eigen::Matrix3d;
+
+    /** The combination of three vectors with the largest Rayleigh quotient, by their inner products
+     * (Gram matrix, zero in the row of a vector that is left out) and those of one with the image
+     * of another; it keeps the sign of the first. */
+    Eigen::Vector3d rayleigh_ritz(const Matrix3d &gram, const Matrix3d &projected)
     {
       // The eigenvectors of the Gram matrix with small eigenvalues are directions that the three
       // vectors do not really span.
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_gram(gram.topLeftCorner(size, size));
-      Eigen::MatrixXd basis(size, 0);
-      for (int k = 0; k < size; ++k)
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> of_gram(gram);
+      Matrix3d basis = Matrix3d::Zero();
+      int size = 0;
+      for (int k = 0; k < 3; ++k)
         if (of_gram.eigenvalues()[k] > 1e-12)
-        {
-          basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
-          basis.col(basis.cols() - 1) =
-              of_gram.eigenvectors().col(k) / std::sqrt(of_gram.eigenvalues()[k]);
-        }
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(
-          basis.transpose() * projected.topLeftCorner(size, size) * basis);
-      const Eigen::VectorXd weights = basis * ritz.eigenvectors().col(basis.cols() - 1);
-      std::array<double, 3> result{};
-      std::copy_n(weights.data(), size, result.begin());
-      return result;
+          basis.col(size++) = of_gram.eigenvectors().col(k) / std::sqrt(of_gram.eigenvalues()[k]);
+      Matrix3d of_basis = basis.transpose() * projected * basis;
+      // Columns without a vector stay below all others.
+      for (const double bound = 2. * of_basis.norm() + 1.; size < 3; ++size)
+        of_basis(size, size) = -bound;
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> ritz(of_basis);
+      const Eigen::Vector3d weights = basis * ritz.eigenvectors().col(2);
+      return weights[0] < 0. ? Eigen::Vector3d(-weights) : weights;
     }
 
     /** A number in (-1, 1) that depends on the position alone: the start vector is the same on any
@@ -183,19 +182,23 @@ namespace tombolo
                                                       {&direction, &residual_image},
                                                       {&direction, &direction_image},
                                                       {&mode, &image}}});
-      Eigen::Matrix3d gram, projected;
+      Matrix3d gram, projected;
       gram << 1., products[0], products[1], products[0], 1., products[2], products[1], products[2],
           1.;
+      if (!has_direction)
+      {
+        gram.row(2).setZero();
+        gram.col(2).setZero();
+      }
       projected << products[8], products[3], products[4], products[3], products[5], products[6],
           products[4], products[6], products[7];
-      const auto [of_mode, of_residual, of_direction] =
-          rayleigh_ritz(gram, projected, has_direction ? 3 : 2);
+      const Eigen::Vector3d weights = rayleigh_ritz(gram, projected);
 
       // direction = what is added to the old mode
-      combine(of_direction, direction, of_residual, residual, 0., residual);
-      combine(of_direction, direction_image, of_residual, residual_image, 0., residual_image);
-      combine(of_mode, mode, 1., direction, 0., direction);
-      combine(of_mode, image, 1., direction_image, 0., direction_image);
+      combine(weights[2], direction, weights[1], residual, 0., residual);
+      combine(weights[2], direction_image, weights[1], residual_image, 0., residual_image);
+      combine(weights[0], mode, 1., direction, 0., direction);
+      combine(weights[0], image, 1., direction_image, 0., direction_image);
       const double mode_norm = normalize(mode, nullptr);
       combine(1. / mode_norm, image, 0., image, 0., image);
       normalize(direction, &direction_image);
