@@ -17,8 +17,8 @@ namespace tombolo
     double depth = 0;                    ///< δ [L]
     double damping_force = 0;            ///< c δ̇ >= -k δ [M L/T^2]
     dealii::Tensor<1, dim> elastic_slip; ///< displacement along the surface before slip [L]
-    /** Its length before Coulomb's limit, in this step; zero without friction [L]. */
-    double trial_slip = 0;
+    /** Its length before Coulomb's limit, in this step; negative without friction [L]. */
+    double trial_slip = -1;
     /** Whether that limit is Coulomb's, not the limit of shear. */
     bool limit_follows_pressure = true;
 

@@ -69,7 +69,7 @@ namespace tombolo
   {
     const double k = share * spring.stiffness;
     stiffness.normal += k;
-    if (!(spring.trial_slip > 0.))
+    if (spring.trial_slip < 0. || !(spring.depth > 0.))
       return;
     const double slip = spring.elastic_slip.norm();
     dealii::Tensor<2, dim> across;
@@ -81,7 +81,7 @@ namespace tombolo
       stiffness.along += k * across;
       return;
     }
-    if (!(slip > 0. && spring.depth > 0.))
+    if (!(slip > 0.))
       return;
     const dealii::Tensor<1, dim> along = spring.elastic_slip / slip;
     across -= outer_product(along, along);
