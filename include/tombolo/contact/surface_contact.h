@@ -510,9 +510,10 @@ namespace tombolo
     void release(const std::size_t candidate, const ContactMotion<dim> &move,
                  const NodalHeat &nodal_heat)
     {
-      this->add_friction_heat(candidate,
-                              ContactLaw::release(move, springs[candidate], this->totals.damping),
+      double lost = 0;
+      this->add_friction_heat(candidate, ContactLaw::release(move, springs[candidate], lost),
                               nodal_heat);
+      add_loss(lost);
     }
 
     /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
