@@ -293,6 +293,9 @@ namespace tombolo
       std::size_t n_kept = 0;
       for (std::size_t p = 0; p < points.size(); ++p)
       {
+        const bool is_behind = gaps[p] < this->touch_distance;
+        if (!is_behind && is_static())
+          continue;
         Point point = points[p];
         point.depth = std::max(0., -gaps[p]);
         if (is_static())
@@ -302,8 +305,7 @@ namespace tombolo
           last_place += shapes.value(point.q, k) *
                         vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
         point.motion = places[p] - this->surface->motion(places[p], begin, clock.time) - last_place;
-        const bool is_behind = gaps[p] < this->touch_distance;
-        if (!is_behind && (is_static() || !(gaps[p] < point.motion.norm())))
+        if (!is_behind && !(gaps[p] < point.motion.norm()))
           continue;
         point.normal = this->surface->normal(places[p], clock.time);
         const double approach = -(point.motion * point.normal);

@@ -48,5 +48,4 @@ namespace tombolo
     AssertDimension(committed.size(), data.size());
     std::copy(committed.begin(), committed.end(), data.begin());
   }
-
 } // namespace tombolo
