@@ -100,14 +100,9 @@ namespace tombolo
   template <int dim>
   std::vector<const ProcessKind<dim> *> ProcessKinds<dim>::all() const
   {
-    std::vector<std::pair<int, const ProcessKind<dim> *>> sorted;
-    for (const auto &[order, kind] : kinds)
-      sorted.emplace_back(order, kind.get());
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const auto &a, const auto &b) { return a.first < b.first; });
     std::vector<const ProcessKind<dim> *> result;
-    for (const auto &entry : sorted)
-      result.push_back(entry.second);
+    for (const auto &entry : kinds)
+      result.push_back(entry.second.get());
     return result;
   }
 

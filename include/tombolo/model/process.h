@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <iosfwd>
+#include <map>
 #include <memory>
 #include <string>
 #include <typeindex>
@@ -262,23 +263,23 @@ namespace tombolo
                   fragment_contact = 80, named = 100, subcycling = 200;
   } // namespace process_order
 
-  /** All kinds, by order. */
+  /** All kinds, by order and, where it is the same, by name. */
   template <int dim>
   class ProcessKinds
   {
   public:
     static ProcessKinds &instance();
 
-    void add(const int order, std::unique_ptr<const ProcessKind<dim>> kind)
+    void add(const int order, const std::string &name, std::unique_ptr<const ProcessKind<dim>> kind)
     {
-      kinds.emplace_back(order, std::move(kind));
+      kinds.emplace(std::make_pair(order, name), std::move(kind));
     }
 
     /** In the order of the steps. */
     std::vector<const ProcessKind<dim> *> all() const;
 
   private:
-    std::vector<std::pair<int, std::unique_ptr<const ProcessKind<dim>>>> kinds;
+    std::multimap<std::pair<int, std::string>, std::unique_ptr<const ProcessKind<dim>>> kinds;
   };
 
   template <int dim>
@@ -292,9 +293,9 @@ namespace tombolo
     template <int dim, typename Kind>
     struct ProcessKindRegistration
     {
-      explicit ProcessKindRegistration(const int order)
+      ProcessKindRegistration(const int order, const char *name)
       {
-        ProcessKinds<dim>::instance().add(order, std::make_unique<Kind>());
+        ProcessKinds<dim>::instance().add(order, name, std::make_unique<Kind>());
       }
     };
   } // namespace internal
@@ -308,7 +309,7 @@ namespace tombolo
   namespace                                                                                        \
   {                                                                                                \
     const ::tombolo::internal::ProcessKindRegistration<2, Kind<2>>                                 \
-        TOMBOLO_UNIQUE_NAME(process_kind_2_)(order);                                               \
+        TOMBOLO_UNIQUE_NAME(process_kind_2_)(order, #Kind);                                        \
     const ::tombolo::internal::ProcessKindRegistration<3, Kind<3>>                                 \
-        TOMBOLO_UNIQUE_NAME(process_kind_3_)(order);                                               \
+        TOMBOLO_UNIQUE_NAME(process_kind_3_)(order, #Kind);                                        \
   }

@@ -588,5 +588,5 @@ namespace tombolo
   template class RigidContacts<2>;
   template class RigidContacts<3>;
 
-  TOMBOLO_REGISTER_PROCESS_KIND(RigidContactsKind, process_order::contact + 1)
+  TOMBOLO_REGISTER_PROCESS_KIND(RigidContactsKind, process_order::contact)
 } // namespace tombolo
