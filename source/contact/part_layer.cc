@@ -81,9 +81,11 @@ namespace tombolo
         owned_nodes.push_back({number, 0});
         numbers_of_owned.push_back(number);
       }
-    received = of_all_ranks(numbers_of_owned, communicator);
-    n_owned_of_rank =
-        Utilities::MPI::all_gather(communicator, static_cast<int>(numbers_of_owned.size()));
+    std::vector<int> begin;
+    received = of_all_ranks(numbers_of_owned, communicator, begin);
+    n_owned_of_rank.clear();
+    for (std::size_t rank = 1; rank < begin.size(); ++rank)
+      n_owned_of_rank.push_back(begin[rank] - begin[rank - 1]);
 
     add_facets(nodes);
     add_images(nodes);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/cell_divisions.h>
 
+#include <tombolo/base/on_ranks.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -30,10 +32,7 @@ namespace tombolo
       for (int level = cell->level(); level > 0 && place_in_parent<dim>(id) == 0; --level)
         own.push_back(id = parent_of<dim>(id));
     }
-    CellDivisions result;
-    for (const CellDivisions &of_rank :
-         Utilities::MPI::all_gather(communicator_of(mesh.triangulation), own))
-      result.insert(result.end(), of_rank.begin(), of_rank.end());
+    CellDivisions result = of_all_ranks(own, communicator_of(mesh.triangulation));
     std::sort(result.begin(), result.end());
     return result;
   }

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/remesh/cell_cutting.h>
 
 #include <deal.II/base/bounding_box.h>
@@ -34,16 +35,6 @@ namespace tombolo
       return result;
     }
   } // namespace
-
-  std::map<unsigned int, std::vector<double>>
-  exchange_by_rank(std::map<unsigned int, std::vector<double>> for_ranks,
-                   const MPI_Comm communicator)
-  {
-    auto own = for_ranks.extract(Utilities::MPI::this_mpi_process(communicator));
-    auto result = Utilities::MPI::some_to_some(communicator, for_ranks);
-    result.insert(std::move(own));
-    return result;
-  }
 
   template <int dim>
   CellOverlap<dim>::CellOverlap(const std::vector<RemapCell<dim>> &cells,
@@ -158,7 +149,7 @@ namespace tombolo
       }
     }
     const std::size_t size = Received::size(std::size_t(n_fields) * n_corners * node_stride);
-    for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
+    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
       n_received[rank] = static_cast<unsigned int>(data.size() / size);
       received_data.insert(received_data.end(), data.begin(), data.end());
@@ -258,7 +249,7 @@ namespace tombolo
           data.insert(data.end(), &of_sub_cell.moment[0], &of_sub_cell.moment[0] + dim);
         }
     covered.assign(cells.size() * n_sub_cells, {});
-    for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
+    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
       const double *value = data.data();
       for (const unsigned int cell : sent.at(rank))
@@ -363,7 +354,7 @@ namespace tombolo
                     of_cells.begin() + std::ptrdiff_t(cell + 1) * n);
     }
     std::vector<double> result;
-    for (auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
+    for (auto &[rank, data] : exchange_by_rank(messages, communicator))
       if (result.empty())
         result = std::move(data);
       else

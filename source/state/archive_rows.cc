@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/archive_rows.h>
 
+#include <tombolo/base/on_ranks.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -51,11 +53,11 @@ namespace tombolo
       places[there].push_back(k);
     }
     std::unordered_map<std::uint64_t, std::pair<unsigned int, std::uint64_t>> reader;
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, of_readers))
+    for (const auto &[from, message] : exchange_by_rank(of_readers, communicator))
       for (std::size_t i = 0; i < message.size(); i += 2)
         reader[message[i]] = {from, message[i + 1]};
     Message answers; // reader and row there, or no rank
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, of_wanters))
+    for (const auto &[from, message] : exchange_by_rank(of_wanters, communicator))
       for (const std::uint64_t id : message)
       {
         const auto found = reader.find(id);
@@ -65,7 +67,7 @@ namespace tombolo
           answers[from].insert(answers[from].end(), {found->second.first, found->second.second});
       }
     Message requests;
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, answers))
+    for (const auto &[from, message] : exchange_by_rank(answers, communicator))
       for (std::size_t i = 0; i < message.size(); i += 2)
       {
         if (message[i] == n_ranks)
@@ -75,7 +77,7 @@ namespace tombolo
         requests[static_cast<unsigned int>(message[i])].push_back(message[i + 1]);
         receive[static_cast<unsigned int>(message[i])].push_back(k);
       }
-    send = Utilities::MPI::some_to_some(communicator, requests);
+    send = exchange_by_rank(requests, communicator);
     std::vector<bool> is_wanted(in_share.size(), false);
     for (const auto &[to, rows] : send)
       for (const std::uint64_t row : rows)
@@ -98,7 +100,7 @@ namespace tombolo
         to_send[rank].insert(to_send[rank].end(), share.data() + row * n_components,
                              share.data() + (row + 1) * n_components);
     std::vector<double> values(is_found.size() * n_components, 0.);
-    for (const auto &[from, message] : Utilities::MPI::some_to_some(file.communicator(), to_send))
+    for (const auto &[from, message] : exchange_by_rank(to_send, file.communicator()))
     {
       const std::vector<std::uint64_t> &rows = receive.at(from);
       for (std::size_t k = 0; k < rows.size(); ++k)

@@ -2,6 +2,7 @@
 #include "cloud_interpolation.h"
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/point_remap.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/mpi.h>
@@ -58,7 +59,7 @@ namespace tombolo
         if (!messages.empty())
           to_send.emplace(rank, std::move(messages));
       }
-      return unpack(dealii::Utilities::MPI::some_to_some(communicator, to_send));
+      return unpack(exchange_by_rank(to_send, communicator));
     }
 
   private:
@@ -168,12 +169,7 @@ namespace tombolo
           own_boxes[b].lowest.fill(nowhere);
           own_boxes[b].highest.fill(-nowhere);
         }
-      std::vector<BoxesOfRank> boxes(dealii::Utilities::MPI::n_mpi_processes(communicator));
-      const int n_doubles = static_cast<int>(sizeof(own_boxes) / sizeof(double));
-      const int error = MPI_Allgather(own_boxes.data(), n_doubles, MPI_DOUBLE, boxes.data(),
-                                      n_doubles, MPI_DOUBLE, communicator);
-      AssertThrowMPI(error);
-      return boxes;
+      return of_all_ranks(std::vector<BoxesOfRank>{own_boxes}, communicator);
     }
     /** The messages of own particles whose supports touch @p boxes. */
     std::vector<double> pack_touching(const BoxesOfRank &boxes,

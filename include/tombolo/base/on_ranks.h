@@ -7,12 +7,32 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 namespace tombolo
 {
+  namespace internal
+  {
+    // What follows of messages between ranks is not a template: deal.II's functions take a second
+    // to compile, by source and type, and compress what they gather.
+    std::vector<std::string> broadcast_texts(MPI_Comm communicator,
+                                             const std::vector<std::string> &of_first_rank);
+
+    /** How many items the ranks before each one have, and all. Collective. */
+    std::vector<int> begin_of_ranks(std::size_t n_items, MPI_Comm communicator);
+
+    /** Items of @p size bytes of all ranks. Collective. */
+    void gather_items(const void *own, void *all, std::size_t size, const std::vector<int> &begin,
+                      MPI_Comm communicator);
+
+    std::map<unsigned int, std::vector<char>>
+    exchange_bytes(const std::map<unsigned int, std::vector<char>> &for_ranks,
+                   MPI_Comm communicator);
+  } // namespace internal
+
   /** What @p make() gives on the first rank, the only one that calls it, on all. Collective. */
   template <typename Make>
   auto of_first_rank(const MPI_Comm communicator, const Make &make)
@@ -20,7 +40,12 @@ namespace tombolo
     decltype(make()) result{};
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       result = make();
-    return dealii::Utilities::MPI::broadcast(communicator, result, 0);
+    if constexpr (std::is_same_v<decltype(result), std::vector<std::string>>)
+      return internal::broadcast_texts(communicator, result);
+    else if constexpr (std::is_same_v<decltype(result), std::string>)
+      return internal::broadcast_texts(communicator, {result}).front();
+    else
+      return dealii::Utilities::MPI::broadcast(communicator, result, 0);
   }
 
   /** Calls @p action. Where it throws a @p Caught on any rank, throws an @p Error on all, as
@@ -40,19 +65,63 @@ namespace tombolo
     throw_on_all_ranks<Error>(failure, communicator);
   }
 
-  /** The values of all ranks after each other, in the order of the ranks. Collective. */
-  template <typename Value>
-  std::vector<Value> of_all_ranks(const std::vector<Value> &of_rank, const MPI_Comm communicator)
+  /** The items of all ranks after each other, in the order of the ranks, which begin at @p begin.
+   * Collective. */
+  template <typename Item>
+  std::vector<Item> of_all_ranks(const std::vector<Item> &of_rank, const MPI_Comm communicator,
+                                 std::vector<int> &begin)
   {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    const auto *const begin = reinterpret_cast<const char *>(of_rank.data());
-    const std::vector<char> bytes(begin, begin + of_rank.size() * sizeof(Value));
-    std::vector<Value> result;
-    for (const std::vector<char> &of_one : dealii::Utilities::MPI::all_gather(communicator, bytes))
+    static_assert(std::is_trivially_copyable_v<Item>);
+    begin = internal::begin_of_ranks(of_rank.size(), communicator);
+    std::vector<Item> all(static_cast<std::size_t>(begin.back()));
+    internal::gather_items(of_rank.data(), all.data(), sizeof(Item), begin, communicator);
+    return all;
+  }
+
+  /** The items of all ranks after each other, in the order of the ranks. Collective. */
+  template <typename Item>
+  std::vector<Item> of_all_ranks(const std::vector<Item> &of_rank, const MPI_Comm communicator)
+  {
+    std::vector<int> begin;
+    return of_all_ranks(of_rank, communicator, begin);
+  }
+
+  /** The items of each rank, on all of them. Collective. */
+  template <typename Item>
+  std::vector<std::vector<Item>> items_of_ranks(const std::vector<Item> &of_rank,
+                                                const MPI_Comm communicator)
+  {
+    std::vector<int> begin;
+    const std::vector<Item> all = of_all_ranks(of_rank, communicator, begin);
+    std::vector<std::vector<Item>> result;
+    for (std::size_t rank = 0; rank + 1 < begin.size(); ++rank)
+      result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
+    return result;
+  }
+
+  /** Every rank gets what others have for it, by rank, and what it has for itself. Collective. */
+  template <typename Item>
+  std::map<unsigned int, std::vector<Item>>
+  exchange_by_rank(const std::map<unsigned int, std::vector<Item>> &for_ranks,
+                   const MPI_Comm communicator)
+  {
+    static_assert(std::is_trivially_copyable_v<Item>);
+    const unsigned int own_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
+    std::map<unsigned int, std::vector<char>> to_send;
+    std::map<unsigned int, std::vector<Item>> result;
+    for (const auto &[rank, items] : for_ranks)
+      if (rank == own_rank)
+        result.emplace(rank, items);
+      else
+      {
+        const auto *const begin = reinterpret_cast<const char *>(items.data());
+        to_send[rank].assign(begin, begin + items.size() * sizeof(Item));
+      }
+    for (const auto &[rank, bytes] : internal::exchange_bytes(to_send, communicator))
     {
-      const std::size_t before = result.size();
-      result.resize(before + of_one.size() / sizeof(Value));
-      std::copy(of_one.begin(), of_one.end(), reinterpret_cast<char *>(result.data() + before));
+      std::vector<Item> &items = result[rank];
+      items.resize(bytes.size() / sizeof(Item));
+      std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char *>(items.data()));
     }
     return result;
   }

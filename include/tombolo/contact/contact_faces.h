@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/mesh/nodes.h>
@@ -349,7 +350,7 @@ namespace tombolo
           around[dim + d] = std::max(around[dim + d], box.upper_bound(d));
         }
       }
-      const auto of_ranks = dealii::Utilities::MPI::all_gather(communicator, around);
+      const auto of_ranks = items_of_ranks(around, communicator);
       std::vector<dealii::BoundingBox<dim>> boxes;
       for (const auto &face : masters.faces())
         boxes.push_back(box_around<dim>(masters.corners(face, position), 0.));

@@ -7,6 +7,7 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_heat.h>
@@ -256,7 +257,7 @@ namespace tombolo
         else if (const std::vector<double> place(x, x + dim); first.empty() || place < first)
           first = place;
       }
-      for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, first))
+      for (const std::vector<double> &of_rank : items_of_ranks(first, communicator))
         if (!of_rank.empty() && (first.empty() || of_rank < first))
           first = of_rank;
       n_tied = Utilities::MPI::sum(n_tied, communicator);

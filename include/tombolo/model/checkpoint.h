@@ -5,6 +5,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/base/log.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/state/state_archive.h>
 
@@ -120,23 +121,24 @@ namespace tombolo
       const std::string directory =
           wanted.empty() ? (std::filesystem::path(output_directory) / subdirectory).string()
                          : wanted;
-      std::vector<std::string> candidates;
-      bool is_directory = false;
-      if (Utilities::MPI::this_mpi_process(communicator) == 0)
+      const auto is_directory = [&]
       {
         std::error_code code;
-        is_directory = wanted.empty() || std::filesystem::is_directory(directory, code);
-        if (is_directory)
-          for (const auto &[step, file] : files_in(directory))
-            candidates.insert(candidates.begin(), file);
-      }
-      is_directory = Utilities::MPI::broadcast(communicator, is_directory, 0);
-      candidates = Utilities::MPI::broadcast(communicator, candidates, 0);
-      if (!is_directory)
+        return wanted.empty() || std::filesystem::is_directory(directory, code);
+      };
+      const auto newest_first = [&]
+      {
+        std::vector<std::string> files;
+        for (const auto &[step, file] : files_in(directory))
+          files.insert(files.begin(), file);
+        return files;
+      };
+      if (!of_first_rank(communicator, is_directory))
       {
         StateArchive::verify(wanted, communicator);
         return wanted;
       }
+      const std::vector<std::string> candidates = of_first_rank(communicator, newest_first);
       for (const std::string &candidate : candidates)
       {
         try
@@ -187,8 +189,8 @@ namespace tombolo
                     "`checkpoint` of its output directory where its section \"Checkpoint\" "
                     "sets `End state = true`.";
       }
-      file = Utilities::MPI::broadcast(communicator, file, 0);
-      problem = Utilities::MPI::broadcast(communicator, problem, 0);
+      file = of_first_rank(communicator, [&] { return file; });
+      problem = of_first_rank(communicator, [&] { return problem; });
       if (!problem.empty())
         section.fail(entry, problem);
       StateArchive::verify(file, communicator);

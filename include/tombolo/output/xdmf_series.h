@@ -5,6 +5,7 @@
 #include <tombolo/base/file_stream.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/hdf5_handle.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/output/vtu_piece.h>
@@ -60,10 +61,10 @@ namespace tombolo
         if (std::rename(file.c_str(), aside.c_str()) != 0)
           remark = "The pictures in " + file + " are damaged and are written anew from here on.";
       }
-      grids = Utilities::MPI::broadcast(directory.communicator(), grids, 0);
+      grids = of_first_rank(directory.communicator(), [&] { return grids; });
       if (!grids.empty())
         write_index(directory);
-      return Utilities::MPI::broadcast(directory.communicator(), remark, 0);
+      return of_first_rank(directory.communicator(), [&] { return remark; });
     }
 
     /** Adds the grid of output number @p output, the pieces of all ranks one after the other.

@@ -9,8 +9,6 @@
 #include <array>
 #include <map>
 #include <memory>
-#include <numeric>
-#include <type_traits>
 #include <vector>
 
 namespace tombolo
@@ -148,35 +146,6 @@ namespace tombolo
     std::map<unsigned int, unsigned int> n_received;        ///< by rank
     std::vector<double> received_data;
   };
-
-  /** Every rank gets what others have for it, what a rank has for itself included. Collective. */
-  std::map<unsigned int, std::vector<double>>
-  exchange_by_rank(std::map<unsigned int, std::vector<double>> for_ranks, MPI_Comm communicator);
-
-  /** The items of each rank, on all of them. Utilities::MPI::all_gather() compresses what it sends,
-   * one rank's to itself too, which takes longer than what is done with many of them. Collective.
-   */
-  template <typename Item>
-  std::vector<std::vector<Item>> items_of_ranks(const std::vector<Item> &of_rank,
-                                                const MPI_Comm communicator)
-  {
-    static_assert(std::is_trivially_copyable_v<Item>);
-    MPI_Datatype type;
-    MPI_Type_contiguous(sizeof(Item), MPI_BYTE, &type);
-    MPI_Type_commit(&type);
-    const auto n = static_cast<int>(of_rank.size());
-    const auto lengths = dealii::Utilities::MPI::all_gather(communicator, n);
-    std::vector<int> begin(lengths.size() + 1, 0);
-    std::partial_sum(lengths.begin(), lengths.end(), begin.begin() + 1);
-    std::vector<Item> all(static_cast<std::size_t>(begin.back()));
-    MPI_Allgatherv(of_rank.data(), n, type, all.data(), lengths.data(), begin.data(), type,
-                   communicator);
-    MPI_Type_free(&type);
-    std::vector<std::vector<Item>> result;
-    for (std::size_t rank = 0; rank < lengths.size(); ++rank)
-      result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
-    return result;
-  }
 
   extern template class CellOverlap<2>;
   extern template class CellOverlap<3>;

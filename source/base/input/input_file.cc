@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/input_file.h>
 
+#include <tombolo/base/on_ranks.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <boost/algorithm/string/case_conv.hpp>
@@ -61,10 +63,9 @@ namespace tombolo
   std::string read_input_file(const Section &section, const std::string &entry,
                               const std::string &file, const MPI_Comm communicator)
   {
-    std::string text, error;
-    if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-      error = read(section, entry, file, text);
-    error = dealii::Utilities::MPI::broadcast(communicator, error, 0);
+    std::string text;
+    const std::string error =
+        of_first_rank(communicator, [&] { return read(section, entry, file, text); });
     if (!error.empty())
       section.fail(entry, file == section.get(entry) ? error : "\"" + file + "\": " + error);
     const std::size_t size = dealii::Utilities::MPI::broadcast(communicator, text.size(), 0);

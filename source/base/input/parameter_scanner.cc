@@ -7,6 +7,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/mistakes.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/on_ranks.h>
 
 #include <algorithm>
 #include <array>
@@ -57,16 +58,17 @@ namespace tombolo
     std::string read_on_root(const std::string &name, const MPI_Comm communicator,
                              std::string &text, std::string &identity)
     {
-      std::vector<std::string> message(3);
-      if (Utilities::MPI::this_mpi_process(communicator) == 0)
+      const auto read = [&]
       {
+        std::vector<std::string> message(3);
         message[0] = read_locally(name, message[1]);
         std::error_code error;
         message[2] = std::filesystem::weakly_canonical(name, error).string();
         if (error)
           message[2] = name;
-      }
-      message = Utilities::MPI::broadcast(communicator, message, 0);
+        return message;
+      };
+      std::vector<std::string> message = of_first_rank(communicator, read);
       text = std::move(message[1]);
       identity = std::move(message[2]);
       return message[0];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/fragments.h>
 
+#include <tombolo/base/on_ranks.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <boost/pending/disjoint_sets.hpp>
@@ -111,7 +113,7 @@ namespace tombolo
               to_owners[rank].push_back(
                   {{partition.global_index(ghost), mirrors, of_set[0], of_set[1]}});
       std::vector<Link> links;
-      for (const auto &[rank, received] : Utilities::MPI::some_to_some(communicator, to_owners))
+      for (const auto &[rank, received] : exchange_by_rank(to_owners, communicator))
         for (const auto &[node, mirrors, id, of_id] : received)
         {
           const Copy &own = smallest[connected.set_of(
@@ -122,10 +124,7 @@ namespace tombolo
         }
       std::sort(links.begin(), links.end());
       links.erase(std::unique(links.begin(), links.end()), links.end());
-      std::vector<Link> of_all;
-      for (const std::vector<Link> &of_rank : Utilities::MPI::all_gather(communicator, links))
-        of_all.insert(of_all.end(), of_rank.begin(), of_rank.end());
-      return of_all;
+      return of_all_ranks(links, communicator);
     }
 
     /** Replaces smallest particles on a rank by those of all ranks. Collective. */

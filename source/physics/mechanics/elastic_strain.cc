@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 
@@ -111,7 +112,7 @@ namespace tombolo
             farthest[direction] = std::max(farthest[direction], entry);
           }
         }
-        for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, farthest))
+        for (const auto &of_rank : items_of_ranks(farthest, model.communicator))
           for (unsigned int direction = 0; direction < 2 * dim; ++direction)
             farthest[direction] = std::max(farthest[direction], of_rank[direction]);
         for (unsigned int axis = 0; axis < dim; ++axis)

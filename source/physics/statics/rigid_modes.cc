@@ -165,24 +165,23 @@ namespace tombolo
     }
 
     /** Sets of bodies that contacts join: the smallest number in each, by body. */
-    std::map<types::global_dof_index, types::global_dof_index> joined_bodies(
-        const std::vector<std::pair<types::global_dof_index, types::global_dof_index>> &pairs,
-        const MPI_Comm communicator)
+    std::map<types::global_dof_index, types::global_dof_index>
+    joined_bodies(const std::vector<std::array<types::global_dof_index, 2>> &pairs,
+                  const MPI_Comm communicator)
     {
       std::map<types::global_dof_index, types::global_dof_index> result;
-      const auto all = Utilities::MPI::all_gather(communicator, pairs);
+      const auto all = of_all_ranks(pairs, communicator);
       const auto of = [&](const types::global_dof_index body)
       { return result.try_emplace(body, body).first->second; };
       for (bool has_changed = true; has_changed;)
       {
         has_changed = false;
-        for (const auto &of_rank : all)
-          for (const auto &[one, other] : of_rank)
-          {
-            const types::global_dof_index smallest = std::min(of(one), of(other));
-            has_changed = has_changed || of(one) != of(other);
-            result[one] = result[other] = smallest;
-          }
+        for (const auto &[one, other] : all)
+        {
+          const types::global_dof_index smallest = std::min(of(one), of(other));
+          has_changed = has_changed || of(one) != of(other);
+          result[one] = result[other] = smallest;
+        }
       }
       return result;
     }
@@ -234,7 +233,7 @@ namespace tombolo
     { return static_cast<types::global_dof_index>(*body_of_node.node(i)); };
     const std::vector<types::global_dof_index> nodes = nodes_of_contacts(contacts);
     const auto far = values_of_far_nodes<types::global_dof_index>(nodes, partition, body_at);
-    std::vector<std::pair<types::global_dof_index, types::global_dof_index>> pairs;
+    std::vector<std::array<types::global_dof_index, 2>> pairs;
     for (const ContactStiffness<dim> &contact : contacts)
     {
       if (!(contact.direction.norm() > 0.))
@@ -249,7 +248,7 @@ namespace tombolo
         directions.push_back(along(d));
       for (const types::global_dof_index other : touched)
       {
-        pairs.emplace_back(body, other);
+        pairs.push_back({{body, other}});
         for (const Tensor<1, dim> &direction : directions)
           (touched.size() > 1 ? by_partners : by_surfaces)
               .push_back({other, place_of(contact.node), direction});

@@ -2,6 +2,7 @@
 #include <tombolo/physics/statics/static_problem.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
@@ -290,16 +291,9 @@ namespace tombolo
         text << ", " << x[d];
       text << ") with " << largest;
     }
-    std::string result;
-    double of_all = -1.;
-    for (const auto &[norm, of_rank] :
-         Utilities::MPI::all_gather(model.communicator, std::make_tuple(largest, text.str())))
-      if (norm > of_all)
-      {
-        of_all = norm;
-        result = of_rank;
-      }
-    return result;
+    const auto of_ranks = of_all_ranks(std::vector<double>{largest}, model.communicator);
+    const auto first_largest = std::max_element(of_ranks.begin(), of_ranks.end());
+    return texts_of_ranks(model.communicator, text.str())[first_largest - of_ranks.begin()];
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/elements/split_number.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/node_partition.h>
@@ -124,8 +125,7 @@ namespace tombolo
         else
           to_ranks[rank_of_ghost[partition.local_index(message.end) - partition.n_owned()]]
               .push_back({{message.end, message.other.id, message.other.planes}});
-      for (const auto &[rank, received] :
-           dealii::Utilities::MPI::some_to_some(partition.communicator(), to_ranks))
+      for (const auto &[rank, received] : exchange_by_rank(to_ranks, partition.communicator()))
         for (const auto &[end, id, planes] : received)
           take(static_cast<dealii::types::global_dof_index>(end), {id, planes});
     }

@@ -43,9 +43,8 @@ namespace tombolo
               for (const auto &weight : row->weights)
                 of_rank.push_back(weight.first);
       bool has_some = false;
-      for (const auto &all : dealii::Utilities::MPI::all_gather(setup.communicator, of_rank))
-        for (const dealii::types::global_dof_index node : all)
-          has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
+      for (const dealii::types::global_dof_index node : of_all_ranks(of_rank, setup.communicator))
+        has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
       return dealii::Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
     }
   } // namespace internal

@@ -5,6 +5,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/cell_divisions.h>
@@ -261,22 +262,15 @@ namespace tombolo
 
       CellDivisions all = divided_cells(model.mesh);
       const CellDivisions present = all;
-      std::vector<std::uint64_t> removed;
-      for (const CellDivisions &of_rank :
-           dealii::Utilities::MPI::all_gather(model.communicator, joined))
-        removed.insert(removed.end(), of_rank.begin(), of_rank.end());
+      CellDivisions removed = of_all_ranks(joined, model.communicator);
       std::sort(removed.begin(), removed.end());
       all.erase(std::remove_if(all.begin(), all.end(),
                                [&](const std::uint64_t id)
                                { return std::binary_search(removed.begin(), removed.end(), id); }),
                 all.end());
-      std::size_t n_divided = 0;
-      for (const CellDivisions &of_rank :
-           dealii::Utilities::MPI::all_gather(model.communicator, divided))
-      {
-        all.insert(all.end(), of_rank.begin(), of_rank.end());
-        n_divided += of_rank.size();
-      }
+      const CellDivisions of_all = of_all_ranks(divided, model.communicator);
+      const std::size_t n_divided = of_all.size();
+      all.insert(all.end(), of_all.begin(), of_all.end());
       std::sort(all.begin(), all.end());
       if (all == present)
         return std::nullopt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <deal.II/base/bounding_box.h>

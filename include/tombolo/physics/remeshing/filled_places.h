@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
@@ -141,14 +142,12 @@ namespace tombolo
     std::optional<dealii::Point<dim>> reached_end(const MPI_Comm communicator) const
     {
       constexpr double from_share = 0.5;
-      std::optional<dealii::Point<dim>> result;
+      std::vector<dealii::Point<dim>> reached;
       for (const unsigned int c : end_of_void)
-        if (!result && filling->is_measured() && filling->share(c) >= from_share)
-          result = cells[c].centre();
-      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, result))
-        if (of_rank)
-          return of_rank;
-      return {};
+        if (reached.empty() && filling->is_measured() && filling->share(c) >= from_share)
+          reached.push_back(cells[c].centre());
+      reached = of_all_ranks(reached, communicator);
+      return reached.empty() ? std::nullopt : std::make_optional(reached.front());
     }
 
     /** Takes the void cells of the part as they are now. Collective. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
@@ -44,17 +45,18 @@ namespace tombolo
     std::vector<Node> far;
     for (const auto &item : result)
       far.push_back(item.first);
-    std::vector<std::pair<Node, Value>> answers;
-    for (const std::vector<Node> &of_rank :
-         dealii::Utilities::MPI::all_gather(partition.communicator(), far))
-      for (const Node node : of_rank)
-        if (partition.owned().is_element(node))
-          answers.emplace_back(node, of_owned(partition.local_index(node)));
-    for (const auto &of_rank :
-         dealii::Utilities::MPI::all_gather(partition.communicator(), answers))
-      for (const auto &[node, value] : of_rank)
-        if (const auto found = result.find(node); found != result.end())
-          found->second = value;
+    struct Answer
+    {
+      Node node;
+      Value value;
+    };
+    std::vector<Answer> answers;
+    for (const Node node : of_all_ranks(far, partition.communicator()))
+      if (partition.owned().is_element(node))
+        answers.push_back({node, of_owned(partition.local_index(node))});
+    for (const auto &[node, value] : of_all_ranks(answers, partition.communicator()))
+      if (const auto found = result.find(node); found != result.end())
+        found->second = value;
     return result;
   }
 

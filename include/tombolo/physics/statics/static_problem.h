@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
@@ -36,22 +37,24 @@ namespace tombolo
     /** Those of the conditions as they act now. Collective. */
     explicit NodalFrames(const Model<dim> &model)
     {
-      using Frame = std::pair<dealii::types::global_dof_index, std::array<double, dim * dim>>;
+      struct Frame
+      {
+        dealii::types::global_dof_index node;
+        std::array<double, dim * dim> axes;
+      };
       std::vector<Frame> of_rank;
       for (const ObliqueNode &oblique : model.conditions->oblique_nodes().all())
       {
         Frame &frame = of_rank.emplace_back();
-        frame.first = model.state.partition()->global_index(oblique.node);
+        frame.node = model.state.partition()->global_index(oblique.node);
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int d = 0; d < dim; ++d)
-            frame.second[k * dim + d] = oblique.axes[k][d];
+            frame.axes[k * dim + d] = oblique.axes[k][d];
       }
-      for (const std::vector<Frame> &all :
-           dealii::Utilities::MPI::all_gather(model.communicator, of_rank))
-        for (const auto &[node, axes] : all)
-          for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int d = 0; d < dim; ++d)
-              frames[node][k][d] = axes[k * dim + d];
+      for (const auto &[node, axes] : of_all_ranks(of_rank, model.communicator))
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            frames[node][k][d] = axes[k * dim + d];
     }
 
     bool is_empty() const

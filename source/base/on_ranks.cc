@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/on_ranks.h>
+
+#include <numeric>
+
+namespace tombolo
+{
+  namespace internal
+  {
+    std::vector<std::string> broadcast_texts(const MPI_Comm communicator,
+                                             const std::vector<std::string> &of_first_rank)
+    {
+      return dealii::Utilities::MPI::broadcast(communicator, of_first_rank, 0);
+    }
+
+    std::vector<int> begin_of_ranks(const std::size_t n_items, const MPI_Comm communicator)
+    {
+      const auto n = static_cast<int>(n_items);
+      std::vector<int> begin(dealii::Utilities::MPI::n_mpi_processes(communicator) + 1, 0);
+      MPI_Allgather(&n, 1, MPI_INT, begin.data() + 1, 1, MPI_INT, communicator);
+      std::partial_sum(begin.begin(), begin.end(), begin.begin());
+      return begin;
+    }
+
+    void gather_items(const void *const own, void *const all, const std::size_t size,
+                      const std::vector<int> &begin, const MPI_Comm communicator)
+    {
+      MPI_Datatype type;
+      MPI_Type_contiguous(static_cast<int>(size), MPI_BYTE, &type);
+      MPI_Type_commit(&type);
+      std::vector<int> lengths(begin.size());
+      std::adjacent_difference(begin.begin(), begin.end(), lengths.begin());
+      const int *const n_of_ranks = lengths.data() + 1;
+      MPI_Allgatherv(own, n_of_ranks[dealii::Utilities::MPI::this_mpi_process(communicator)], type,
+                     all, n_of_ranks, begin.data(), type, communicator);
+      MPI_Type_free(&type);
+    }
+
+    std::map<unsigned int, std::vector<char>>
+    exchange_bytes(const std::map<unsigned int, std::vector<char>> &for_ranks,
+                   const MPI_Comm communicator)
+    {
+      return dealii::Utilities::MPI::some_to_some(communicator, for_ranks);
+    }
+  } // namespace internal
+} // namespace tombolo
