@@ -231,7 +231,7 @@ namespace tombolo
     totals.force = 0.;
     if (!(clock.stable_step > 0.)) // the very start, where nothing has moved yet
       return;
-    if (!is_static)
+    if (touch_distance == 0.)
       find_stiffness(state, clock);
     segments.gather(state.position, last_position, find_thermal(nodal_heat));
     const Step step{clock.previous_step, clock.stable_step,
@@ -312,8 +312,7 @@ namespace tombolo
     double dissipated = 0, friction = 0;
     (history.is_bonded ? settings.bond : settings.law)
         .press(move, step.mass, step.stable_step, step.time_step, spring, dissipated);
-    if (!is_static)
-      totals.damping += history.area * dissipated;
+    totals.damping += history.area * dissipated;
     const double temperature = settings.needs_temperature() && settings.has_heat
                                    ? mean(node, MortarSegments<dim>::mean_temperature)
                                    : 0.;

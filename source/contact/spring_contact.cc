@@ -38,9 +38,8 @@ namespace tombolo
                                  const NodalHeat &nodal_heat)
   {
     ContactSpring<dim> &spring = springs[candidate];
-    double lost = 0;
-    this->settings.law.press(move, mass, clock.stable_step, clock.previous_step, spring, lost);
-    this->add_loss(lost);
+    this->settings.law.press(move, mass, clock.stable_step, clock.previous_step, spring,
+                             this->totals.damping);
     const double area = this->area(candidate, move.normal);
     if (this->settings.friction.largest() > 0.)
     {

@@ -92,10 +92,13 @@ namespace tombolo
         : stiffness_factor(stiffness), damping_ratio(damping), damps_return(damps_return)
     {}
 
-    /** The same springs without dampers. */
-    ContactLaw without_damping() const
+    /** The same springs, without dampers, for the increments of static steps: these have no rates,
+     * and what the normal force takes in them is the error of their integration, not counted. */
+    ContactLaw without_rates() const
     {
-      return ContactLaw(stiffness_factor, 0.);
+      ContactLaw law(stiffness_factor, 0.);
+      law.has_rates = false;
+      return law;
     }
 
     /** k of @p mass at the time step @p time_step. */
@@ -128,7 +131,7 @@ namespace tombolo
       spring.depth = move.depth;
       spring.damping_force =
           time_step > 0. ? damping_force(spring, mass, move.approach, time_step) : 0.;
-      if (time_step > 0.)
+      if (time_step > 0. && has_rates)
         dissipated += lost_by_normal_force(before, spring, move) +
                       0.5 * (before.stiffness - spring.stiffness) * before.elastic_slip *
                           (before.elastic_slip + move.along);
@@ -157,11 +160,11 @@ namespace tombolo
      * taken. Returns the heat of friction: what the spring along the surface stored, less what it
      * gave back on the way. */
     template <int dim>
-    static double release(const ContactMotion<dim> &move, ContactSpring<dim> &spring,
-                          double &dissipated)
+    double release(const ContactMotion<dim> &move, ContactSpring<dim> &spring,
+                   double &dissipated) const
     {
       const ContactSpring<dim> before = std::exchange(spring, ContactSpring<dim>());
-      dissipated += lost_by_normal_force(before, spring, move);
+      dissipated += has_rates ? lost_by_normal_force(before, spring, move) : 0.;
       return 0.5 * before.stiffness * before.elastic_slip * (before.elastic_slip + move.along);
     }
 
@@ -198,6 +201,6 @@ namespace tombolo
 
     double stiffness_factor = 1.; ///< α
     double damping_ratio = 0.;    ///< ζ
-    bool damps_return = false;
+    bool damps_return = false, has_rates = true;
   };
 } // namespace tombolo

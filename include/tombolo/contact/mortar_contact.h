@@ -378,9 +378,8 @@ namespace tombolo
     /** See ModelSignals::trials. */
     void become_static(const double tolerance)
     {
-      is_static = true;
       touch_distance = tolerance;
-      settings.law = settings.law.without_damping();
+      settings.law = settings.bond = settings.bond.without_rates();
     }
 
     /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.
@@ -480,10 +479,9 @@ namespace tombolo
     {
       double dissipated = 0;
       const double friction =
-          history.area * ContactLaw::release(ContactMotion<dim>(0., motion, history.normal),
-                                             history.spring, dissipated);
-      if (!is_static)
-        totals.damping += history.area * dissipated;
+          history.area * settings.law.release(ContactMotion<dim>(0., motion, history.normal),
+                                              history.spring, dissipated);
+      totals.damping += history.area * dissipated;
       totals.friction += friction;
       if (heat != nullptr)
         *heat->node(node) += friction;
@@ -514,8 +512,7 @@ namespace tombolo
     std::vector<NodeHistory> histories; ///< of owned slave nodes
     MortarStiffness<dim> stiffness;
     NodalVector traction, heat_flow, thermal;
-    ContactSums<dim> totals; ///< of this rank
-    bool is_static = false;
+    ContactSums<dim> totals;   ///< of this rank
     double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
   };
 

@@ -161,7 +161,7 @@ namespace tombolo
     /** See ModelSignals::trials. */
     void become_static(const double tolerance)
     {
-      settings.law = settings.law.without_damping();
+      settings.law = settings.law.without_rates();
       touch_distance = tolerance;
     }
 
@@ -510,10 +510,9 @@ namespace tombolo
     void release(const std::size_t candidate, const ContactMotion<dim> &move,
                  const NodalHeat &nodal_heat)
     {
-      double lost = 0;
-      this->add_friction_heat(candidate, ContactLaw::release(move, springs[candidate], lost),
-                              nodal_heat);
-      add_loss(lost);
+      this->add_friction_heat(
+          candidate, this->settings.law.release(move, springs[candidate], this->totals.damping),
+          nodal_heat);
     }
 
     /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
@@ -540,14 +539,6 @@ namespace tombolo
     std::vector<ContactSpring<dim>> springs; ///< of each candidate
 
   private:
-    /** What a normal force has taken. The increments of static steps have no rates: there it is the
-     * error of their integration. */
-    void add_loss(const double lost)
-    {
-      if (this->touch_distance == 0.)
-        this->totals.damping += lost;
-    }
-
     /** Of all closed springs of all ranks; very large where there is none. Collective. */
     double mean_stiffness() const;
 

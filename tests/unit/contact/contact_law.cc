@@ -39,7 +39,7 @@ namespace tombolo
           dissipated += ContactLaw::slide(move, friction * spring.normal_force(), spring);
         }
         else
-          dissipated += ContactLaw::release(move, spring, dissipated);
+          dissipated += law.release(move, spring, dissipated);
         work += 0.5 * (before + force()) * motion;
       }
     };
