@@ -384,6 +384,8 @@ namespace tombolo
     return result;
   }
 
+  template class FaceExchange<2>;
+  template class FaceExchange<3>;
   template class MortarContact<2>;
   template class MortarContact<3>;
 } // namespace tombolo

@@ -433,4 +433,7 @@ namespace tombolo
     std::vector<Master> received;
     std::vector<Pair> found;
   };
+
+  extern template class FaceExchange<2>;
+  extern template class FaceExchange<3>;
 } // namespace tombolo

@@ -401,4 +401,9 @@ namespace tombolo
   };
 
   TOMBOLO_REGISTER_PROCESS(Refill, process_order::conversion + 5)
+
+  template class CellFilling<2>;
+  template class CellFilling<3>;
+  template class PartRefill<2>;
+  template class PartRefill<3>;
 } // namespace tombolo

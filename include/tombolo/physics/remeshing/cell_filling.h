@@ -344,4 +344,7 @@ namespace tombolo
     MPI_Comm communicator;
     std::vector<double> shares;
   };
+
+  extern template class CellFilling<2>;
+  extern template class CellFilling<3>;
 } // namespace tombolo

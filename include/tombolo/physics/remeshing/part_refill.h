@@ -536,4 +536,7 @@ namespace tombolo
     std::vector<double> bodies; ///< of cells; for a ValueRemap
     unsigned long count = 0;
   };
+
+  extern template class PartRefill<2>;
+  extern template class PartRefill<3>;
 } // namespace tombolo
