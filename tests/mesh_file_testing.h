@@ -3,6 +3,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <tombolo/base/on_ranks.h>
+
 #include <mesh_testing.h>
 #include <temporary_file.h>
 
@@ -42,22 +44,24 @@ namespace tombolo
     {
       explicit Measures(const Mesh<dim> &mesh)
       {
-        std::vector<std::pair<unsigned int, double>> cells;
-        std::vector<std::pair<unsigned int, double>> faces;
+        struct Item
+        {
+          unsigned int id;
+          double measure;
+        };
+        std::vector<Item> cells, faces;
         for (const auto &cell : mesh.triangulation.active_cell_iterators())
           if (cell->is_locally_owned())
           {
-            cells.emplace_back(cell->material_id(), cell->measure());
+            cells.push_back({cell->material_id(), cell->measure()});
             for (const unsigned int f : cell->face_indices())
               if (cell->face(f)->at_boundary())
-                faces.emplace_back(cell->face(f)->boundary_id(), cell->face(f)->measure());
+                faces.push_back({cell->face(f)->boundary_id(), cell->face(f)->measure()});
           }
-        for (const auto &of_rank : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, cells))
-          for (const auto &cell : of_rank)
-            volume[cell.first] += cell.second;
-        for (const auto &of_rank : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, faces))
-          for (const auto &face : of_rank)
-            area[face.first] += face.second;
+        for (const Item &cell : of_all_ranks(cells, MPI_COMM_WORLD))
+          volume[cell.id] += cell.measure;
+        for (const Item &face : of_all_ranks(faces, MPI_COMM_WORLD))
+          area[face.id] += face.measure;
       }
 
       std::map<unsigned int, double> volume;

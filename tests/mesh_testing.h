@@ -91,7 +91,7 @@ namespace tombolo
       {
         message = error.what();
       }
-      for (const auto &other : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, message))
+      for (const auto &other : texts_of_ranks(MPI_COMM_WORLD, message))
         EXPECT_EQ(other, message);
       return message;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
@@ -140,10 +141,8 @@ namespace tombolo
                 row.neighbour[k] != shape().particle_node[i])
               own.push_back({{place_of(shape().particle_node[i]), place_of(row.neighbour[k])}});
         }
-        std::set<std::array<Place, 2>> all;
-        for (const auto &of_rank : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
-          all.insert(of_rank.begin(), of_rank.end());
-        return all;
+        own = of_all_ranks(own, MPI_COMM_WORLD);
+        return std::set<std::array<Place, 2>>(own.begin(), own.end());
       }
 
       BondCounts counts()

@@ -122,10 +122,10 @@ namespace
                                    shape.neighbour.data() + shape.row_start[row + 1]));
       }
       GlobalRows all;
-      for (const auto &part : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
-        for (std::size_t i = 0; i < part.size(); i += 3)
-          all[static_cast<types::global_dof_index>(part[i])]
-             [static_cast<types::global_dof_index>(part[i + 1])] = part[i + 2];
+      own = of_all_ranks(own, MPI_COMM_WORLD);
+      for (std::size_t i = 0; i < own.size(); i += 3)
+        all[static_cast<types::global_dof_index>(own[i])]
+           [static_cast<types::global_dof_index>(own[i + 1])] = own[i + 2];
       return all;
     }
 

@@ -348,7 +348,7 @@ TEST(ThermalConditions, a_function_without_a_value_is_kept_as_the_failure)
                              "temperature = 0\nset Boundary = y max\n"}});
   const auto failure = [&]()
   {
-    const auto all = dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, body.conditions->failure());
+    const auto all = texts_of_ranks(MPI_COMM_WORLD, body.conditions->failure());
     return *std::max_element(all.begin(), all.end());
   };
   body.surface_heat(body.uniform(0), 1.);
@@ -362,7 +362,7 @@ TEST(ThermalConditions, a_function_without_a_value_is_kept_as_the_failure)
   Body<3> other(block, {{"f", "set Type = heat flux\nset Function = sqrt(1 - t)\nset Boundary = x "
                               "max\n"}});
   other.surface_heat(other.uniform(0), 2.);
-  const auto all = dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, other.conditions->failure());
+  const auto all = texts_of_ranks(MPI_COMM_WORLD, other.conditions->failure());
   EXPECT_TRUE(contains(*std::max_element(all.begin(), all.end()), "Condition: f/Function"));
 }
 

@@ -136,15 +136,15 @@ namespace renumbered_cells
       values.insert(values.end(), model.state.position.node(i), model.state.position.node(i) + 3);
       values.insert(values.end(), force.node(i), force.node(i) + 3);
     }
-    for (const auto &of_rank : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, values))
-      for (std::size_t i = 0; i < of_rank.size(); i += 6)
-      {
-        const double *const v = &of_rank[i];
-        const Tensor<1, 3> at_node(
-            {v[3] / time_increment, v[4] / time_increment, v[5] / time_increment});
-        answer.force[{{v[0], v[1], v[2]}}] = at_node;
-        answer.largest = std::max(answer.largest, at_node.norm());
-      }
+    values = of_all_ranks(values, MPI_COMM_WORLD);
+    for (std::size_t i = 0; i < values.size(); i += 6)
+    {
+      const double *const v = &values[i];
+      const Tensor<1, 3> at_node(
+          {v[3] / time_increment, v[4] / time_increment, v[5] / time_increment});
+      answer.force[{{v[0], v[1], v[2]}}] = at_node;
+      answer.largest = std::max(answer.largest, at_node.norm());
+    }
     return answer;
   }
 
