@@ -201,6 +201,18 @@ class Warnings(command_line.Case):
             printed = self.dry_run([plastic[0], plastic[1] % (10 * stress)], options=options)
             self.assertEqual(printed.count('Warning: Part "left" yields at '), count, printed)
 
+    def test_smoothings_with_which_a_contact_of_few_particles_errs(self):
+        plastic = [["set Model = elastic\n  subsection elastic", "set Model = j2 plasticity\n  subsection j2 plasticity\n    set Flow stress "
+                    "= linear hardening\n    subsection linear hardening\n      set Yield stress = 10\n      set Hardening modulus = 0\n    end"]]
+        wall = [["set Conditions       = pulse", "set Conditions = pulse\nset Contacts = wall"],
+                ["subsection Output", "subsection Contact: wall\n  set Surface = plane\n  subsection plane\n    set Point = 0, -1\n    set "
+                 "Normal = 0, 1\n  end\nend\nsubsection Output"]]
+        fine = [["set Cells        = 10, 2", "set Cells = 40, 16"]]
+        for smoothing, changes, count in (("paper", plastic + wall, 1), ("fe matched", plastic + wall, 1), ("fe matched", plastic, 0),
+                                          ("fe matched", plastic + wall + fine, 0), ("affine", plastic + wall, 0)):
+            printed = self.dry_run(["set Smoothing = affine", "set Smoothing = " + smoothing], *changes)
+            self.assertEqual(printed.count("what a contact stores is not what it gives back"), count, printed)
+
     def test_a_scene_with_an_exact_solution_gets_no_advice(self):
         smoothing = ["set Smoothing = affine", "set Smoothing = paper"]
         exact = ["subsection Output", "subsection Exact solution\n  set Velocity = 0; 0\nend\nsubsection Output"]
