@@ -14,9 +14,10 @@ import subprocess
 import tempfile
 import time
 
-# MPI on one process without a daemon, and on one machine without drivers of networks.
+# MPI on one process without a daemon, and on one machine without drivers of networks. After ranks that
+# end with an error mpirun waits a second before it kills what is left of them.
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
-TOGETHER = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader"}
+TOGETHER = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader", "OMPI_MCA_odls_base_sigkill_timeout": "0"}
 
 
 class Server:
