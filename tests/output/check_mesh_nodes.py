@@ -13,7 +13,8 @@ import unittest
 from pathlib import Path
 
 RANKS, MPIEXEC, PROGRAM, SCRIPTS = sys.argv[1:5]
-sys.path.insert(0, SCRIPTS)
+sys.path[:0] = [SCRIPTS, str(Path(__file__).resolve().parents[1] / "loaded")]
+import loaded  # noqa: E402
 import tombolo  # noqa: E402
 
 N_X, N_Y = 8, 3
@@ -124,8 +125,8 @@ class MeshNodes(unittest.TestCase):
         scene = self.directory / "scene.prm"
         scene.write_text(SCENE.replace("@FILE@", file).replace("@NODES@", ", ".join(map(str, nodes))), "utf-8")
         command = [] if RANKS == "1" else [MPIEXEC, "-n", RANKS]
-        finished = subprocess.run([*command, PROGRAM, "scene.prm", *options], cwd=self.directory, capture_output=True,
-                                  text=True, check=False)
+        finished = subprocess.run([*command, *loaded.start_of(PROGRAM), "scene.prm", *options], cwd=self.directory,
+                                  env=loaded.environment(int(RANKS)), capture_output=True, text=True, check=False)
         return finished.returncode, finished.stdout + finished.stderr
 
     def check(self, file, text, numbers):

@@ -18,6 +18,9 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
 
 RANKS, MPIEXEC, PROGRAM = sys.argv[1:4]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+import loaded  # noqa: E402
+
 SCENE = Path(__file__).with_name("sheared.prm")
 SHEAR = 0.5
 
@@ -28,8 +31,8 @@ def run(directory, *settings):
     output = Path(directory) / "output"
     scene.write_text(SCENE.read_text("utf-8").replace("@OUTPUT@", str(output)), "utf-8")
     command = [] if RANKS == "1" else [MPIEXEC, "-n", RANKS]
-    command += [PROGRAM, str(scene)] + [word for entry in settings for word in ("--set", entry)]
-    return output, subprocess.run(command, capture_output=True, text=True, check=False)
+    command += [*loaded.start_of(PROGRAM), str(scene)] + [word for entry in settings for word in ("--set", entry)]
+    return output, subprocess.run(command, env=loaded.environment(int(RANKS)), capture_output=True, text=True, check=False)
 
 
 def read(path):

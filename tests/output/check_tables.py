@@ -17,7 +17,8 @@ import h5py
 import numpy as np
 
 RANKS, MPIEXEC, PROGRAM, SCRIPTS = sys.argv[1:5]
-sys.path.insert(0, SCRIPTS)
+sys.path[:0] = [SCRIPTS, str(Path(__file__).resolve().parents[1] / "loaded")]
+import loaded  # noqa: E402
 import tombolo  # noqa: E402
 from plotting.results import Results  # noqa: E402
 from reporting.run_files import RunFiles  # noqa: E402
@@ -46,16 +47,16 @@ class Tables(unittest.TestCase):
         self.addCleanup(self.temporary.cleanup)
         self.directory = Path(self.temporary.name)
 
-    def command(self, name, *settings, options=(), number=5):
+    def command(self, name, *settings, options=(), number=5, start=(PROGRAM,)):
         scene = self.directory / "scene.prm"
         scene.write_text(SCENE.read_text("utf-8").replace("@OUTPUT@", str(self.directory / name)), "utf-8")
         command = [] if RANKS == "1" else [MPIEXEC, "-n", RANKS]
         entries = (*SETTINGS, f"Output/Number = {number}", *settings)
-        return command + [PROGRAM, str(scene), *options] + [word for entry in entries for word in ("--set", entry)]
+        return command + [*start, str(scene), *options] + [word for entry in entries for word in ("--set", entry)]
 
     def run_scene(self, name, *settings, options=(), code=0, number=5):
-        finished = subprocess.run(self.command(name, *settings, options=options, number=number), capture_output=True,
-                                  text=True, check=False)
+        command = self.command(name, *settings, options=options, number=number, start=loaded.start_of(PROGRAM))
+        finished = subprocess.run(command, env=loaded.environment(int(RANKS)), capture_output=True, text=True, check=False)
         self.assertEqual(finished.returncode, code, finished.stdout + finished.stderr)
         return self.directory / name, finished.stdout + finished.stderr
 

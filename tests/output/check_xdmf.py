@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 RANKS, MPIEXEC, PROGRAM, SCRIPTS, PVPYTHON = sys.argv[1:6]
-sys.path.insert(0, SCRIPTS)
+sys.path[:0] = [SCRIPTS, str(Path(__file__).resolve().parents[1] / "loaded")]
+import loaded  # noqa: E402
 from plotting.results import PlotError, Results  # noqa: E402
 
 SCENE = Path(__file__).with_name("sheared.prm")
@@ -85,8 +86,8 @@ class Pictures(unittest.TestCase):
         scene = self.directory / "scene.prm"
         scene.write_text(SCENE.read_text("utf-8").replace("@OUTPUT@", str(output)), "utf-8")
         command = [] if ranks == "1" else [MPIEXEC, "-n", ranks]
-        command += [PROGRAM, str(scene), *options] + [word for entry in settings for word in ("--set", entry)]
-        finished = subprocess.run(command, capture_output=True, text=True, check=False)
+        command += [*loaded.start_of(PROGRAM), str(scene), *options] + [word for entry in settings for word in ("--set", entry)]
+        finished = subprocess.run(command, env=loaded.environment(int(ranks)), capture_output=True, text=True, check=False)
         self.assertEqual(finished.returncode, 0, finished.stdout + finished.stderr)
         return output, finished.stdout
 
