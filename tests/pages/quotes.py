@@ -20,8 +20,9 @@ import sys
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path[:0] = [str(PROJECT / "scripts"), str(PROJECT / "tests" / "loaded")]
 
+import loaded  # noqa: E402
 import tombolo  # noqa: E402
 from pages import text  # noqa: E402
 
@@ -35,7 +36,7 @@ ROUND_OFF = 1e-12
 WRAPPERS = {
     "scripts/run": """ranks=
 if [[ $1 == -n ]]; then ranks="mpirun --oversubscribe -n $2"; shift 2; fi
-exec $ranks "$TOMBOLO_PROGRAM" "$@"
+exec $ranks $TOMBOLO_START "$@"
 """,
     "scripts/plot": 'exec "$PYTHON" -B -m plotting "$@"\n',
     "scripts/report": 'exec "$PYTHON" -B -m reporting "$@"\n',
@@ -176,7 +177,7 @@ class Shell:
         for name in ("parameter_files", "tests"):
             (self.directory / name).symlink_to(PROJECT / name)
         self.environment = os.environ | {
-            "TOMBOLO_PROGRAM": str(program), "TOMBOLO_STRIP_OPERATORS": str(strip_operators or ""), "PYTHON": sys.executable,
+            "TOMBOLO_START": " ".join(loaded.start_of(str(program))), "TOMBOLO_STRIP_OPERATORS": str(strip_operators or ""), "PYTHON": sys.executable,
             "QUOTES": __file__, "PYTHONPATH": str(PROJECT / "scripts"), "PATH": f"{directory}:{os.environ['PATH']}",
             "OMP_NUM_THREADS": "1"}
 

@@ -94,8 +94,9 @@ class Case(checkpoint.Case):
                                  environment=loaded.environment(1))
         return self.end_of(self.start(*options, launcher=launcher, output=output, **keywords))
 
-    def start(self, *options, launcher=(), output="output", **keywords):
-        command = [*launcher, command_line.PROGRAM, *options, "--set", "Output directory = " + output]
+    def start(self, *options, launcher=(), output="output", program=(), **keywords):
+        """Of a program that is loaded, which passes signals on, or of its file, which can be killed and limited."""
+        command = [*launcher, *(program or [command_line.PROGRAM]), *options, "--set", "Output directory = " + output]
         keywords.setdefault("stdout", subprocess.PIPE)
         return subprocess.Popen(command, cwd=self.directory, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT,
                                 **keywords)
@@ -292,11 +293,14 @@ class Endings(Case):
 
     def check_moments(self, number, fault, n):
         generator = random.Random(number)
+        begin = time.monotonic()
+        self.run_program(*self.RUN)
+        seconds = time.monotonic() - begin
         for k in range(n):
             self.fresh()
-            process = self.start(*self.RUN)
+            process = self.start(*self.RUN, program=loaded.start_of(command_line.PROGRAM))
             # All over the run from its start, at random within equal pieces.
-            time.sleep(1.1 * self.seconds * (k + generator.random()) / n)
+            time.sleep(1.1 * seconds * (k + generator.random()) / n)
             process.send_signal(number)
             with self.subTest(k=k):
                 self.check_asked(number, fault, *self.end_of(process))
@@ -312,7 +316,7 @@ class Endings(Case):
         for pattern in ("output/checkpoint/*.tmp", "output/solution/*.tmp", "output/solution/*0.vtu"):
             for k in range(some(2, 15)):
                 self.fresh()
-                process = self.start(*self.RUN)
+                process = self.start(*self.RUN, program=loaded.start_of(command_line.PROGRAM))
                 while process.poll() is None and not glob.glob(self.path(pattern)):
                     time.sleep(0.0003)
                 time.sleep(0.002 * generator.random())
@@ -323,7 +327,7 @@ class Endings(Case):
                                      *self.end_of(process))
 
     def test_sigterm_twice(self):
-        process = self.start(*self.RUN)
+        process = self.start(*self.RUN, program=loaded.start_of(command_line.PROGRAM))
         while process.poll() is None and not self.checkpoints():
             time.sleep(0.001)
         for _ in range(2):
