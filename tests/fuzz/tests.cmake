@@ -22,7 +22,6 @@ add_test(NAME fuzz.relations
   COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}/scripts
     ${TOMBOLO_PYTHON} -B -m fuzzing --program $<TARGET_FILE:tombolo_program> --mpiexec ${DEAL_II_MPIEXEC}
       --relations 10 --first 1 --keep ${CMAKE_CURRENT_BINARY_DIR}/relation_failures)
-set_tests_properties(fuzz.relations PROPERTIES PROCESSORS 2)
 # Of single scenes: two tools with masses that move sideways as well.
 add_test(NAME fuzz.relation_of_tools_in_flight
   COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}/scripts
