@@ -207,9 +207,7 @@ namespace tombolo
           const Lanes limit = load_lanes(candidate_a[d] + j);
           reaches &= (difference < limit) & (-difference < limit);
         }
-        const SelectedLanes selected(reaches, n - j);
-        selected.store(node + j, out + count);
-        count += selected.count();
+        SelectedLanes(reaches, n - j).append(node + j, out, count);
       }
       return count;
     }
@@ -442,9 +440,7 @@ namespace tombolo
         unsigned int place[n_lanes];
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           place[lane] = begin + i + lane;
-        const SelectedLanes selected(near, n - i);
-        selected.store(place, out + count);
-        count += selected.count();
+        SelectedLanes(near, n - i).append(place, out, count);
       }
       n_candidates = count;
     }

@@ -60,6 +60,14 @@ namespace tombolo
 #endif
     }
 
+    /** The same behind the first @p n_before at @p out, of which it becomes the new number. */
+    TOMBOLO_ALWAYS_INLINE void append(const unsigned int *numbers, unsigned int *out,
+                                      unsigned int &n_before) const
+    {
+      store(numbers, out + n_before);
+      n_before += count();
+    }
+
   private:
     unsigned int bits;
   };
