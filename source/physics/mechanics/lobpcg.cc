@@ -17,32 +17,62 @@ namespace tombolo
 {
   namespace
   {
-    /** (a, b) in the inner product of M̂, for several pairs with one exchange; the same on all
-     * ranks, in a fixed order. */
     template <std::size_t n>
-    std::array<double, n>
-    inner_products(const NodalVector &mass,
-                   const std::array<std::pair<const NodalVector *, const NodalVector *>, n> &pairs)
+    using Pairs = std::array<std::pair<const NodalVector *, const NodalVector *>, n>;
+
+    /** Adds (a, b) of the nodes from @p begin to @p end in the inner product of M̂ to @p sums. */
+    template <std::size_t n>
+    void add_products(const NodalVector &mass, const Pairs<n> &pairs, const unsigned int begin,
+                      const unsigned int end, std::array<double, n> &sums)
     {
-      std::array<double, n> local{};
-      const unsigned int n_owned = mass.partition()->n_owned();
-      for (unsigned int i = 0; i < n_owned; ++i)
+      for (unsigned int i = begin; i < end; ++i)
         for (std::size_t k = 0; k < n; ++k)
         {
           const double *const a = pairs[k].first->node(i);
           const double *const b = pairs[k].second->node(i);
-          local[k] += *mass.node(i) * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+          sums[k] += *mass.node(i) * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
         }
+    }
+
+    /** (a, b) for several pairs with one exchange; the same on all ranks, in a fixed order. */
+    template <std::size_t n>
+    std::array<double, n> inner_products(const NodalVector &mass, const Pairs<n> &pairs)
+    {
+      std::array<double, n> local{};
+      add_products(mass, pairs, 0, mass.partition()->n_owned(), local);
       return ordered_sum(local, mass.partition()->communicator());
     }
 
-    void combine(const double a, NodalVector &x, const double b, const NodalVector &y,
-                 const double c, const NodalVector &z)
+    void combine(const double a, NodalVector &x, const double b, const NodalVector &y)
     {
       const std::size_t n =
           static_cast<std::size_t>(x.partition()->n_local()) * x.n_slots_per_node();
       for (std::size_t i = 0; i < n; ++i)
-        x.data()[i] = a * x.data()[i] + b * y.data()[i] + c * z.data()[i];
+        x.data()[i] = a * x.data()[i] + b * y.data()[i];
+    }
+
+    /** Calls @p set(first and last slot) for all nodes by blocks, and returns the inner products of
+     * @p pairs, which are taken while a block is in the first cache. Collective. */
+    template <std::size_t n, typename Set>
+    std::array<double, n> sweep(const NodalVector &mass, const Pairs<n> &pairs, const Set &set)
+    {
+      constexpr unsigned int n_of_block = 64;
+      const std::size_t n_slots = pairs[0].first->n_slots_per_node();
+      const unsigned int n_owned = mass.partition()->n_owned();
+      const unsigned int n_local = mass.partition()->n_local();
+      std::array<double, n> local{};
+      for (unsigned int begin = 0, end; begin < n_local; begin = end)
+      {
+        end = std::min(begin + n_of_block, begin < n_owned ? n_owned : n_local);
+        set(begin * n_slots, end * n_slots);
+        add_products(mass, pairs, begin, std::min(end, n_owned), local);
+      }
+      return ordered_sum(local, mass.partition()->communicator());
+    }
+
+    double inverse_norm(const double square)
+    {
+      return square > 0. ? 1. / std::sqrt(square) : 0.;
     }
 
     using Eigen::Matrix3d;
@@ -67,6 +97,35 @@ namespace tombolo
       const Eigen::SelfAdjointEigenSolver<Matrix3d> ritz(of_basis);
       const Eigen::Vector3d weights = basis * ritz.eigenvectors().col(2);
       return weights[0] < 0. ? Eigen::Vector3d(-weights) : weights;
+    }
+
+    /** The same of three normalized fields and their images, the last one of which may be missing.
+     * Collective. */
+    Eigen::Vector3d rayleigh_ritz(const NodalVector &mass,
+                                  const std::array<const NodalVector *, 3> &field,
+                                  const std::array<const NodalVector *, 3> &image,
+                                  const bool has_third)
+    {
+      const auto products = inner_products<9>(mass, {{{field[0], field[1]},
+                                                      {field[0], field[2]},
+                                                      {field[1], field[2]},
+                                                      {field[1], image[0]},
+                                                      {field[2], image[0]},
+                                                      {field[1], image[1]},
+                                                      {field[2], image[1]},
+                                                      {field[2], image[2]},
+                                                      {field[0], image[0]}}});
+      Matrix3d gram, projected;
+      gram << 1., products[0], products[1], products[0], 1., products[2], products[1], products[2],
+          1.;
+      if (!has_third)
+      {
+        gram.row(2).setZero();
+        gram.col(2).setZero();
+      }
+      projected << products[8], products[3], products[4], products[3], products[5], products[6],
+          products[4], products[6], products[7];
+      return rayleigh_ritz(gram, projected);
     }
 
     /** A number in (-1, 1) that depends on the position alone: the start vector is the same on any
@@ -123,8 +182,8 @@ namespace tombolo
   void Lobpcg::add(const NodalVector &mass, const NodalVector &field, const double share)
   {
     const auto products = inner_products<2>(mass, {{{&mode, &mode}, {&field, &field}}});
-    combine(products[0] > 0. ? 1. / std::sqrt(products[0]) : 0., mode,
-            products[1] > 0. ? share / std::sqrt(products[1]) : 0., field, 0., field);
+    combine(inverse_norm(products[0]), mode, products[1] > 0. ? share / std::sqrt(products[1]) : 0.,
+            field);
     // Nothing measures the mode where there is no mass.
     mode.fill(
         [&](const unsigned int i, double *const value)
@@ -148,62 +207,59 @@ namespace tombolo
     for (NodalVector *vector : {&image, &residual, &residual_image, &direction, &direction_image})
       vector->reinit(mode.partition(), quantity);
 
-    const auto normalize = [&](NodalVector &vector, NodalVector *its_image)
-    {
-      const double norm = std::sqrt(inner_products<1>(mass, {{{&vector, &vector}}})[0]);
-      const double factor = norm > 0. ? 1. / norm : 0.;
-      combine(factor, vector, 0., vector, 0., vector);
-      if (its_image != nullptr)
-        combine(factor, *its_image, 0., *its_image, 0., *its_image);
-      return norm;
-    };
-
-    normalize(mode, nullptr);
+    combine(inverse_norm(inner_products<1>(mass, {{{&mode, &mode}}})[0]), mode, 0., mode);
     apply(mode, image);
     double eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];
     std::vector<double> history{eigenvalue};
     bool has_direction = false;
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
-      residual.copy_from(image);
-      combine(1., residual, -eigenvalue, mode, 0., mode);
-      const double residual_norm = normalize(residual, nullptr);
-      if (!(residual_norm > 1e-10 * std::abs(eigenvalue)))
+      double *const x = mode.data(), *const r = residual.data(), *const d = direction.data();
+      double *const of_x = image.data(), *const of_r = residual_image.data(),
+                    *const of_d = direction_image.data();
+      const double square = sweep<1>(mass, {{{&residual, &residual}}},
+                                     [&](const std::size_t first, const std::size_t last)
+                                     {
+                                       for (std::size_t i = first; i < last; ++i)
+                                         r[i] = of_x[i] - eigenvalue * x[i];
+                                     })[0];
+      combine(inverse_norm(square), residual, 0., residual);
+      if (!(std::sqrt(square) > 1e-10 * std::abs(eigenvalue)))
         break;
       apply(residual, residual_image);
 
-      // Rayleigh-Ritz on span{mode, residual, direction}.
-      const auto products = inner_products<9>(mass, {{{&mode, &residual},
-                                                      {&mode, &direction},
-                                                      {&residual, &direction},
-                                                      {&residual, &image},
-                                                      {&direction, &image},
-                                                      {&residual, &residual_image},
-                                                      {&direction, &residual_image},
-                                                      {&direction, &direction_image},
-                                                      {&mode, &image}}});
-      Matrix3d gram, projected;
-      gram << 1., products[0], products[1], products[0], 1., products[2], products[1], products[2],
-          1.;
-      if (!has_direction)
-      {
-        gram.row(2).setZero();
-        gram.col(2).setZero();
-      }
-      projected << products[8], products[3], products[4], products[3], products[5], products[6],
-          products[4], products[6], products[7];
-      const Eigen::Vector3d weights = rayleigh_ritz(gram, projected);
-
+      const Eigen::Vector3d weights =
+          rayleigh_ritz(mass, {{&mode, &residual, &direction}},
+                        {{&image, &residual_image, &direction_image}}, has_direction);
       // direction = what is added to the old mode
-      combine(weights[2], direction, weights[1], residual, 0., residual);
-      combine(weights[2], direction_image, weights[1], residual_image, 0., residual_image);
-      combine(weights[0], mode, 1., direction, 0., direction);
-      combine(weights[0], image, 1., direction_image, 0., direction_image);
-      const double mode_norm = normalize(mode, nullptr);
-      combine(1. / mode_norm, image, 0., image, 0., image);
-      normalize(direction, &direction_image);
+      const double a = weights[0], b = weights[1], c = weights[2];
+      const auto squares = sweep<2>(mass, {{{&mode, &mode}, {&direction, &direction}}},
+                                    [&](const std::size_t first, const std::size_t last)
+                                    {
+                                      for (std::size_t i = first; i < last; ++i)
+                                      {
+                                        d[i] = c * d[i] + b * r[i];
+                                        x[i] = a * x[i] + d[i];
+                                      }
+                                      for (std::size_t i = first; i < last; ++i)
+                                      {
+                                        of_d[i] = c * of_d[i] + b * of_r[i];
+                                        of_x[i] = a * of_x[i] + of_d[i];
+                                      }
+                                    });
+      const double of_mode = inverse_norm(squares[0]), of_direction = inverse_norm(squares[1]);
+      eigenvalue = sweep<1>(mass, {{{&mode, &image}}},
+                            [&](const std::size_t first, const std::size_t last)
+                            {
+                              for (std::size_t i = first; i < last; ++i)
+                              {
+                                x[i] *= of_mode;
+                                of_x[i] *= of_mode;
+                                d[i] *= of_direction;
+                                of_d[i] *= of_direction;
+                              }
+                            })[0];
       has_direction = true;
-      eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];
       history.push_back(eigenvalue);
       if (history.size() > std::max(stop.look_back, stop.min_iterations) &&
           eigenvalue - history[history.size() - 1 - stop.look_back] < stop.growth * eigenvalue)
