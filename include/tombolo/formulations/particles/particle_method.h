@@ -102,8 +102,12 @@ namespace tombolo
     dealii::IndexSet required_nodes() const override
     {
       dealii::IndexSet nodes = rows->required_nodes(set);
+      std::vector<dealii::types::global_dof_index> of_fibres;
       for (const SurfaceFibre &fibre : fibres)
-        nodes.add_indices(fibre.node.begin(), fibre.node.end());
+        of_fibres.insert(of_fibres.end(), fibre.node.begin(), fibre.node.end());
+      // One after the other, each would move the ranges behind it.
+      std::sort(of_fibres.begin(), of_fibres.end());
+      nodes.add_indices(of_fibres.begin(), of_fibres.end());
       nodes.compress();
       return nodes;
     }
