@@ -11,9 +11,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <string>
+#include <unordered_map>
 
 namespace tombolo
 {
@@ -46,7 +46,7 @@ namespace tombolo
     /** All nodes of the selected cells that this rank sees, in the order of their appearance. */
     struct SeenNodes
     {
-      std::map<types::global_dof_index, unsigned int> index_of_node;
+      std::unordered_map<types::global_dof_index, unsigned int> index_of_node;
       std::vector<double> positions, masses, half_widths; ///< node_stride, 1 and node_stride each
     };
 
@@ -55,6 +55,7 @@ namespace tombolo
                               const CellSelection<dim> &is_taken)
     {
       SeenNodes seen;
+      seen.index_of_node.reserve(nodes.owned().n_elements());
       std::vector<unsigned int> corners;
       const auto subcell_nodes = subcells<dim>(nodes.degree());
       std::unique_ptr<Quadrature<dim>> quadrature;
@@ -92,7 +93,8 @@ namespace tombolo
         cell->get_dof_indices(hierarchic_nodes);
         for (unsigned int k = 0; k < fe_values.dofs_per_cell; ++k)
         {
-          double &mass = seen.masses[seen.index_of_node[hierarchic_nodes[k]]];
+          const auto place = std::find(cell_nodes.begin(), cell_nodes.end(), hierarchic_nodes[k]);
+          double &mass = seen.masses[indices[std::size_t(place - cell_nodes.begin())]];
           for (const unsigned int q : fe_values.quadrature_point_indices())
             mass += density * fe_values.shape_value(k, q) * fe_values.JxW(q);
         }
@@ -193,11 +195,13 @@ namespace tombolo
     volumes.clear();
     supports.clear();
     spacing = std::numeric_limits<double>::max();
-    for (const auto &[node, index] : seen.index_of_node)
+    for (const types::global_dof_index node : mesh_nodes->owned())
     {
-      if (!mesh_nodes->owned().is_element(node) ||
+      const auto found = seen.index_of_node.find(node);
+      if (found == seen.index_of_node.end() ||
           (give_way && mesh_nodes->dependent_node(node) != nullptr))
         continue;
+      const unsigned int index = found->second;
       numbers.push_back(node);
       masses.push_back(seen.masses[index]);
       volumes.push_back(seen.masses[index] / density);
