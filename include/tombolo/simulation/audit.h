@@ -66,12 +66,18 @@ namespace tombolo
       model.bridge->apply_smoothing(velocity, force);
       model.bridge->apply_adjoint(velocity, force);
     };
-    act();
-    const auto start = std::chrono::steady_clock::now();
-    act();
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return Utilities::MPI::max(seconds, model.communicator);
+    // A short first one waits for what the next one finds in the caches.
+    constexpr double short_time = 0.05;
+    double seconds = 0.;
+    for (unsigned int round = 0; round < 2 && seconds < short_time; ++round)
+    {
+      const auto start = std::chrono::steady_clock::now();
+      act();
+      seconds = Utilities::MPI::max(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+          model.communicator);
+    }
+    return seconds;
   }
 
   inline void print_limit(const StepLimit &limit, const std::string &by, std::ostream &text)
