@@ -14,6 +14,35 @@
 
 namespace tombolo
 {
+  namespace
+  {
+    /** Holds the positions of particles while it lives. */
+    template <int dim>
+    class HeldPositions
+    {
+    public:
+      explicit HeldPositions(const Model<dim> &model) : model(model)
+      {
+        hold(&model.state.position);
+      }
+      ~HeldPositions()
+      {
+        hold(nullptr);
+      }
+      HeldPositions(const HeldPositions &) = delete;
+      HeldPositions &operator=(const HeldPositions &) = delete;
+
+    private:
+      void hold(const NodalVector *const position) const
+      {
+        for (ParticleFormulation<dim> *const particles : model.particle_parts())
+          particles->hold_position(position);
+      }
+
+      const Model<dim> &model;
+    };
+  } // namespace
+
   double round_down(const double step)
   {
     int exponent;
@@ -129,6 +158,7 @@ namespace tombolo
   StepLimit SpectralEstimator<dim>::estimate(const Model<dim> &model, const double expected)
   {
     count = 0;
+    const HeldPositions<dim> held(model);
     const auto &partition = model.state.partition();
     const bool is_first = n_calls == 0;
     for (NodalVector *vector : {&velocity, &force})

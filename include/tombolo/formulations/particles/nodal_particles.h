@@ -137,7 +137,8 @@ namespace tombolo
       BlockMatrices h, f;
       if (dilatation != nullptr)
       {
-        dilatation->find(position);
+        if (!position_is_held)
+          dilatation->find(position);
         dilatation->find_rates(velocity);
       }
       for (unsigned int first = 0; first < n_particles; first += block_size)
@@ -167,6 +168,15 @@ namespace tombolo
         control->apply_stiffness(shape, velocity, force);
       if (dilatation != nullptr)
         dilatation->add_force_of_rates(force);
+    }
+    void hold_position(const NodalVector *const position) override
+    {
+      position_is_held = position != nullptr;
+      if (!position_is_held)
+        return;
+      NodalSmoothing::try_inverse_deformation<dim>(position->data(), this->stencils());
+      if (dilatation != nullptr)
+        dilatation->find(*position);
     }
     void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
     {
@@ -353,5 +363,8 @@ namespace tombolo
     KernelConfiguration<dim> kernel;
     CellDilatation<dim> *dilatation = nullptr; ///< null: particles have their own
     ZeroEnergyControl *control = nullptr;      ///< of modes that gradients hardly see; or null
+
+  private:
+    bool position_is_held = false;
   };
 } // namespace tombolo
