@@ -13,8 +13,6 @@
 #include <tombolo/mesh/nodes.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/quadrature_lib.h>
-#include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
 #include <cmath>
@@ -172,27 +170,20 @@ namespace tombolo
     {
       accelerated_share = find_accelerated_shares(particles);
       std::vector<Sums> sums(particles.size());
-      const dealii::QGauss<dim> quadrature(2);
-      dealii::FEValues<dim> fe_values(nodes->dof_handler().get_fe(), quadrature,
-                                      dealii::update_values | dealii::update_gradients |
-                                          dealii::update_quadrature_points |
-                                          dealii::update_JxW_values);
+      CellIntegration<dim> integration(*nodes, value_sharpness());
       const auto sums_of = [&](const Node node)
       {
-        const std::vector<Node> &numbers = particles.nodes();
-        const auto particle = std::lower_bound(numbers.begin(), numbers.end(), node);
-        return particle != numbers.end() && *particle == node
-                   ? &sums[std::size_t(particle - numbers.begin())]
-                   : nullptr;
+        const std::size_t place = particles.place_of(node);
+        return place < sums.size() ? &sums[place] : nullptr;
       };
       // The owner of a particle sees all cells around it, but not those around nodes that follow
       // it.
       places = nodes->points_depended_on();
       std::map<Node, Sums> of_rank;
       std::vector<NodeOfCell> of_cells, of_following_cells;
-      std::vector<Node> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
+      std::vector<Node> cell_nodes;
       std::vector<dealii::Point<dim>> points;
-      std::vector<unsigned int> hierarchic;
+      CellIntegrals<dim> of_following({}, {});
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
       {
         if (cell->is_artificial())
@@ -209,21 +200,11 @@ namespace tombolo
                     : !is_own && std::none_of(cell_nodes.begin(), cell_nodes.end(), sums_of))
           continue;
         nodes->cell_points(cell, points);
-        cell->get_dof_indices(cell_dofs);
-        hierarchic.clear();
-        for (const Node node : cell_nodes)
-          hierarchic.push_back(static_cast<unsigned int>(
-              std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
-        fe_values.reinit(cell);
-        CellIntegrals<dim> integrals(cell_nodes, points);
-        integrals.add(fe_values, hierarchic, value_sharpness());
-        for (unsigned int line = 0; line < cell->n_lines(); ++line)
-          integrals.squared_edge +=
-              cell->line(line)->vertex(0).distance_square(cell->line(line)->vertex(1)) /
-              cell->n_lines();
+        const CellIntegrals<dim> &of_cell = integration.of_cell(cell, cell_nodes, points);
+        const CellIntegrals<dim> &integrals =
+            follows ? of_following = of_cell.of_nodes_that_move(*nodes, places) : of_cell;
         if (follows)
         {
-          integrals = integrals.of_nodes_that_move(*nodes, places);
           add_cell(integrals, part, [&](const Node node) { return &of_rank[node]; });
           for (std::size_t j = 0; j < integrals.nodes.size(); ++j)
             places.emplace(integrals.nodes[j], integrals.points[j]);
@@ -242,7 +223,8 @@ namespace tombolo
       std::vector<double> volumes, squared_edges;
       make_rows(sums, volumes, squared_edges);
       if (shares_dilatation)
-        dilatation.reset(cells_around(of_cells, particles), particles.size(), rounds);
+        dilatation.reset([&](const auto &use) { for_cells_around(of_cells, particles, use); },
+                         particles.size(), rounds);
       particles.set_initial_volumes(volumes);
       control.reset(volumes, squared_edges);
       widen_supports(particles);
@@ -339,30 +321,30 @@ namespace tombolo
     };
     using Node = dealii::types::global_dof_index;
     using NodeOfCell = typename CellIntegrals<dim>::NodeOfCell;
-    /** Those of the listed cells that have some of @p particles. */
-    std::vector<typename CellDilatation<dim>::Cell>
-    cells_around(const std::vector<NodeOfCell> &list, const ParticleSet<dim> &particles) const
+    /** Calls @p use with those of the listed cells that have some of @p particles. */
+    template <typename Use>
+    void for_cells_around(const std::vector<NodeOfCell> &list, const ParticleSet<dim> &particles,
+                          const Use &use) const
     {
-      std::vector<typename CellDilatation<dim>::Cell> result;
-      const std::vector<Node> &numbers = particles.nodes();
+      typename CellDilatation<dim>::Cell cell;
       for (std::size_t begin = 0; begin < list.size(); begin += list[begin].n_nodes)
       {
-        typename CellDilatation<dim>::Cell cell;
+        cell.nodes.clear();
+        cell.gradient.clear();
+        cell.shares.clear();
         for (std::size_t i = begin; i < begin + list[begin].n_nodes; ++i)
         {
           cell.nodes.push_back(list[i].node);
           cell.gradient.emplace_back();
           for (unsigned int d = 0; d < dim; ++d)
             cell.gradient.back()[d] = list[i].gradient[d];
-          const auto particle = std::lower_bound(numbers.begin(), numbers.end(), list[i].node);
-          if (const auto p = static_cast<unsigned int>(particle - numbers.begin());
-              particle != numbers.end() && *particle == list[i].node)
+          if (const auto p = static_cast<unsigned int>(particles.place_of(list[i].node));
+              p < particles.size())
             cell.shares.emplace_back(p, own_share[p] * list[i].volume);
         }
         if (!cell.shares.empty())
-          result.push_back(std::move(cell));
+          use(cell);
       }
-      return result;
     }
     void copy_row(const Neighbourhoods<dim> &found, const Stencils &stencils,
                   const unsigned int row, double *value, double *gradient) const
@@ -453,8 +435,9 @@ namespace tombolo
       return shares;
     }
     /** Adds the integrals of a cell to the sums of its nodes, where @p sums_of has some. */
+    template <typename SumsOf>
     void add_cell(const CellIntegrals<dim> &integrals, const unsigned int part,
-                  const std::function<Sums *(Node)> &sums_of)
+                  const SumsOf &sums_of)
     {
       const bool is_own = part == of_part.index, is_of_equals = of_part.is_of_equals(part);
       const auto n = static_cast<unsigned int>(integrals.nodes.size());

@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -65,10 +66,10 @@ namespace tombolo
           shares; ///< particles of this rank and V_cI [L^dim]
     };
 
-    /** Begins anew with these cells around @p n_particles particles; with @p rounds, g_cJ are kept
-     * in single precision. */
-    void reset(const std::vector<Cell> &of_rank, const unsigned int n_particles,
-               const bool rounds = false)
+    /** Begins anew with the cells around @p n_particles particles which @p for_cells(use) hands
+     * over; with @p rounds, g_cJ are kept in single precision. */
+    template <typename ForCells>
+    void reset(const ForCells &for_cells, const unsigned int n_particles, const bool rounds = false)
     {
       cells = Stencils();
       cell_nodes.clear();
@@ -76,52 +77,56 @@ namespace tombolo
       cells.row_start = {0};
       RowSharing kept;
       std::vector<double> value, gradient;
-      std::vector<std::vector<std::pair<unsigned int, double>>> of_particle(n_particles);
-      for (unsigned int c = 0; c < of_rank.size(); ++c)
-      {
-        const Cell &cell = of_rank[c];
-        cell_nodes.insert(cell_nodes.end(), cell.nodes.begin(), cell.nodes.end());
-        cells.row_start.push_back(cell_nodes.size());
-        value.assign(cell.nodes.size(), 0.);
-        gradient.assign(Stencils::n_gradient * cell.nodes.size(), 0.);
-        for (std::size_t k = 0; k < cell.nodes.size(); ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            gradient[Stencils::n_gradient * k + d] = cell.gradient[k][d];
-        cells.coefficient_start.push_back(
-            kept.add(static_cast<unsigned int>(value.size()), value.data(), gradient.data()));
-        cell_volume.push_back(0.);
-        for (const auto &[particle, volume_of_share] : cell.shares)
-        {
-          of_particle[particle].emplace_back(c, volume_of_share);
-          cell_volume.back() += volume_of_share;
-        }
-      }
+      std::vector<std::pair<unsigned int, double>> shares; // by cell
+      std::vector<unsigned int> cell_of_share;
+      share_begin.assign(n_particles + std::size_t(1), 0);
+      for_cells(
+          [&](const Cell &cell)
+          {
+            cell_nodes.insert(cell_nodes.end(), cell.nodes.begin(), cell.nodes.end());
+            cells.row_start.push_back(cell_nodes.size());
+            value.assign(cell.nodes.size(), 0.);
+            gradient.assign(Stencils::n_gradient * cell.nodes.size(), 0.);
+            for (std::size_t k = 0; k < cell.nodes.size(); ++k)
+              for (unsigned int d = 0; d < dim; ++d)
+                gradient[Stencils::n_gradient * k + d] = cell.gradient[k][d];
+            cells.coefficient_start.push_back(
+                kept.add(static_cast<unsigned int>(value.size()), value.data(), gradient.data()));
+            cell_volume.push_back(0.);
+            for (const auto &share : cell.shares)
+            {
+              shares.push_back(share);
+              cell_of_share.push_back(static_cast<unsigned int>(cell_volume.size() - 1));
+              ++share_begin[share.first + 1];
+              cell_volume.back() += share.second;
+            }
+          });
+      const std::size_t n_cells = cell_volume.size();
       kept.store(cells);
-      cells.particle_node.resize(of_rank.size());
+      cells.particle_node.resize(n_cells);
       cells.neighbour.resize(cell_nodes.size());
       if (rounds)
         cells.round();
-      cofactor.resize(3 * node_stride * of_rank.size());
+      cofactor.resize(3 * node_stride * n_cells);
       for (dealii::AlignedVector<double> *const of_cell : {&jacobian, &rate, &pressure})
       {
-        of_cell->resize(of_rank.size());
+        of_cell->resize(n_cells);
         of_cell->fill(0.);
       }
 
-      share_begin = {0};
-      share_cell.clear();
-      share_volume.clear();
+      std::partial_sum(share_begin.begin(), share_begin.end(), share_begin.begin());
+      share_cell.resize(shares.size());
+      share_volume.resize(shares.size());
       volume.assign(padded_to_lanes(n_particles), 1.);
-      for (unsigned int i = 0; i < n_particles; ++i)
+      std::fill_n(volume.begin(), n_particles, 0.);
+      std::vector<unsigned int> next(share_begin);
+      for (std::size_t s = 0; s < shares.size(); ++s)
       {
-        volume[i] = 0.;
-        for (const auto &[cell, volume_of_share] : of_particle[i])
-        {
-          share_cell.push_back(cell);
-          share_volume.push_back(volume_of_share);
-          volume[i] += volume_of_share;
-        }
-        share_begin.push_back(static_cast<unsigned int>(share_cell.size()));
+        const auto &[particle, volume_of_share] = shares[s];
+        const unsigned int place = next[particle]++;
+        share_cell[place] = cell_of_share[s];
+        share_volume[place] = volume_of_share;
+        volume[particle] += volume_of_share;
       }
       ratio_of_particle.resize(padded_to_lanes(n_particles));
       own_energy.resize(padded_to_lanes(n_particles));
@@ -338,19 +343,19 @@ namespace tombolo
         rate[c] = sum[0] + sum[1] + sum[2];
       }
     }
-    /** Gives n_lanes particles the rate of ln J_I in the place of the trace of @p gradient. Returns
-     * the rate of ln d. */
-    Lanes share_rate(const unsigned int first, Matrix3<Lanes> &gradient) const
+    /** Gives n_lanes particles the rate of ln J_I in the place of the trace of @p gradient. Sets
+     * @p mean_rate, that of J_I, and returns the rate of ln d. */
+    Lanes share_rate(const unsigned int first, Matrix3<Lanes> &gradient, Lanes &mean_rate) const
     {
-      const Lanes difference =
-          mean(rate, first) / ratio(first) - MeanDilatation::trace<dim>(gradient);
+      mean_rate = mean(rate, first);
+      const Lanes difference = mean_rate / ratio(first) - MeanDilatation::trace<dim>(gradient);
       for (unsigned int i = 0; i < dim; ++i)
         gradient(i, i) += (1. / dim) * difference;
       return -difference;
     }
     /** collect() of rates; @p stress comes times minus the present volume. */
-    void collect_rates(const unsigned int first, const Lanes &own, const Lanes &rate_of_own,
-                       Lanes (&stress)[6])
+    void collect_rates(const unsigned int first, const Lanes &own, const Lanes &mean_rate,
+                       const Lanes &rate_of_own, Lanes (&stress)[6])
     {
       const Lanes initial_volume = load_lanes(&volume[first]);
       const Lanes of_own = shear_modulus * initial_volume *
@@ -359,7 +364,7 @@ namespace tombolo
       for (unsigned int i = 0; i < dim; ++i)
         stress[i] -= of_own + mean_stress;
       add_pressures(first, (mean_stress + of_own) / (ratio(first) * initial_volume) +
-                               bulk_modulus * mean(rate, first));
+                               bulk_modulus * mean_rate);
     }
     /** Adds what they give, and begins the sums anew. */
     void add_force_of_rates(NodalVector &force)

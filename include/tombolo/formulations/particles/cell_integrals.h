@@ -4,6 +4,7 @@
 #include <tombolo/mesh/nodes.h>
 
 #include <deal.II/base/geometry_info.h>
+#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
@@ -149,5 +150,47 @@ namespace tombolo
     std::vector<dealii::Tensor<1, dim>> moment;   ///< ∫ ψ_I (x - x_I)
     std::vector<double> value;                    ///< ∫ ψ_I N_J, J fastest
     std::vector<dealii::Tensor<1, dim>> gradient; ///< ∫ χ_I ∇N_J
+  };
+
+  /** Finds the integrals of cells one after the other. */
+  template <int dim>
+  class CellIntegration
+  {
+  public:
+    CellIntegration(const Nodes<dim> &nodes, const double value_sharpness)
+        : value_sharpness(value_sharpness), quadrature(2),
+          fe_values(nodes.dof_handler().get_fe(), quadrature,
+                    dealii::update_values | dealii::update_gradients |
+                        dealii::update_quadrature_points | dealii::update_JxW_values),
+          cell_dofs(fe_values.dofs_per_cell), integrals({}, {})
+    {}
+
+    /** Of the cell with these nodes at @p points. The reference stays valid until the next call. */
+    const CellIntegrals<dim> &of_cell(const typename Nodes<dim>::Cell &cell,
+                                      const std::vector<dealii::types::global_dof_index> &nodes,
+                                      const std::vector<dealii::Point<dim>> &points)
+    {
+      cell->get_dof_indices(cell_dofs);
+      hierarchic.clear();
+      for (const dealii::types::global_dof_index node : nodes)
+        hierarchic.push_back(static_cast<unsigned int>(
+            std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
+      fe_values.reinit(cell);
+      integrals = CellIntegrals<dim>(nodes, points);
+      integrals.add(fe_values, hierarchic, value_sharpness);
+      for (unsigned int line = 0; line < cell->n_lines(); ++line)
+        integrals.squared_edge +=
+            cell->line(line)->vertex(0).distance_square(cell->line(line)->vertex(1)) /
+            cell->n_lines();
+      return integrals;
+    }
+
+  private:
+    double value_sharpness;
+    dealii::QGauss<dim> quadrature;
+    dealii::FEValues<dim> fe_values;
+    std::vector<dealii::types::global_dof_index> cell_dofs;
+    std::vector<unsigned int> hierarchic;
+    CellIntegrals<dim> integrals;
   };
 } // namespace tombolo

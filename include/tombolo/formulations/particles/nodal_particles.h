@@ -152,14 +152,14 @@ namespace tombolo
           Lanes stress[6];
           Matrix3<Lanes> gradient =
               multiply(load_columns(h.columns[p][0]), transposed(inverse_transpose));
-          Lanes rate_of_own = 0.;
+          Lanes mean_rate = 0., rate_of_own = 0.;
           if (dilatation != nullptr)
-            rate_of_own = dilatation->share_rate(first + p, gradient);
+            rate_of_own = dilatation->share_rate(first + p, gradient, mean_rate);
           // scatter_force() subtracts.
           stiffness.find_stress(first + p, gradient, -load_lanes(volume + first + p), stress);
           if (dilatation != nullptr)
-            dilatation->collect_rates(first + p, 1. / determinant(inverse_transpose), rate_of_own,
-                                      stress);
+            dilatation->collect_rates(first + p, 1. / determinant(inverse_transpose), mean_rate,
+                                      rate_of_own, stress);
           store_columns(multiply(symmetric_matrix(stress), inverse_transpose), h.columns[p][0]);
         }
         scatter_force(shape, first, last, h, nullptr, force.data());

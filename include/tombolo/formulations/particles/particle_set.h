@@ -8,6 +8,8 @@
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/point.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -55,6 +57,20 @@ namespace tombolo
     const std::vector<dealii::types::global_dof_index> &nodes() const
     {
       return numbers;
+    }
+
+    /** The place of @p node in nodes(), or size() where it is no particle. */
+    std::size_t place_of(const dealii::types::global_dof_index node) const
+    {
+      // Mostly all numbers of a range are there.
+      const std::size_t guess =
+          numbers.empty() || node < numbers.front() ? numbers.size() : node - numbers.front();
+      if (guess < numbers.size() && numbers[guess] == node)
+        return guess;
+      const auto found = std::lower_bound(numbers.begin(), numbers.end(), node);
+      return found != numbers.end() && *found == node
+                 ? static_cast<std::size_t>(found - numbers.begin())
+                 : numbers.size();
     }
 
     /** Identifiers that do not depend on the number of ranks. */
