@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -23,23 +24,28 @@ namespace tombolo
     public:
       explicit HeldPositions(const Model<dim> &model) : model(model)
       {
-        hold(&model.state.position);
+        for (ParticleFormulation<dim> *const particles : model.particle_parts())
+        {
+          were_current.push_back(particles->stencils().inverse_deformation_is_current);
+          particles->hold_position(&model.state.position);
+        }
       }
+      /** Leaves deformations as they were: the next forces find those of their own. */
       ~HeldPositions()
       {
-        hold(nullptr);
+        auto was_current = were_current.begin();
+        for (ParticleFormulation<dim> *const particles : model.particle_parts())
+        {
+          particles->hold_position(nullptr);
+          particles->stencils().inverse_deformation_is_current = *was_current++;
+        }
       }
       HeldPositions(const HeldPositions &) = delete;
       HeldPositions &operator=(const HeldPositions &) = delete;
 
     private:
-      void hold(const NodalVector *const position) const
-      {
-        for (ParticleFormulation<dim> *const particles : model.particle_parts())
-          particles->hold_position(position);
-      }
-
       const Model<dim> &model;
+      std::vector<bool> were_current;
     };
   } // namespace
 
