@@ -58,9 +58,9 @@ namespace tombolo
     virtual const Stencils &stencils() const = 0;
     virtual Stencils &stencils() = 0;
 
-    /** Until the next call, apply_elastic_stiffness() is asked about this @p position alone; null:
+    /** Until the next call, apply_elastic_stiffness() is asked about this position alone; null:
      * about any. What depends on the position is then found once. */
-    virtual void hold_position(const NodalVector *position) = 0;
+    virtual void hold_position(const NodalVector * /* position */) {}
 
     const char *phase() const override
     {
