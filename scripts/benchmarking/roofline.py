@@ -12,7 +12,6 @@ from .runs import (AFFINE, CURRENT, ELASTIC, FULLY_INTEGRATED, JOHNSON_COOK, ONE
 from .tables import number, print_table
 
 SCENE = "benchmarks/rod.prm"
-FILTER = {"power": 4, "interval": 3}
 JOHNSON_COOK_VARIABLES = 4  # plastic strain, plastic work, temperature, yield stress
 HOURGLASS_VARIABLES = 4 * 3 + 1
 
@@ -46,11 +45,6 @@ CASES = [
     element_case("B-bar, Johnson-Cook", FULLY_INTEGRATED, JOHNSON_COOK, 8, 2.),
     particle_case("particle, paper", ELASTIC, "paper", cost=0.25),
     particle_case("particle, affine", ELASTIC, "affine"),
-    particle_case("particle, affine, lattice filter", ELASTIC, "affine",
-                  ["Plugin libraries = liblattice_filter.so",
-                   f"Lattice filter/Power = {FILTER['power']}",
-                   f"Lattice filter/Interval = {FILTER['interval']}"],
-                  filter_power=FILTER["power"], filter_interval=FILTER["interval"]),
     particle_case("particle, affine, rebuilt", ELASTIC, "affine", [CURRENT], cost=1.,
                   rebuilds=True),
     particle_case("particle, affine, Johnson-Cook", JOHNSON_COOK, "affine", cost=0.8),
@@ -68,11 +62,9 @@ def counted_run(program, counters, settings):
 
 def measure_case(program, counters, case, n_nodes, share_rows):
     cells = rod_cells(n_nodes)
-    # A multiple of the filter's interval, so that half the steps have half the filtering.
-    n_steps = 2 * FILTER["interval"] * max(FEWEST_STEPS // (2 * FILTER["interval"]), round(
-        SECONDS_OF_STEPS / (1e-6 * case.cost * n_nodes) / (2 * FILTER["interval"])))
-    short, short_counts = counted_run(program, counters, rod(cells, n_steps // 2) + case.settings)
-    long, long_counts = counted_run(program, counters, rod(cells, n_steps) + case.settings)
+    half = max(FEWEST_STEPS // 2, round(SECONDS_OF_STEPS / (1e-6 * case.cost * n_nodes) / 2))
+    short, short_counts = counted_run(program, counters, rod(cells, half) + case.settings)
+    long, long_counts = counted_run(program, counters, rod(cells, 2 * half) + case.settings)
     summary = long.summary
     n = summary["fe_cells"] or summary["particles"]
     # On the lattice of the rod all rows inside are the same; what is rebuilt is not compared.

@@ -91,17 +91,6 @@ def affine_motion(rows):
             + UPDATE * VECTOR + (2 * VECTOR + NUMBER) + 2 * (UPDATE * VECTOR + VECTOR))
 
 
-def lattice_filter(rows, power):
-    """One application: the split of the half kick and what follows it, two kinetic energies, and
-    for each power a smoothing, an interpolation and their difference."""
-    scatter = VECTOR + rows.pointers() + rows.values() + 2 * VECTOR + UPDATE * VECTOR
-    gather = VECTOR + rows.pointers() + rows.values() + 2 * VECTOR + UPDATE * VECTOR
-    difference = VECTOR + UPDATE * VECTOR
-    around = (2 * VECTOR + 2 * UPDATE * VECTOR + UPDATE * VECTOR + VECTOR + 2 * VECTOR
-              + UPDATE * VECTOR + VECTOR + 2 * (VECTOR + NUMBER))
-    return around + power * (scatter + momentum_to_velocity() + gather + difference)
-
-
 def rebuilding(rows):
     """Position and support read, coefficients written; the smoothed mass from them."""
     own = Rows(rows.neighbours)
@@ -140,10 +129,6 @@ def particle_force_operations(rows, has_inverse):
     return gradient_operations(rows, not has_inverse) + rows.neighbours * 6 * LANES + KINEMATICS
 
 
-def lattice_filter_operations(rows, power):
-    return power * (rows.neighbours * 4 * LANES + 3 * LANES) + 10 * LANES
-
-
 def rebuilding_operations(rows):
     """Kernel and its gradient, moments, a small inverse, φ and ∇φ; the smoothed mass."""
     return rows.neighbours * 195 + 300
@@ -163,7 +148,7 @@ def element_step(n_points, n_variables, n_element_variables, cell_flops):
                 NODAL_UPDATE + cell_flops + plastic)
 
 
-def particle_step(rows, n_variables, smoothing, filter_power=0, filter_interval=1, rebuilds=False):
+def particle_step(rows, n_variables, smoothing, rebuilds=False):
     is_affine = smoothing == "affine"
     moved = acceleration() + particle_force(rows, n_variables, is_affine)
     operations = (NODAL_UPDATE + particle_force_operations(rows, is_affine)
@@ -174,9 +159,6 @@ def particle_step(rows, n_variables, smoothing, filter_power=0, filter_interval=
     else:
         moved += paper_motion(rows)
         operations += paper_motion_operations(rows)
-    if filter_power:
-        moved += lattice_filter(rows, filter_power) / filter_interval
-        operations += lattice_filter_operations(rows, filter_power) / filter_interval
     if rebuilds:
         moved += rebuilding(rows)
         operations += rebuilding_operations(rows)
