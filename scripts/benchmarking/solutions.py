@@ -52,6 +52,9 @@ class Problem:
         return math.sqrt(sum((results[name] / value - 1) ** 2 for name, value in self.reference.items())
                          / len(self.reference))
 
+    def settings_of(self, model, size):
+        return [*self.sizes[size], *model.settings, *self.settings]
+
     def runs(self, ranks):
         """(model, size, ranks) of a round."""
         for model in self.models:
@@ -83,7 +86,7 @@ def measure_solutions(program, root, rounds, pattern=None):
     rows = {}
     for one in range(rounds):
         for model, size, ranks in problem.runs(available_cores()):
-            settings = [*problem.sizes[size], *model.settings, *problem.settings]
+            settings = problem.settings_of(model, size)
             run, seconds = user_seconds(lambda: program.run(FOLDER / model.file, settings, ranks))
             row = rows.setdefault((model.name, size, ranks), {
                 "model": model.name, "size": size, "ranks": ranks, "nodes": run.summary["nodes"],
