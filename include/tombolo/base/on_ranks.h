@@ -16,8 +16,8 @@ namespace tombolo
 {
   namespace internal
   {
-    // What follows of messages between ranks is not a template: deal.II's functions take a second
-    // to compile, by source and type, and compress what they gather.
+    // These are no templates: those of deal.II take a second to compile in each source and for each
+    // type, and compress what they gather.
     std::vector<std::string> broadcast_texts(MPI_Comm communicator,
                                              const std::vector<std::string> &of_first_rank);
 
