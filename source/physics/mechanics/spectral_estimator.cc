@@ -25,27 +25,18 @@ namespace tombolo
       explicit HeldPositions(const Model<dim> &model) : model(model)
       {
         for (ParticleFormulation<dim> *const particles : model.particle_parts())
-        {
-          were_current.push_back(particles->stencils().inverse_deformation_is_current);
           particles->hold_position(&model.state.position);
-        }
       }
-      /** Leaves deformations as they were: the next forces find those of their own. */
       ~HeldPositions()
       {
-        auto was_current = were_current.begin();
         for (ParticleFormulation<dim> *const particles : model.particle_parts())
-        {
           particles->hold_position(nullptr);
-          particles->stencils().inverse_deformation_is_current = *was_current++;
-        }
       }
       HeldPositions(const HeldPositions &) = delete;
       HeldPositions &operator=(const HeldPositions &) = delete;
 
     private:
       const Model<dim> &model;
-      std::vector<bool> were_current;
     };
   } // namespace
 

@@ -171,9 +171,14 @@ namespace tombolo
     }
     void hold_position(const NodalVector *const position) override
     {
+      bool &is_current = this->stencils().inverse_deformation_is_current;
       position_is_held = position != nullptr;
       if (!position_is_held)
+      {
+        is_current = was_current; // the next forces find deformations of their own
         return;
+      }
+      was_current = is_current;
       NodalSmoothing::try_inverse_deformation<dim>(position->data(), this->stencils());
       if (dilatation != nullptr)
         dilatation->find(*position);
@@ -365,6 +370,6 @@ namespace tombolo
     ZeroEnergyControl *control = nullptr;      ///< of modes that gradients hardly see; or null
 
   private:
-    bool position_is_held = false;
+    bool position_is_held = false, was_current = false; ///< was: F⁻¹, before it was held
   };
 } // namespace tombolo

@@ -59,7 +59,7 @@ namespace tombolo
     virtual Stencils &stencils() = 0;
 
     /** Until the next call, apply_elastic_stiffness() is asked about this position alone; null:
-     * about any. What depends on the position is then found once. */
+     * about any, and all is as before. What depends on the position is found once. */
     virtual void hold_position(const NodalVector * /* position */) {}
 
     const char *phase() const override
