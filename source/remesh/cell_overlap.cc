@@ -149,7 +149,7 @@ namespace tombolo
       }
     }
     const std::size_t size = Received::size(std::size_t(n_fields) * n_corners * node_stride);
-    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
     {
       n_received[rank] = static_cast<unsigned int>(data.size() / size);
       received_data.insert(received_data.end(), data.begin(), data.end());
@@ -249,7 +249,7 @@ namespace tombolo
           data.insert(data.end(), &of_sub_cell.moment[0], &of_sub_cell.moment[0] + dim);
         }
     covered.assign(cells.size() * n_sub_cells, {});
-    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
     {
       const double *value = data.data();
       for (const unsigned int cell : sent.at(rank))
@@ -354,7 +354,7 @@ namespace tombolo
                     of_cells.begin() + std::ptrdiff_t(cell + 1) * n);
     }
     std::vector<double> result;
-    for (auto &[rank, data] : exchange_by_rank(messages, communicator))
+    for (auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
       if (result.empty())
         result = std::move(data);
       else

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 namespace tombolo
 {
@@ -53,11 +54,11 @@ namespace tombolo
       places[there].push_back(k);
     }
     std::unordered_map<std::uint64_t, std::pair<unsigned int, std::uint64_t>> reader;
-    for (const auto &[from, message] : exchange_by_rank(of_readers, communicator))
+    for (const auto &[from, message] : exchange_by_rank(std::move(of_readers), communicator))
       for (std::size_t i = 0; i < message.size(); i += 2)
         reader[message[i]] = {from, message[i + 1]};
     Message answers; // reader and row there, or no rank
-    for (const auto &[from, message] : exchange_by_rank(of_wanters, communicator))
+    for (const auto &[from, message] : exchange_by_rank(std::move(of_wanters), communicator))
       for (const std::uint64_t id : message)
       {
         const auto found = reader.find(id);
@@ -67,7 +68,7 @@ namespace tombolo
           answers[from].insert(answers[from].end(), {found->second.first, found->second.second});
       }
     Message requests;
-    for (const auto &[from, message] : exchange_by_rank(answers, communicator))
+    for (const auto &[from, message] : exchange_by_rank(std::move(answers), communicator))
       for (std::size_t i = 0; i < message.size(); i += 2)
       {
         if (message[i] == n_ranks)
@@ -77,7 +78,7 @@ namespace tombolo
         requests[static_cast<unsigned int>(message[i])].push_back(message[i + 1]);
         receive[static_cast<unsigned int>(message[i])].push_back(k);
       }
-    send = exchange_by_rank(requests, communicator);
+    send = exchange_by_rank(std::move(requests), communicator);
     std::vector<bool> is_wanted(in_share.size(), false);
     for (const auto &[to, rows] : send)
       for (const std::uint64_t row : rows)
@@ -100,7 +101,7 @@ namespace tombolo
         to_send[rank].insert(to_send[rank].end(), share.data() + row * n_components,
                              share.data() + (row + 1) * n_components);
     std::vector<double> values(is_found.size() * n_components, 0.);
-    for (const auto &[from, message] : exchange_by_rank(to_send, file.communicator()))
+    for (const auto &[from, message] : exchange_by_rank(std::move(to_send), file.communicator()))
     {
       const std::vector<std::uint64_t> &rows = receive.at(from);
       for (std::size_t k = 0; k < rows.size(); ++k)

@@ -11,6 +11,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -59,7 +60,7 @@ namespace tombolo
         if (!messages.empty())
           to_send.emplace(rank, std::move(messages));
       }
-      return unpack(exchange_by_rank(to_send, communicator));
+      return unpack(exchange_by_rank(std::move(to_send), communicator));
     }
 
   private:

@@ -99,24 +99,21 @@ namespace tombolo
     return result;
   }
 
-  /** Every rank gets what others have for it, by rank, and what it has for itself. Collective. */
+  /** Every rank gets what others have for it, by rank, and what it has for itself, which is moved.
+   * Collective. */
   template <typename Item>
   std::map<unsigned int, std::vector<Item>>
-  exchange_by_rank(const std::map<unsigned int, std::vector<Item>> &for_ranks,
-                   const MPI_Comm communicator)
+  exchange_by_rank(std::map<unsigned int, std::vector<Item>> for_ranks, const MPI_Comm communicator)
   {
     static_assert(std::is_trivially_copyable_v<Item>);
-    const unsigned int own_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
-    std::map<unsigned int, std::vector<char>> to_send;
     std::map<unsigned int, std::vector<Item>> result;
+    result.insert(for_ranks.extract(dealii::Utilities::MPI::this_mpi_process(communicator)));
+    std::map<unsigned int, std::vector<char>> to_send;
     for (const auto &[rank, items] : for_ranks)
-      if (rank == own_rank)
-        result.emplace(rank, items);
-      else
-      {
-        const auto *const begin = reinterpret_cast<const char *>(items.data());
-        to_send[rank].assign(begin, begin + items.size() * sizeof(Item));
-      }
+    {
+      const auto *const begin = reinterpret_cast<const char *>(items.data());
+      to_send[rank].assign(begin, begin + items.size() * sizeof(Item));
+    }
     for (const auto &[rank, bytes] : internal::exchange_bytes(to_send, communicator))
     {
       std::vector<Item> &items = result[rank];

@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace tombolo
 {
@@ -113,7 +114,7 @@ namespace tombolo
               to_owners[rank].push_back(
                   {{partition.global_index(ghost), mirrors, of_set[0], of_set[1]}});
       std::vector<Link> links;
-      for (const auto &[rank, received] : exchange_by_rank(to_owners, communicator))
+      for (const auto &[rank, received] : exchange_by_rank(std::move(to_owners), communicator))
         for (const auto &[node, mirrors, id, of_id] : received)
         {
           const Copy &own = smallest[connected.set_of(

@@ -125,7 +125,8 @@ namespace tombolo
         else
           to_ranks[rank_of_ghost[partition.local_index(message.end) - partition.n_owned()]]
               .push_back({{message.end, message.other.id, message.other.planes}});
-      for (const auto &[rank, received] : exchange_by_rank(to_ranks, partition.communicator()))
+      for (const auto &[rank, received] :
+           exchange_by_rank(std::move(to_ranks), partition.communicator()))
         for (const auto &[end, id, planes] : received)
           take(static_cast<dealii::types::global_dof_index>(end), {id, planes});
     }
