@@ -168,29 +168,32 @@ namespace tombolo
                                   const MPI_Comm communicator)
     {
       const std::string wanted = section.get(entry);
-      std::string file, problem;
-      if (Utilities::MPI::this_mpi_process(communicator) == 0)
-      {
-        std::error_code code;
-        file = wanted;
-        if (std::filesystem::is_directory(wanted, code))
-        {
-          file = (std::filesystem::path(wanted) / end_file).string();
-          const auto files = files_in(wanted);
-          if (!std::filesystem::exists(file, code) && !files.empty())
-            file = files.rbegin()->second;
-        }
-        if (!std::filesystem::exists(file, code))
-          problem =
-              std::filesystem::is_directory(wanted, code)
-                  ? "there is no checkpoint in this directory. A run leaves the state at its "
-                    "end there where its section \"Checkpoint\" sets `End state = true`."
-                  : "there is no such file or directory. A run leaves the state at its end in "
-                    "`checkpoint` of its output directory where its section \"Checkpoint\" "
-                    "sets `End state = true`.";
-      }
-      file = of_first_rank(communicator, [&] { return file; });
-      problem = of_first_rank(communicator, [&] { return problem; });
+      const std::string file = of_first_rank(
+          communicator,
+          [&]
+          {
+            std::error_code code;
+            if (!std::filesystem::is_directory(wanted, code))
+              return wanted;
+            const std::string end = (std::filesystem::path(wanted) / end_file).string();
+            const auto files = files_in(wanted);
+            return files.empty() || std::filesystem::exists(end, code) ? end
+                                                                       : files.rbegin()->second;
+          });
+      const std::string problem = of_first_rank(
+          communicator,
+          [&]() -> std::string
+          {
+            std::error_code code;
+            if (std::filesystem::exists(file, code))
+              return "";
+            return std::filesystem::is_directory(wanted, code)
+                       ? "there is no checkpoint in this directory. A run leaves the state at its "
+                         "end there where its section \"Checkpoint\" sets `End state = true`."
+                       : "there is no such file or directory. A run leaves the state at its end in "
+                         "`checkpoint` of its output directory where its section \"Checkpoint\" "
+                         "sets `End state = true`.";
+          });
       if (!problem.empty())
         section.fail(entry, problem);
       StateArchive::verify(file, communicator);

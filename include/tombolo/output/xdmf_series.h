@@ -48,20 +48,21 @@ namespace tombolo
     std::string resume(const OutputDirectory &directory, const unsigned int n_outputs)
     {
       H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told by return values
-      std::string remark;
-      grids.clear();
       const std::string file = directory.file(name + ".h5");
-      if (Utilities::MPI::this_mpi_process(directory.communicator()) == 0 &&
-          reason_not_a_file(file).empty() && !read_grids(file, n_outputs, grids))
+      std::string remark;
+      const auto read = [&]
       {
-        grids.clear();
+        std::vector<std::string> result;
+        if (!reason_not_a_file(file).empty() || read_grids(file, n_outputs, result))
+          return result;
         const std::string aside = directory.file(name + ".damaged.h5");
         remark = "The pictures in " + file + " are damaged: they are in " + aside +
                  " now, and those from here on are in a new file.";
         if (std::rename(file.c_str(), aside.c_str()) != 0)
           remark = "The pictures in " + file + " are damaged and are written anew from here on.";
-      }
-      grids = of_first_rank(directory.communicator(), [&] { return grids; });
+        return std::vector<std::string>();
+      };
+      grids = of_first_rank(directory.communicator(), read);
       if (!grids.empty())
         write_index(directory);
       return of_first_rank(directory.communicator(), [&] { return remark; });

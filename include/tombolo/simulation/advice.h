@@ -380,8 +380,6 @@ namespace tombolo
     const bool is_cut =
         std::any_of(contacts.begin(), contacts.end(),
                     [](const auto *const contact) { return contact->cutting_speed() > 0.; });
-    const auto n_particles =
-        Utilities::MPI::sum(part.formulation->points().size(), model.communicator);
     std::string reason;
     if (speed > 0.)
       reason = "the body spins, its rim with " +
@@ -406,7 +404,11 @@ namespace tombolo
           "of 0.105 mm, and it stopped with 0.05 mm; with affine smoothing 0.35 and 0.07 % "
           "(doc/tables/machining.md). Here they are up to " +
           short_number(spacings_of(part, model.communicator)[1]) + " wide.";
-    else if (!contacts.empty() && std::pow(n_particles, 1. / dim) < few_across)
+    else if (const auto n_particles =
+                 contacts.empty()
+                     ? 0
+                     : Utilities::MPI::sum(part.formulation->points().size(), model.communicator);
+             n_particles > 0 && std::pow(n_particles, 1. / dim) < few_across)
       reason =
           "positions move by other velocities than those that strain, so that what a contact "
           "stores is not what it gives back. The energy of a block that met a plane erred by 1.9 % "
