@@ -13,6 +13,7 @@ is one:
   header (same name) or, where it has none, a header of its layer.
 - No file is longer than MAXIMUM_LINES.
 - No file names a path of one machine.
+- Headers name exceptions of deal.II with `dealii::`: what an Assert names is compiled in Debug builds only.
 - No class is longer than MAXIMUM_LINES over all its files, has more than MAXIMUM_MEMBERS data members
   of its own, and no function is longer than MAXIMUM_FUNCTION_LINES. The lines of a class are those of
   its header and of all files that define members of it, without the lines of other classes there.
@@ -65,6 +66,7 @@ CAPS = {
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]tombolo/([^>"]+)[>"]')
 MACHINE_PATH = re.compile(r'(?<![\w.~/-])/(?:home|root|tmp|work|usr/local|mnt|Users)/[A-Za-z0-9_.]')
+UNQUALIFIED_EXCEPTION = re.compile(r"(?<![\w:])Exc[A-Z]\w*\(")
 
 
 def includes_of(lines):
@@ -134,6 +136,8 @@ def check_file(root, relative):
     for number, line in enumerate(lines, start=1):
         if MACHINE_PATH.search(line):
             yield number, "names a path of one machine"
+        if is_header and UNQUALIFIED_EXCEPTION.search(line):
+            yield number, "names an exception of deal.II without dealii::"
 
 
 class Sizes:

@@ -90,6 +90,14 @@ class CheckLayersTest(unittest.TestCase):
         self.assert_only({"applications/a.cc": f"\nread(\"{path}\");\n"},
                          "applications/a.cc:2: names a path of one machine")
 
+    def test_exceptions_of_debug_builds_are_qualified(self):
+        assertion = "#pragma once\nvoid f() { Assert(a, INTERNAL()); }\n"
+        self.assert_only({"include/tombolo/base/a.h": assertion.replace("INTERNAL", "ExcInternalError")},
+                         "include/tombolo/base/a.h:2: names an exception of deal.II")
+        self.assertEqual(
+            self.violations({"include/tombolo/base/a.h":
+                             assertion.replace("INTERNAL", "dealii::ExcInternalError")}), [])
+
     def test_a_long_function_is_refused(self):
         self.assertEqual(self.violations({"applications/a.cc": function("f", 80)}), [])
         self.assert_only({"applications/a.cc": "\n" + function("f", 81)},

@@ -159,7 +159,7 @@ namespace tombolo
     /** Adds the forces of elements (ghosts collected here) and of particles to the nodal force. */
     void collect_element_force(NodalVector &element_force, NodalVector &force)
     {
-      Assert(trace, ExcInternalError());
+      Assert(trace, dealii::ExcInternalError());
       trace_transfer.add_element_force(element_force, force);
     }
 

@@ -125,8 +125,9 @@ namespace tombolo
     {
       if (!moduli_are_tables)
         return Material::elastic_moduli(n, temperature, bulk_at, shear_at);
-      AssertThrow(n == 0 || temperature != nullptr,
-                  ExcMessage("The moduli of a thermoelastic material need its temperature."));
+      AssertThrow(
+          n == 0 || temperature != nullptr,
+          dealii::ExcMessage("The moduli of a thermoelastic material need its temperature."));
       evaluate_moduli(n, temperature, bulk_at, shear_at);
     }
     /** With an equation of state that of the deviator: the rest is "pressure work". */
@@ -236,8 +237,9 @@ namespace tombolo
     template <bool with_tables>
     void advance_thermoelastic(MaterialBatch &batch, double *const thermal_work) const
     {
-      AssertThrow(batch.temperature != nullptr && batch.temperature_increment != nullptr,
-                  ExcMessage("A thermoelastic material is advanced without a temperature."));
+      AssertThrow(
+          batch.temperature != nullptr && batch.temperature_increment != nullptr,
+          dealii::ExcMessage("A thermoelastic material is advanced without a temperature."));
       ChunkValues old_temperature, middle_temperature, alpha, bulk_0, shear_0, bulk_1, shear_1;
       for (unsigned int begin = 0; begin < batch.n; begin += points_per_chunk)
       {

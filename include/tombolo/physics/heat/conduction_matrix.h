@@ -490,7 +490,7 @@ namespace tombolo
   std::vector<std::vector<bool>> sublattices(const Model<dim> &model)
   {
     const Nodes<dim> &nodes = *model.nodes;
-    Assert(nodes.degree() == 1, ExcInternalError());
+    Assert(nodes.degree() == 1, dealii::ExcInternalError());
     using Numbering = SublatticeNumbering<dim>;
     const Numbering numbering(nodes);
     std::vector<std::vector<bool>> result(Numbering::n_corners,
