@@ -29,16 +29,17 @@ namespace tombolo
     material_points.reinit(0, {});
   }
 
-  void PartPoints::create(const unsigned int n, const std::vector<FieldDescription> &of_formulation,
+  void PartPoints::create(const unsigned int n,
+                          const std::vector<FieldDescription> &formulation_fields,
                           const std::vector<FieldDescription> &further)
   {
     if (!has_points)
       return;
     std::vector<FieldDescription> fields = part_material->internal_variables();
     const std::size_t n_of_material = MaterialPoints::n_standard_fields + fields.size();
-    const std::size_t n_of_formulation = n_of_material + of_formulation.size();
+    const std::size_t n_of_formulation = n_of_material + formulation_fields.size();
     for (const std::vector<FieldDescription> &others :
-         {of_formulation, bulk_viscosity.variables(), plastic_heating.variables(), further})
+         {formulation_fields, bulk_viscosity.variables(), plastic_heating.variables(), further})
       fields.insert(fields.end(), others.begin(), others.end());
     material_points.reinit(n, fields);
     plastic_heating.initialize(material_points);

@@ -63,8 +63,9 @@ namespace tombolo
     return heat;
   }
 
-  void PlasticHeating::settle(MaterialPoints &points, const unsigned int i, const double old_share,
-                              const double pending, const double nodal) const
+  void PlasticHeating::set_pending_heat(MaterialPoints &points, const unsigned int i,
+                                        const double old_share, const double pending,
+                                        const double nodal) const
   {
     double now = nodal;
     if (is_plastic)
@@ -109,8 +110,8 @@ namespace tombolo
 #pragma GCC ivdep
     for (unsigned int i = 0; i < n; ++i)
     {
-      // Unused lanes of a batch of cells have no volume; they give nothing, and must not heap it
-      // up.
+      // Unused lanes of a batch of cells have no volume; they release nothing, and must not
+      // accumulate it.
       const double initial_volume = volume[i] / volume_ratio[i];
       const bool is_used = initial_volume > 0.;
       const double inverse_volume = is_used ? 1. / initial_volume : 0.;

@@ -8,7 +8,7 @@ namespace tombolo
   namespace
   {
     /** Volumes follow from masses. What viscosity has dissipated is not of the material, and heat
-     * that nodes have not got goes by itself. */
+     * that nodes have not received is transferred separately. */
     bool carries_over(const std::string &field)
     {
       return field != "volume" && field != BulkViscosity::dissipation_name &&
@@ -66,7 +66,7 @@ namespace tombolo
     for (const Component &component : components)
     {
       double *const values = points.component(component.target_field, component.number);
-      // The temperature of points is settled below.
+      // The temperature of points is set below.
       if (heating.is_on() &&
           fields[component.target_field].name == PlasticHeating::temperature_name)
         continue;
@@ -85,7 +85,7 @@ namespace tombolo
       double pending = *pending_heat.node(nodes[i]);
       if (is_old(i) && heating.has_plastic_heat())
         pending += heating.pending(old_points, old_index[i]);
-      heating.settle(points, i, old_share[i], pending, *temperature->node(nodes[i]));
+      heating.set_pending_heat(points, i, old_share[i], pending, *temperature->node(nodes[i]));
     }
   }
 

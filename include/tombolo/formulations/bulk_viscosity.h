@@ -14,7 +14,7 @@ namespace tombolo
    * An artificial pressure that acts in compression only,
    * q = ρ l (c₁ c |tr D| + c₂ l (tr D)²), with the length l = V^(1/dim) of the point and the speed
    * c of P waves: it spreads shocks over a few points and damps the ringing behind them. It belongs
-   * to the force, not to the stored stress. Without it points have no fields of it and forces take
+   * to the force, not to the stored stress. Without it points have no fields of it and forces need
    * one test per eight points.
    */
   class BulkViscosity

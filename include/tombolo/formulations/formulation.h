@@ -36,13 +36,13 @@ namespace tombolo
     std::string name;
     unsigned int index = 0;
     const Nodes<dim> *nodes = nullptr;
-    const PartCells<dim> *part_cells = nullptr; ///< also tells the part of ghost cells
+    const PartCells<dim> *part_cells = nullptr; ///< also has the part of ghost cells
     const Bodies<dim> *bodies = nullptr;        ///< of the mesh; set where a part has particles
     std::shared_ptr<const Material> material;
     MPI_Comm communicator = MPI_COMM_NULL;
     std::shared_ptr<const ThermalProperties> heat; ///< null: a scene without heat
     bool has_mechanics = true; ///< otherwise the scene is one of heat alone: no material points
-    bool trace_bridge = false; ///< elements see the particles' field at shared nodes
+    bool trace_bridge = false; ///< elements use the particles' field at shared nodes
     /** Cells of some part can be removed or become particles while the run goes on. */
     bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
@@ -56,14 +56,14 @@ namespace tombolo
       return part == index ||
              std::find(equal_parts.begin(), equal_parts.end(), part) != equal_parts.end();
     }
-    /** Whether values of rows take the cells of @p part, for what is smoothed. */
+    /** Whether values of rows include the cells of @p part, for what is smoothed. */
     bool smooths_over(const unsigned int part) const
     {
       return is_of_equals(part) ||
              std::find(parts_of_other_material.begin(), parts_of_other_material.end(), part) !=
                  parts_of_other_material.end();
     }
-    /** Rows take the cells of the part alone. */
+    /** Rows include the cells of the part alone. */
     void end_at_own_cells()
     {
       equal_parts.clear();
@@ -121,7 +121,7 @@ namespace tombolo
     std::vector<double> force; ///< f, by component of each node
   };
 
-  /** Is given groups of local node numbers. */
+  /** Called with groups of local node numbers. */
   using NodeGroupAction = std::function<void(const std::vector<unsigned int> &)>;
 
   /**
@@ -154,9 +154,9 @@ namespace tombolo
       return false;
     }
 
-    /** Gives the points that @p are_new, in cells that a run has divided or joined, the volumes
-     * that they have at these positions, which have ghosts. Their volumes so far say how the points
-     * of a cell share its volume, where they do. */
+    /** Sets the volumes of the points that @p are_new, in cells that a run has divided or joined,
+     * to those at these positions, which have ghosts. The volumes before set how the points of a
+     * cell share its volume, where they do. */
     virtual void find_volumes(const NodalVector & /*position*/,
                               const std::vector<bool> & /*are_new*/)
     {}
@@ -168,17 +168,17 @@ namespace tombolo
      * n_points_per_cell() points. */
     virtual StepCost step_cost(const Material &material, const double /*box_ratio*/) const
     {
-      return StepCosts::of_elements(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
-                                    StepCosts::per_point, material);
+      return StepCosts::element_cost(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
+                                     StepCosts::per_point, material);
     }
 
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */
     virtual void initialize(const PartSetup<dim> &setup) = 0;
 
-    /** Nodes whose values this rank must see: nodes of its cells, neighbours of its particles. */
+    /** Nodes whose values this rank needs: nodes of its cells, neighbours of its particles. */
     virtual dealii::IndexSet required_nodes() const = 0;
 
-    /** Images of nodes whose values this rank must see, in any order; their sources are among
+    /** Images of nodes whose values this rank needs, in any order; their sources are among
      * required_nodes(). Changes when those do. */
     virtual std::vector<ImageNode> required_image_nodes() const
     {
@@ -202,9 +202,10 @@ namespace tombolo
       return "element forces";
     }
 
-    /** What made the last add_internal_force() useless on this rank, with its place ("the cell at
-     * (1, 2, 3) is turned inside out ..."); empty if nothing did. Not thrown from the loop, since
-     * the other ranks do not know: the caller agrees with them and throws a RunError on all. */
+    /** What made the last add_internal_force() useless on this rank, with its position ("the cell
+     * at (1, 2, 3) is turned inside out ..."); empty if nothing did. Not thrown from the loop,
+     * since it is not known to other ranks: the caller exchanges it and throws a RunError on
+     * all. */
     virtual std::string failure() const
     {
       return {};
@@ -228,8 +229,8 @@ namespace tombolo
      * mesh: local numbers. */
     virtual void find_couplings(const NodeGroupAction & /*use*/) const {}
 
-    /** What the part has of which find_cell_equations() does not know the stiffness, for a message;
-     * empty: nothing. By default it knows none. */
+    /** What find_cell_equations() does not linearize in the part, for a message; empty: nothing. By
+     * default it linearizes nothing. */
     virtual std::optional<std::string> unfit_to_linearize() const
     {
       return std::nullopt;
@@ -238,7 +239,7 @@ namespace tombolo
     /** eq. (41) without its factor, characteristic length over wave speed, of every cell or
      * particle of this rank with the inertial density of the material: cells in the order of active
      * cells of the triangulation, particles in that of their shape functions, 1e300 of cells that
-     * are removed. None where the formulation does not know them. */
+     * are removed. None where the formulation does not have them. */
     virtual void courant_limits(const NodalVector & /*position*/,
                                 std::vector<double> &time_steps) const
     {
@@ -295,12 +296,12 @@ namespace tombolo
     }
 
     /** Adds the heat per unit time that conduction brings to the nodes, -∫ k ∇θ · ∇φ (eqs 29, 35
-     * without its source), to slot 0 of @p heat_rate; k is taken at the temperatures @p
-     * of_conductivity and θ is slot 0 of @p temperature, so that with two fields this is a linear
-     * operator. All have node_stride a node and are in the present positions. Throws InputError
-     * where the formulation conducts no heat. */
+     * without its source), to slot 0 of @p heat_rate; k is that at the temperatures @p
+     * conductivity_temperature and θ is slot 0 of @p temperature, so that with two fields this is a
+     * linear operator. All have node_stride a node and are in the present positions. Throws
+     * InputError where the formulation conducts no heat. */
     virtual void add_conduction(const NodalVector & /*position*/,
-                                const NodalVector & /*of_conductivity*/,
+                                const NodalVector & /*conductivity_temperature*/,
                                 const NodalVector & /*temperature*/,
                                 NodalVector & /*heat_rate*/) const
     {
@@ -319,16 +320,16 @@ namespace tombolo
      * collected by the caller), and counts it as given. */
     virtual void add_plastic_heat(NodalVector & /*heat*/) {}
 
-    /** What add_plastic_heat() would give in all now, over this rank's points [M L^2/T^2]. */
+    /** What add_plastic_heat() would add in all now, over this rank's points [M L^2/T^2]. */
     double pending_plastic_heat() const
     {
       return part_points.heating().pending(points());
     }
 
-    /** Rebuilds neighbourhoods at the present positions where their criterion asks for it. When
-     * neighbours or ghosts changed, required_nodes() answers the ghosts that this rank needs now,
+    /** Rebuilds neighbourhoods at the present positions where their criterion requires it. When
+     * neighbours or ghosts changed, required_nodes() returns the ghosts that this rank needs now,
      * and the caller makes a new partition and calls set_partition() before the next use. The same
-     * answer on all ranks. Collective. */
+     * result on all ranks. Collective. */
     virtual NeighbourhoodChange update_neighbourhoods(const NodalVector & /*position*/)
     {
       return NeighbourhoodChange::none;
@@ -384,17 +385,17 @@ namespace tombolo
       return none;
     }
 
-    /** The place in points() of material point @p q of a cell. */
+    /** The index in points() of material point @p q of a cell. */
     virtual unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const
     {
       return cell * n_points_per_cell() + q;
     }
 
-    /** Gives points that stand for no cell what those of a cell have in a field of points(), where
-     * values of cells have been set. */
+    /** Sets points that stand for no cell to the values of those of a cell in a field of points(),
+     * where values of cells have been set. */
     virtual void fill_unused_lanes(const unsigned int /*field*/) {}
 
-    /** Writes to a checkpoint, or reads from it, what the part remembers beyond points(). Rows of
+    /** Writes to a checkpoint, or reads from it, what the part stores beyond points(). Rows of
      * the archive are the part's: a row per cell, or per particle. After reading, required_nodes()
      * and set_partition() are called as after a change of neighbours, then complete_reading().
      * Collective. */
@@ -405,7 +406,7 @@ namespace tombolo
     virtual void complete_reading(NodalVector & /*buffer*/) {}
 
   protected:
-    PartPoints part_points; ///< initialize() takes the material, and creates the points
+    PartPoints part_points; ///< initialize() sets the material, and creates the points
   };
 
   template <int dim>

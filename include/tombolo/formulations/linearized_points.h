@@ -13,7 +13,7 @@ namespace tombolo
 {
   /**
    * Points of n_lanes cells whose stress is that of one motion of the step, to first order in the
-   * motion: the material is asked once, and answers to changed motions by its tangent. First
+   * motion: the material is evaluated once, and changed motions follow by its tangent. First
    * begin(), then update() with the motion of the step, then integrate() with others.
    */
   template <unsigned int n_points>
@@ -22,7 +22,7 @@ namespace tombolo
   public:
     static constexpr unsigned int size = n_points * n_lanes;
 
-    /** What a motion makes of the points before the material answers. */
+    /** The effect of a motion on the points before the material is evaluated. */
     struct Motion
     {
       Lanes strain[n_points][6];
@@ -60,7 +60,7 @@ namespace tombolo
       return old_ratio[q];
     }
 
-    /** Takes the state of the points from @p first_point on, at the start of the step. */
+    /** Reads the state of the points from @p first_point on, at the start of the step. */
     void begin(const std::size_t first_point)
     {
       first = first_point;
@@ -116,8 +116,8 @@ namespace tombolo
       }
     }
 
-    /** Asks the material for the stress of @p motion, and its tangent. Advances what the material
-     * remembers, and with heat the temperature, from that of the nodes at the points. */
+    /** Evaluates the stress of @p motion and its tangent. Advances the variables of the material,
+     * and with heat the temperature, from that of the nodes at the points. */
     void update(const Motion &motion, const double *const nodal_temperature)
     {
       for (unsigned int q = 0; q < n_points; ++q)
@@ -139,7 +139,7 @@ namespace tombolo
           stress[q][c] = load_lanes(stress_of_batch[c] + q * n_lanes);
     }
 
-    /** Volume times stress of @p changed: the stress is that of @p motion, which update() has seen,
+    /** Volume times stress of @p changed: the stress is that of @p motion, of update(),
      * and what the tangent makes of the difference. */
     void integrate(const Motion &motion, const Motion &changed,
                    Lanes (&integrated)[n_points][6]) const

@@ -131,7 +131,7 @@ namespace tombolo
         share_strain<dim>(volume, motion);
     }
 
-    /** Gives points a motion by which their volumes grow by @p factor. */
+    /** Sets the motion of points so that their volumes grow by @p factor. */
     template <int dim>
     void set_ratio(const bool is_logarithmic, const Lanes &factor, MotionIncrement<Lanes> &motion)
     {
@@ -174,12 +174,12 @@ namespace tombolo
       return growth;
     }
 
-    /** Gives those points of a batch from @p first on that @p are_new the @p present volumes, or
-     * with @p shares_volume parts of their sum as they have now. */
+    /** Sets the volumes of those points of a batch from @p first on that @p are_new to the @p
+     * present ones, or with @p shares_volume to parts of their sum as they have now. */
     template <unsigned int n_points>
-    void take_volumes(MaterialPoints &points, const std::size_t first,
-                      const Lanes (&present)[n_points], const bool shares_volume,
-                      const std::vector<bool> &are_new)
+    void set_volumes(MaterialPoints &points, const std::size_t first,
+                     const Lanes (&present)[n_points], const bool shares_volume,
+                     const std::vector<bool> &are_new)
     {
       double *const volumes = points.component(MaterialPoints::volume, 0);
       const Lanes growth = growth_of_cell(volumes + first, present);

@@ -37,17 +37,18 @@ namespace tombolo
     /** Strain measure, with this default, and viscosity of a section. */
     explicit PartPoints(const Entries &e, StrainMeasure by_default = StrainMeasure::rate);
 
-    /** Takes material and heat of a part, the latter null in scenes without heat. There are no
+    /** Sets material and heat of a part, the latter null in scenes without heat. There are no
      * points yet, and none in a scene of heat alone. */
     void initialize(const std::shared_ptr<const Material> &material,
                     const std::shared_ptr<const ThermalProperties> &heat, bool has_mechanics);
 
-    /** Makes @p n points without volume, with the fields of the material, those @p of_formulation,
-     * of viscosity and heat, and @p further ones; none in a scene of heat alone. */
-    void create(unsigned int n, const std::vector<FieldDescription> &of_formulation = {},
+    /** Makes @p n points without volume, with the fields of the material, those @p
+     * formulation_fields, of viscosity and heat, and @p further ones; none in a scene of heat
+     * alone. */
+    void create(unsigned int n, const std::vector<FieldDescription> &formulation_fields = {},
                 const std::vector<FieldDescription> &further = {});
 
-    /** Takes the volumes as those of the start, in so many dimensions. */
+    /** Uses the volumes as those of the start, in so many dimensions. */
     void begin_with_volumes(int dimension)
     {
       if (has_points)
@@ -94,8 +95,8 @@ namespace tombolo
     /** The temperature of points from @p first on; null in scenes without heat. */
     const double *temperature(const std::size_t first = 0) const
     {
-      const double *const of_all = plastic_heating.temperature(material_points);
-      return of_all == nullptr ? nullptr : of_all + first;
+      const double *const temperatures = plastic_heating.temperature(material_points);
+      return temperatures == nullptr ? nullptr : temperatures + first;
     }
 
     /** Addresses of the components that the formulation has at the points, those of point 0. */

@@ -12,9 +12,9 @@
 namespace tombolo
 {
   /**
-   * What the material points of a part know of heat, in scenes with heat and mechanics: their
-   * temperature, which is that of the nodes raised by the plastic work that the nodes have not got
-   * yet; and how much they have. In scenes without heat points have no fields of it.
+   * The heat of the material points of a part, in scenes with heat and mechanics: their
+   * temperature, which is that of the nodes raised by the plastic work that the nodes have not
+   * received yet; and how much that is. In scenes without heat points have no fields of it.
    */
   class PlasticHeating
   {
@@ -36,7 +36,7 @@ namespace tombolo
     /** Finds the fields. */
     void initialize(const MaterialPoints &points);
 
-    /** Brings the temperature of @p n points from @p first on to the present one, from the nodal
+    /** Advances the temperature of @p n points from @p first on to the present one, from the nodal
      * @p temperature at each of them; its change goes to @p increment, and is zero at the start,
      * when nothing expands from the temperatures that are given. Only if on. */
     void advance(MaterialPoints &points, std::size_t first, unsigned int n,
@@ -54,7 +54,7 @@ namespace tombolo
       return is_plastic;
     }
 
-    /** The heat of point @p i that the nodes have not got [M L^2/T^2]. */
+    /** The heat of point @p i that the nodes have not received [M L^2/T^2]. */
     double pending(const MaterialPoints &points, unsigned int i) const;
 
     /** That of all points. */
@@ -63,11 +63,11 @@ namespace tombolo
     /** Returns pending(), and counts it as given. */
     double give(MaterialPoints &points, unsigned int i) const;
 
-    /** Lets point @p i, whose plastic work is known, have @p pending heat that the nodes have not
-     * got. Of its volume, @p old_share keeps the temperature that it has; the rest has that of the
-     * node, @p nodal, raised by this heat, so that it does not expand at once. Only if on. */
-    void settle(MaterialPoints &points, unsigned int i, double old_share, double pending,
-                double nodal) const;
+    /** Sets the @p pending heat of point @p i, whose plastic work is known, that the nodes have not
+     * received. Of its volume, @p old_share keeps the temperature that it has; the rest has that of
+     * the node, @p nodal, raised by this heat, so that it does not expand at once. Only if on. */
+    void set_pending_heat(MaterialPoints &points, unsigned int i, double old_share, double pending,
+                          double nodal) const;
 
   private:
     std::shared_ptr<const ThermalProperties> properties;

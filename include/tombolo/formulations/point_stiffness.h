@@ -9,7 +9,7 @@
 namespace tombolo
 {
   /** The elastic stiffness of points for step estimates: the moduli of their material, or where
-   * they have a "bulk modulus" of their own that one in the place of the material's. */
+   * they have a "bulk modulus" of their own that one instead of the material's. */
   class PointStiffness
   {
   public:

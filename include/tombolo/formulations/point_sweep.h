@@ -29,7 +29,7 @@ namespace tombolo
         batch.strain_increment[c] = strain[c];
     }
 
-    /** Takes @p n points from @p first_point on, a multiple of n_lanes. */
+    /** Begins with @p n points from @p first_point on, a multiple of n_lanes. */
     void begin(const std::size_t first_point, const unsigned int n)
     {
       first = first_point;
@@ -83,7 +83,7 @@ namespace tombolo
         store_lanes(work_factor(motion), factor + i);
     }
 
-    /** The same for all @p n_points points of n_lanes cells, of which @p n_valid are there, from
+    /** The same for all @p n_points points of n_lanes cells, of which @p n_valid exist, from
      * number @p begin on, by ∂v/∂x and the volumes at the end of the step. @p share(motions) shares
      * the motion of n_lanes points each among those of a cell; with @p shares_volume the points of
      * a cell keep their parts of its volume, by which their energy and Kirchhoff stress are
@@ -111,8 +111,9 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         move(begin + q * n_lanes, motions[q]);
-        double *const of_point = volumes + q * n_lanes;
-        store_lanes(shares_volume ? load_lanes(of_point) * growth : is_cell * volume[q], of_point);
+        double *const point_volumes = volumes + q * n_lanes;
+        store_lanes(shares_volume ? load_lanes(point_volumes) * growth : is_cell * volume[q],
+                    point_volumes);
       }
     }
 

@@ -81,22 +81,22 @@ namespace tombolo
       }
     }
 
-    /** Of n_lanes rows from @p first on, of which the first @p n are there: F = Σ (x_J - x_I) ⊗
-     * ∇φ_J and Σ v_J ⊗ ∇φ_J; one and zero of others. */
+    /** Of n_lanes rows from @p first on, of which the first @p n exist: F = Σ (x_J - x_I) ⊗ ∇φ_J
+     * and Σ v_J ⊗ ∇φ_J; one and zero of others. */
     template <int dim>
     TOMBOLO_ALWAYS_INLINE void gather_gradients(const Stencils &stencils, const std::size_t first,
                                                 const unsigned int n, const double *position,
                                                 const double *velocity, Matrix3<Lanes> &deformation,
                                                 Matrix3<Lanes> &velocity_gradient)
     {
-      alignas(64) double of_motion[n_lanes][3][node_stride] = {};
-      alignas(64) double of_place[n_lanes][3][node_stride] = {};
+      alignas(64) double velocity_columns[n_lanes][3][node_stride] = {};
+      alignas(64) double deformation_columns[n_lanes][3][node_stride] = {};
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
         if (lane >= n)
         {
           for (unsigned int j = 0; j < 3; ++j)
-            of_place[lane][j][j] = 1.;
+            deformation_columns[lane][j][j] = 1.;
           continue;
         }
         const auto number = static_cast<unsigned int>(first + lane);
@@ -106,14 +106,14 @@ namespace tombolo
         add_row(row, position, load_node(node(position, stencils.particle_node[number])), f);
         for (unsigned int j = 0; j < 3; ++j)
         {
-          store_node(h[j], of_motion[lane][j]);
-          store_node(f[j], of_place[lane][j]);
+          store_node(h[j], velocity_columns[lane][j]);
+          store_node(f[j], deformation_columns[lane][j]);
         }
       }
-      deformation = load_columns(of_place[0][0]);
+      deformation = load_columns(deformation_columns[0][0]);
       if constexpr (dim == 2)
         deformation(2, 2) = 1.;
-      velocity_gradient = load_columns(of_motion[0][0]);
+      velocity_gradient = load_columns(velocity_columns[0][0]);
     }
 
     /** Conduction at a point with this row: subtracts c (F⁻ᵀ∇θ) · (F⁻ᵀ∇φ_J) from slot 0 of @p
@@ -130,9 +130,9 @@ namespace tombolo
       for (unsigned int k = 0; k < row.size; ++k)
         gradient += load_node(row.gradient + k * Stencils::n_gradient) *
                     (*temperature.node(row.neighbour[k]) - *temperature.node(own));
-      dealii::Tensor<1, dim> of_reference;
+      dealii::Tensor<1, dim> reference_gradient;
       for (unsigned int a = 0; a < dim; ++a)
-        of_reference[a] = gradient[a];
+        reference_gradient[a] = gradient[a];
       dealii::Tensor<2, dim> inverse_deformation = dealii::unit_symmetric_tensor<dim>();
       if (stencils.inverse_deformation_is_current)
         inverse_deformation = inverse_row_deformation<dim>(stencils, number);
@@ -141,7 +141,7 @@ namespace tombolo
       // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
       const dealii::Tensor<1, dim> flux =
           factor(1. / determinant(inverse_deformation)) *
-          (inverse_deformation * (transpose(inverse_deformation) * of_reference));
+          (inverse_deformation * (transpose(inverse_deformation) * reference_gradient));
       NodeLanes padded = 0.;
       for (unsigned int a = 0; a < dim; ++a)
         padded[a] = flux[a];
@@ -177,13 +177,13 @@ namespace tombolo
       NodeLanes column[3];
       for (unsigned int j = 0; j < 3; ++j)
         column[j] = load_node(columns + j * node_stride);
-      const NodeLanes of_value = load_node(vector);
+      const NodeLanes node_vector = load_node(vector);
       NodeLanes all = 0.;
       for (unsigned int k = 0; k < row.size; ++k)
       {
         const double *const gradient = row.gradient + k * Stencils::n_gradient;
         double *const at = node(target, row.neighbour[k]);
-        const NodeLanes share = row.value[k] * of_value;
+        const NodeLanes share = row.value[k] * node_vector;
         store_node(load_node(at) - (column[0] * gradient[0] + column[1] * gradient[1] +
                                     column[2] * gradient[2] + share),
                    at);

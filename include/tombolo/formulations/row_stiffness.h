@@ -46,21 +46,21 @@ namespace tombolo
      * of its deviator: V is that of the reference. */
     struct RatioTerms
     {
-      double force = 0;                  ///< V σ
-      double derivative = 0;             ///< of it with J
-      std::vector<double> with_position; ///< of it, by node and component
-      std::vector<double> of_force;      ///< of f with J, by node and component
+      double force = 0;                     ///< V σ
+      double derivative = 0;                ///< of it with J
+      std::vector<double> with_position;    ///< of it, by node and component
+      std::vector<double> force_derivative; ///< of f with J, by node and component
     };
 
     /** @p shares_volume: points of a cell share their dilatation and volumes follow from their
-     * places; else the volume of a point is that of the reference times its volume ratio. */
+     * positions; else the volume of a point is that of the reference times its volume ratio. */
     RowStiffness(PartPoints &part, const bool shares_volume, const double time_increment)
         : shares_volume(shares_volume), linearized(part, time_increment),
           derivative(n_variables * n_variables)
     {}
 
     /** Finds the tangent of the points from @p first_point on. Advances their temperature, from @p
-     * nodal_temperature where there is heat, and what the material remembers. */
+     * nodal_temperature where there is heat, and the variables of the material. */
     void find(const std::size_t first_point, const Gradients &gradients,
               const double *nodal_temperature)
     {
@@ -86,11 +86,11 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int k = 0; k < rows[q].size; ++k)
         {
-          const auto place = std::lower_bound(equations.nodes.begin(), equations.nodes.end(),
+          const auto index = std::lower_bound(equations.nodes.begin(), equations.nodes.end(),
                                               rows[q].neighbour[k]) -
                              equations.nodes.begin();
           for (unsigned int d = 0; d < dim; ++d)
-            gradients_of_nodes[std::size_t(place) * width + q * dim + d] +=
+            gradients_of_nodes[std::size_t(index) * width + q * dim + d] +=
                 rows[q].gradient[k * Stencils::n_gradient + d];
         }
       // ∂P/∂F · ∇φ_K by entry of P, component and node K.
@@ -134,7 +134,7 @@ namespace tombolo
     /** Of the point of the last hand_over(), within it. */
     const RatioTerms &ratio_terms() const
     {
-      return of_ratio;
+      return point_terms;
     }
 
   private:
@@ -144,19 +144,19 @@ namespace tombolo
 
     void find_ratio_terms(const unsigned int lane, const unsigned int n_nodes)
     {
-      of_ratio.force = base_force[n_entries][lane];
-      of_ratio.derivative = derivative[n_entries * n_variables + n_entries][lane];
-      of_ratio.with_position.assign(std::size_t(n_nodes) * dim, 0.);
-      of_ratio.of_force.assign(std::size_t(n_nodes) * dim, 0.);
+      point_terms.force = base_force[n_entries][lane];
+      point_terms.derivative = derivative[n_entries * n_variables + n_entries][lane];
+      point_terms.with_position.assign(std::size_t(n_nodes) * dim, 0.);
+      point_terms.force_derivative.assign(std::size_t(n_nodes) * dim, 0.);
       for (unsigned int node = 0; node < n_nodes; ++node)
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
           {
             const double gradient = gradients_of_nodes[node * n_points * dim + j];
             const unsigned int entry = i * dim + j;
-            of_ratio.with_position[dim * node + i] +=
+            point_terms.with_position[dim * node + i] +=
                 gradient * derivative[n_entries * n_variables + entry][lane];
-            of_ratio.of_force[dim * node + i] +=
+            point_terms.force_derivative[dim * node + i] +=
                 gradient * derivative[entry * n_variables + n_entries][lane];
           }
     }
@@ -164,7 +164,7 @@ namespace tombolo
     struct Motion : LinearizedPoints<n_points>::Motion
     {
       Matrix3<Lanes> inverse_transpose[n_points];
-      Lanes of_own[n_points] = {}; ///< the derivative of the energy of d with ln d
+      Lanes own_stress[n_points] = {}; ///< the derivative of the energy of d with ln d
     };
 
     void find_motion(const Gradients &gradients, Motion &result) const
@@ -179,8 +179,8 @@ namespace tombolo
         h[q] = multiply(gradients.displacement[q], inverse_deformation);
         if (gradients.volume_ratio != nullptr)
         {
-          result.of_own[q] = gradients.own_modulus * gradients.volume[q] *
-                             OwnDilatation(det / *gradients.volume_ratio).slope;
+          result.own_stress[q] = gradients.own_modulus * gradients.volume[q] *
+                                 OwnDilatation(det / *gradients.volume_ratio).slope;
         }
       }
       linearized.move(
@@ -201,7 +201,7 @@ namespace tombolo
     /** P of @p changed, whose stress follows by the tangent, by point and entry. */
     void find_force(const Motion &changed, Lanes (&force)[n_variables]) const
     {
-      constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+      constexpr unsigned int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
       Lanes integrated[n_points][6];
       linearized.integrate(motion, changed, integrated);
       const Lanes mean = shares_volume
@@ -211,10 +211,10 @@ namespace tombolo
       {
         if (has_ratio)
         {
-          const Lanes of_point = (1. / dim) * MeanDilatation::trace_in_plane<dim>(integrated[q]);
+          const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(integrated[q]);
           for (unsigned int i = 0; i < dim; ++i)
-            integrated[q][i] += changed.of_own[q] - of_point;
-          force[n_entries] = (of_point - changed.of_own[q]) / changed.volume_ratio[q];
+            integrated[q][i] += changed.own_stress[q] - mean_stress;
+          force[n_entries] = (mean_stress - changed.own_stress[q]) / changed.volume_ratio[q];
         }
         if (shares_volume)
         {
@@ -228,7 +228,7 @@ namespace tombolo
           {
             Lanes sum = 0.;
             for (unsigned int k = 0; k < dim; ++k)
-              sum += integrated[q][place[i][k]] * changed.inverse_transpose[q](k, j);
+              sum += integrated[q][voigt[i][k]] * changed.inverse_transpose[q](k, j);
             force[q * n_of_point + i * dim + j] = sum;
           }
       }
@@ -276,7 +276,7 @@ namespace tombolo
     Motion motion;
     Lanes base_force[n_variables];
     bool has_ratio = false;
-    RatioTerms of_ratio;
+    RatioTerms point_terms;
     dealii::AlignedVector<Lanes> derivative; ///< of P with respect to F, row by row
 
     // Of the cell at hand.

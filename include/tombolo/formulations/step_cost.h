@@ -18,20 +18,20 @@ namespace tombolo
         17.; ///< strain and force of an element's point, without its stress
 
     /** Of cells with nodes of this degree, whose work is @p per_cell each. */
-    inline StepCost of_cells(const unsigned int dim, const unsigned int degree,
-                             const double per_cell)
+    inline StepCost cell_cost(const unsigned int dim, const unsigned int degree,
+                              const double per_cell)
     {
       const int n_nodes = dealii::Utilities::pow(degree, static_cast<int>(dim));
       return {per_cell + per_node * (n_nodes - 1), per_node};
     }
 
     /** Of elements with @p n_points points. */
-    inline StepCost of_elements(const unsigned int dim, const unsigned int degree,
-                                const unsigned int n_points, const double cost_per_point,
-                                const Material &material)
+    inline StepCost element_cost(const unsigned int dim, const unsigned int degree,
+                                 const unsigned int n_points, const double cost_per_point,
+                                 const Material &material)
     {
-      return of_cells(dim, degree,
-                      per_cell + n_points * (cost_per_point + material.cost_per_point()));
+      return cell_cost(dim, degree,
+                       per_cell + n_points * (cost_per_point + material.cost_per_point()));
     }
   } // namespace StepCosts
 } // namespace tombolo

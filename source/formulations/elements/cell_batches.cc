@@ -151,10 +151,10 @@ namespace tombolo
       valid_lanes.back() = cell_count % n_lanes;
     all_groups = {{1, 0, n_batches()}};
     nodes_of_cells.clear();
-    places.clear();
+    slots.clear();
     present_cells.clear();
     node_count = Utilities::pow(degree + 1, dim);
-    const std::size_t n_places = std::size_t(node_count) * padded_to_lanes(cell_count);
+    const std::size_t n_entries = std::size_t(node_count) * padded_to_lanes(cell_count);
 
     const std::vector<types::global_dof_index> all_nodes = nodes_of(cells, *setup.nodes);
     node_set = set_of(all_nodes, setup.nodes->dof_handler().n_dofs());
@@ -167,8 +167,8 @@ namespace tombolo
     const LumpedVolumes<dim> lumped_volumes(degree, lumping);
     node_mass.assign(node_set.n_elements(), 0.);
     cell_mass.clear();
-    set_nodes.resize(n_places);
-    positions.resize(n_places * dim);
+    set_nodes.resize(n_entries);
+    positions.resize(n_entries * dim);
     std::vector<Point<dim>> points;
     for (unsigned int c = 0; c < padded_to_lanes(cell_count); ++c)
     {
@@ -176,10 +176,10 @@ namespace tombolo
       setup.nodes->cell_points(cells[cell], points);
       for (unsigned int k = 0; k < node_count; ++k)
       {
-        const std::size_t place = (std::size_t(c / n_lanes) * node_count + k) * n_lanes;
-        set_nodes[place + c % n_lanes] = number_in_set(cell, k);
+        const std::size_t entry = (std::size_t(c / n_lanes) * node_count + k) * n_lanes;
+        set_nodes[entry + c % n_lanes] = number_in_set(cell, k);
         for (unsigned int d = 0; d < dim; ++d)
-          positions[place * dim + d * n_lanes + c % n_lanes] = points[k][d];
+          positions[entry * dim + d * n_lanes + c % n_lanes] = points[k][d];
       }
       if (c >= cell_count)
         continue;
@@ -218,7 +218,7 @@ namespace tombolo
     Assert(group_of_cells.size() == all_cell_count, ExcInternalError());
     std::map<unsigned int, std::vector<unsigned int>> cells_of_groups;
     for (unsigned int cell = 0; cell < all_cell_count; ++cell)
-      if (place(cell) < n_batches() * n_lanes)
+      if (slot_of(cell) < n_batches() * n_lanes)
         cells_of_groups[group_of_cells[cell]].push_back(cell);
     if (cells_of_groups.empty())
       cells_of_groups[1];
@@ -243,13 +243,13 @@ namespace tombolo
     present_cells.clear();
     valid_lanes.clear();
     constexpr unsigned int none = numbers::invalid_unsigned_int;
-    places.assign(all_cell_count, none);
+    slots.assign(all_cell_count, none);
     cell_count = 0;
     for (const std::vector<unsigned int> &cells : lists)
     {
       for (const unsigned int cell : cells)
       {
-        places[cell] = static_cast<unsigned int>(present_cells.size());
+        slots[cell] = static_cast<unsigned int>(present_cells.size());
         present_cells.push_back(cell);
       }
       cell_count += static_cast<unsigned int>(cells.size());
@@ -258,9 +258,9 @@ namespace tombolo
       present_cells.resize(n_batches() * n_lanes, cells.empty() ? 0 : cells.back());
     }
     unsigned int next = n_batches() * n_lanes;
-    for (unsigned int &place : places)
-      if (place == none)
-        place = next++;
+    for (unsigned int &slot : slots)
+      if (slot == none)
+        slot = next++;
 
     set_nodes.resize(std::size_t(node_count) * present_cells.size());
     for (unsigned int c = 0; c < present_cells.size(); ++c)
@@ -291,10 +291,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellBatches<dim>::set_masses(const std::vector<double> &of_cells)
+  void CellBatches<dim>::set_masses(const std::vector<double> &cell_masses)
   {
-    Assert(can_change && of_cells.size() == cell_mass.size(), ExcInternalError());
-    cell_mass = of_cells;
+    Assert(can_change && cell_masses.size() == cell_mass.size(), ExcInternalError());
+    cell_mass = cell_masses;
     std::fill(node_mass.begin(), node_mass.end(), 0.);
     for (unsigned int batch = 0; batch < n_batches(); ++batch)
       for (unsigned int lane = 0; lane < n_valid(batch); ++lane)

@@ -20,9 +20,9 @@ namespace tombolo
 {
   namespace
   {
-    /** Calls @p use with the place and the volume of each point of integration of the cells of this
-     * rank, multilinear images of the reference cell through their corners: exact for polynomials
-     * of degree two. */
+    /** Calls @p use with the position and the volume of each point of integration of the cells of
+     * this rank, multilinear images of the reference cell through their corners: exact for
+     * polynomials of degree two. */
     template <int dim, typename Use>
     void for_volumes(const CellBatches<dim> &cells, const unsigned int degree, const Use &use)
     {
@@ -42,19 +42,19 @@ namespace tombolo
                 positions[(node_of_corner[corner] * dim + d) * n_lanes + cell % n_lanes];
         for (unsigned int q = 0; q < quadrature.size(); ++q)
         {
-          Tensor<1, 3> place;
+          Tensor<1, 3> position;
           Tensor<2, dim> jacobian;
           for (unsigned int corner = 0; corner < n_corners; ++corner)
           {
             const double value =
                 GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), corner);
             for (unsigned int d = 0; d < dim; ++d)
-              place[d] += value * corners[corner][d];
+              position[d] += value * corners[corner][d];
             jacobian += outer_product(
                 corners[corner],
                 GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
           }
-          use(place, determinant(jacobian), quadrature.weight(q));
+          use(position, determinant(jacobian), quadrature.weight(q));
         }
       }
     }
@@ -68,13 +68,13 @@ namespace tombolo
       result.smallest_jacobian = 1e300;
       std::array<double, 4> first{};
       for_volumes<dim>(cells, degree,
-                       [&](const Tensor<1, 3> &place, const double jacobian, const double weight)
+                       [&](const Tensor<1, 3> &position, const double jacobian, const double weight)
                        {
                          const double mass = density * jacobian * weight;
                          result.smallest_jacobian = std::min(result.smallest_jacobian, jacobian);
                          first[3] += mass;
                          for (unsigned int d = 0; d < 3; ++d)
-                           first[d] += mass * place[d];
+                           first[d] += mass * position[d];
                        });
       result.smallest_jacobian = Utilities::MPI::min(result.smallest_jacobian, communicator);
       first = ordered_sum(first, communicator);
@@ -84,9 +84,9 @@ namespace tombolo
 
       std::array<double, 6> second{};
       for_volumes<dim>(cells, degree,
-                       [&](const Tensor<1, 3> &place, const double jacobian, const double weight)
+                       [&](const Tensor<1, 3> &position, const double jacobian, const double weight)
                        {
-                         const Tensor<1, 3> r = place - result.centre;
+                         const Tensor<1, 3> r = position - result.centre;
                          const double mass = density * jacobian * weight;
                          for (unsigned int a = 0, k = 0; a < 3; ++a)
                            for (unsigned int b = a; b < 3; ++b, ++k)
@@ -100,7 +100,7 @@ namespace tombolo
     }
   } // namespace
 
-  /** What CellPoints and ConductionElement need to know of a cell without stress. */
+  /** What CellPoints and ConductionElement need of a cell without stress. */
   template <int dim, unsigned int p>
   struct RigidCell
   {
@@ -135,13 +135,13 @@ namespace tombolo
 
     StepCost step_cost(const Material & /*material*/, const double /*box_ratio*/) const override
     {
-      return StepCosts::of_cells(dim, p, 0.);
+      return StepCosts::cell_cost(dim, p, 0.);
     }
 
     void initialize(const PartSetup<dim> &setup) override
     {
       part_points.initialize(setup.material, setup.heat, false);
-      cell_points.take_cells(setup, p, RigidCell<dim, p>::lumping, false);
+      cell_points.set_cells(setup, p, RigidCell<dim, p>::lumping, false);
       moments = moments_of(cell_points.cells(), p, setup.material->density(), setup.communicator);
       cell_points.cells().release_initial_positions();
       if (!(moments.smallest_jacobian > 0.))
@@ -172,10 +172,10 @@ namespace tombolo
       return {};
     }
 
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+    void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
-      add_conduction_of_cells(cell_points, *part_points.heat(), position, of_conductivity,
+      add_conduction_of_cells(cell_points, *part_points.heat(), position, conductivity_temperature,
                               temperature, heat_rate);
     }
 

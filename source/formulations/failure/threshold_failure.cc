@@ -14,7 +14,7 @@ namespace tombolo
   namespace
   {
     /** A bond breaks where the mean measure of the pair reaches a limit and the pair is stretched
-     * beyond a ratio, or either of them. What the measure is, derived classes say. */
+     * beyond a ratio, or either of them. Derived classes define the measure. */
     class ThresholdFailure : public BondFailure
     {
     public:
@@ -65,7 +65,7 @@ namespace tombolo
       bool needs_both;
     };
 
-    /** By a field of the points; @p missing says what material to choose. */
+    /** By a field of the points; @p missing: what material to choose. */
     class FieldFailure : public ThresholdFailure
     {
     public:

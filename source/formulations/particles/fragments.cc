@@ -93,8 +93,8 @@ namespace tombolo
       for (unsigned int i = 0; i < ids.size(); ++i)
         for (unsigned int mirrors = 0; mirrors < connected.n_copies; ++mirrors)
         {
-          Copy &of_set = smallest[connected.set_of(shape.particle_node[i], mirrors)];
-          of_set = std::min(of_set, {{ids[i], mirrors}});
+          Copy &smallest_of_set = smallest[connected.set_of(shape.particle_node[i], mirrors)];
+          smallest_of_set = std::min(smallest_of_set, {{ids[i], mirrors}});
         }
       return smallest;
     }
@@ -109,19 +109,19 @@ namespace tombolo
       for (const auto &[rank, n] : partition.scalars()->ghost_targets())
         for (unsigned int k = 0; k < n; ++k, ++ghost)
           for (unsigned int mirrors = 0; mirrors < connected.n_copies; ++mirrors)
-            if (const Copy &of_set = smallest[connected.set_of(ghost, mirrors)];
-                of_set[0] != is_empty)
-              to_owners[rank].push_back(
-                  {{partition.global_index(ghost), mirrors, of_set[0], of_set[1]}});
+            if (const Copy &smallest_of_set = smallest[connected.set_of(ghost, mirrors)];
+                smallest_of_set[0] != is_empty)
+              to_owners[rank].push_back({{partition.global_index(ghost), mirrors,
+                                          smallest_of_set[0], smallest_of_set[1]}});
       std::vector<Link> links;
       for (const auto &[rank, received] : exchange_by_rank(std::move(to_owners), communicator))
-        for (const auto &[node, mirrors, id, of_id] : received)
+        for (const auto &[node, mirrors, id, id_mirrors] : received)
         {
           const Copy &own = smallest[connected.set_of(
               partition.local_index(static_cast<types::global_dof_index>(node)),
               static_cast<unsigned int>(mirrors))];
-          if (own != Copy{{id, of_id}})
-            links.push_back({{own[0], own[1], id, of_id}});
+          if (own != Copy{{id, id_mirrors}})
+            links.push_back({{own[0], own[1], id, id_mirrors}});
         }
       std::sort(links.begin(), links.end());
       links.erase(std::unique(links.begin(), links.end()), links.end());
@@ -142,24 +142,24 @@ namespace tombolo
         std::sort(linked.begin(), linked.end());
         linked.erase(std::unique(linked.begin(), linked.end()), linked.end());
         for (const Link &link : links)
-          sets.union_set(place(first_of(link)), place(second_of(link)));
+          sets.union_set(index_of(first_of(link)), index_of(second_of(link)));
         smallest.assign(linked.size(), {{is_empty, is_empty}});
         for (std::size_t k = 0; k < linked.size(); ++k)
         {
-          Copy &of_set = smallest[sets.find_set(k)];
-          of_set = std::min(of_set, linked[k]);
+          Copy &smallest_of_set = smallest[sets.find_set(k)];
+          smallest_of_set = std::min(smallest_of_set, linked[k]);
         }
       }
 
-      Copy operator()(const Copy &of_rank)
+      Copy operator()(const Copy &rank_smallest)
       {
-        return std::binary_search(linked.begin(), linked.end(), of_rank)
-                   ? smallest[sets.find_set(place(of_rank))]
-                   : of_rank;
+        return std::binary_search(linked.begin(), linked.end(), rank_smallest)
+                   ? smallest[sets.find_set(index_of(rank_smallest))]
+                   : rank_smallest;
       }
 
     private:
-      std::size_t place(const Copy &copy) const
+      std::size_t index_of(const Copy &copy) const
       {
         return static_cast<std::size_t>(std::lower_bound(linked.begin(), linked.end(), copy) -
                                         linked.begin());
@@ -197,7 +197,7 @@ namespace tombolo
   {
     ConnectedNodes connected(shape, partition, images);
     const std::vector<Copy> smallest = smallest_particles(connected, shape, ids);
-    AcrossRanks of_all_ranks(Utilities::MPI::n_mpi_processes(partition.communicator()) > 1
+    AcrossRanks across_ranks(Utilities::MPI::n_mpi_processes(partition.communicator()) > 1
                                  ? find_links(connected, smallest, partition)
                                  : std::vector<Link>());
     std::vector<FragmentOfParticle> result;
@@ -206,7 +206,7 @@ namespace tombolo
       FragmentOfParticle fragment;
       for (unsigned int mirrors = 0; mirrors < connected.n_copies; ++mirrors)
       {
-        const Copy label = of_all_ranks(smallest[connected.set_of(node, mirrors)]);
+        const Copy label = across_ranks(smallest[connected.set_of(node, mirrors)]);
         fragment.label = label[0];
         // A particle reached from an image of the label: and its image from the label itself.
         if (label[1] == 0)

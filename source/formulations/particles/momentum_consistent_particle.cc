@@ -70,7 +70,7 @@ namespace tombolo
         section.fail("Dilation",
                      "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
                      "below a particle has no neighbours along an axis");
-      // Looking for equal rows pays where they stay.
+      // A search for equal rows pays where they stay.
       shares_rows = section.get("Configuration") == "total Lagrangian";
       if (shares_rows)
         neighbours.order_by_offset();
@@ -153,8 +153,8 @@ namespace tombolo
     void renumber(const NodePartition &partition) override
     {
       ParticleRows<dim>::renumber(partition);
-      if (CellDilatation<dim> *const of_cells = averages.dilatation_of_cells())
-        of_cells->set_partition(partition);
+      if (CellDilatation<dim> *const cell_dilatation = averages.dilatation_of_cells())
+        cell_dilatation->set_partition(partition);
     }
     bool assign_neighbours(const ParticleSet<dim> &particles, const std::vector<double> &position,
                            const std::vector<double> &support) override
@@ -230,10 +230,10 @@ namespace tombolo
         : ParticleMethod<dim>(section, std::make_unique<LeastSquaresRows<dim>>(section),
                               particle_strain_measure(section))
     {
-      const auto &of_method = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
-      const Kernel &kernel_function = of_method.kernel();
+      const auto &method_rows = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
+      const Kernel &kernel_function = method_rows.kernel();
       this->smoothing_settings =
-          SmoothingSettings::read(section, kernel_function, of_method.dilation());
+          SmoothingSettings::read(section, kernel_function, method_rows.dilation());
     }
 
     static void declare_parameters(const Entries &e)

@@ -241,7 +241,7 @@ namespace tombolo
       spread_node(velocity, particle, own_velocity);
       for (unsigned int k = 0; is_tensile && k < n_of_tensor; ++k)
         own_tensor[k] = tensile[k / 3][std::size_t(particle) * node_stride + k % 3];
-      Lanes action[dim], viscous[dim] = {}, of_stress[dim] = {}, taken = 0.;
+      Lanes action[dim], viscous[dim] = {}, stress_action[dim] = {}, taken = 0.;
       for_pairs_of_row<dim>(
           rows, row, position,
           [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
@@ -252,16 +252,16 @@ namespace tombolo
               const Lanes approach = min(pairs.along_offset(other_velocity), Lanes(0.));
               const Lanes mu = h * approach / (pairs.squared + least);
               const Lanes strength = half_density * (mu * (quadratic * mu - alpha_c));
-              const Lanes of_both = strength * (pairs.of_row + pairs.of_other);
+              const Lanes both_sides = strength * (pairs.row_slope + pairs.other_slope);
               for (unsigned int d = 0; d < dim; ++d)
-                action[d] = of_both * pairs.offset[d];
+                action[d] = both_sides * pairs.offset[d];
               act(action, pairs.node, pairs.n, viscous, viscous_force);
               if (power != nullptr)
               {
-                taken -= strength * pairs.of_row * approach;
-                const Lanes of_other = strength * pairs.of_other * approach;
+                taken -= strength * pairs.row_slope * approach;
+                const Lanes other_power = strength * pairs.other_slope * approach;
                 for (unsigned int lane = 0; lane < pairs.n; ++lane)
-                  power[pairs.node[lane]] -= of_other[lane];
+                  power[pairs.node[lane]] -= other_power[lane];
               }
             }
             if (!is_tensile)
@@ -270,7 +270,7 @@ namespace tombolo
             Lanes size = 0.;
             for (unsigned int k = 0; k < n_of_tensor; ++k)
             {
-              tensor[k] = tensor[k] * pairs.of_other + own_tensor[k] * pairs.of_row;
+              tensor[k] = tensor[k] * pairs.other_slope + own_tensor[k] * pairs.row_slope;
               size += k < dim ? tensor[k] : Lanes(0.);
             }
             if (none_of(size > 0.))
@@ -279,12 +279,12 @@ namespace tombolo
             const Lanes weight = stress_weight(pairs.distance);
             for (unsigned int d = 0; d < dim; ++d)
               action[d] *= weight;
-            act(action, pairs.node, pairs.n, of_stress, stress_force);
+            act(action, pairs.node, pairs.n, stress_action, stress_force);
           });
       if (has_viscosity())
         act_back(viscous, particle, viscous_force);
       if (is_tensile)
-        act_back(of_stress, particle, stress_force);
+        act_back(stress_action, particle, stress_force);
       if (power != nullptr)
         power[particle] += reduce(taken);
     }
@@ -310,7 +310,7 @@ namespace tombolo
     {
       const double scale = 0.5 * inertia_ratio * h * shape.mass[row] / rows.initial_volume[row];
       spread_node(velocity, shape.particle_node[row], own_velocity);
-      std::size_t place = dampers.start[row];
+      std::size_t entry = dampers.start[row];
       for_pairs_of_row<dim>(rows, row, position,
                             [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                             {
@@ -319,12 +319,12 @@ namespace tombolo
                               const Lanes mu =
                                   h * min(pairs.along_offset(other), Lanes(0.)) / distance;
                               const Lanes strength =
-                                  square_root(scale * (pairs.of_row + pairs.of_other) *
+                                  square_root(scale * (pairs.row_slope + pairs.other_slope) *
                                               (alpha_c - 2. * quadratic * mu) / distance);
-                              std::copy_n(pairs.node, n_lanes, &dampers.node[place]);
+                              std::copy_n(pairs.node, n_lanes, &dampers.node[entry]);
                               for (unsigned int d = 0; d < dim; ++d)
-                                store_lanes(strength * pairs.offset[d], &dampers.way[d][place]);
-                              place += n_lanes;
+                                store_lanes(strength * pairs.offset[d], &dampers.way[d][entry]);
+                              entry += n_lanes;
                             });
     }
   }

@@ -43,19 +43,19 @@ namespace tombolo
       return result;
     }
 
-    /** All nodes of the selected cells that this rank sees, in the order of their appearance. */
-    struct SeenNodes
+    /** All nodes of the selected cells that this rank has, in the order of their appearance. */
+    struct CollectedNodes
     {
       std::unordered_map<types::global_dof_index, unsigned int> index_of_node;
       std::vector<double> positions, masses, half_widths; ///< node_stride, 1 and node_stride each
     };
 
     template <int dim>
-    SeenNodes find_seen_nodes(const Nodes<dim> &nodes, const double density,
-                              const CellSelection<dim> &is_taken)
+    CollectedNodes collect_nodes(const Nodes<dim> &nodes, const double density,
+                                 const CellSelection<dim> &is_taken)
     {
-      SeenNodes seen;
-      seen.index_of_node.reserve(nodes.owned().n_elements());
+      CollectedNodes collected;
+      collected.index_of_node.reserve(nodes.owned().n_elements());
       std::vector<unsigned int> corners;
       const auto subcell_nodes = subcells<dim>(nodes.degree());
       std::unique_ptr<Quadrature<dim>> quadrature;
@@ -76,13 +76,13 @@ namespace tombolo
         std::vector<unsigned int> indices;
         for (unsigned int k = 0; k < cell_nodes.size(); ++k)
         {
-          const auto [entry, is_new] = seen.index_of_node.try_emplace(
-              cell_nodes[k], static_cast<unsigned int>(seen.masses.size()));
+          const auto [entry, is_new] = collected.index_of_node.try_emplace(
+              cell_nodes[k], static_cast<unsigned int>(collected.masses.size()));
           if (is_new)
           {
             for (unsigned int c = 0; c < node_stride; ++c)
-              seen.positions.push_back(c < dim ? cell_points[k][c] : 0.);
-            seen.masses.push_back(0.);
+              collected.positions.push_back(c < dim ? cell_points[k][c] : 0.);
+            collected.masses.push_back(0.);
           }
           indices.push_back(entry->second);
         }
@@ -93,57 +93,58 @@ namespace tombolo
         cell->get_dof_indices(hierarchic_nodes);
         for (unsigned int k = 0; k < fe_values.dofs_per_cell; ++k)
         {
-          const auto place = std::find(cell_nodes.begin(), cell_nodes.end(), hierarchic_nodes[k]);
-          double &mass = seen.masses[indices[std::size_t(place - cell_nodes.begin())]];
+          const auto found = std::find(cell_nodes.begin(), cell_nodes.end(), hierarchic_nodes[k]);
+          double &mass = collected.masses[indices[std::size_t(found - cell_nodes.begin())]];
           for (const unsigned int q : fe_values.quadrature_point_indices())
             mass += density * fe_values.shape_value(k, q) * fe_values.JxW(q);
         }
       }
-      seen.half_widths.assign(seen.positions.size(), 0.);
-      SupportSize::accumulate<dim>(corners, 1u << dim, seen.positions.data(),
-                                   seen.half_widths.data());
-      return seen;
+      collected.half_widths.assign(collected.positions.size(), 0.);
+      SupportSize::accumulate<dim>(corners, 1u << dim, collected.positions.data(),
+                                   collected.half_widths.data());
+      return collected;
     }
 
-    /** Lets the nodes of @p seen on which others of them depend reach each other. */
+    /** Widens the supports of those nodes of @p collected on which others depend so that they reach
+     * each other. */
     template <int dim>
-    void widen_supports(const Nodes<dim> &nodes, SeenNodes &seen)
+    void widen_supports(const Nodes<dim> &nodes, CollectedNodes &collected)
     {
-      const auto places = nodes.points_depended_on();
+      const auto node_positions = nodes.points_depended_on();
       for (const DependentNode &row : nodes.dependent_nodes())
       {
-        if (seen.index_of_node.count(row.node) == 0)
+        if (collected.index_of_node.count(row.node) == 0)
           continue;
         std::vector<unsigned int> ends(row.weights.size());
         std::iota(ends.begin(), ends.end(), 0u);
         std::vector<double> positions, half_widths(ends.size() * node_stride, 0.);
         for (const auto &weight : row.weights)
           for (unsigned int d = 0; d < node_stride; ++d)
-            positions.push_back(d < dim ? places.at(weight.first)[d] : 0.);
+            positions.push_back(d < dim ? node_positions.at(weight.first)[d] : 0.);
         SupportSize::accumulate<dim>(ends, static_cast<unsigned int>(ends.size()), positions.data(),
                                      half_widths.data());
         for (const unsigned int end : ends)
-          if (const auto found = seen.index_of_node.find(row.weights[end].first);
-              found != seen.index_of_node.end())
+          if (const auto found = collected.index_of_node.find(row.weights[end].first);
+              found != collected.index_of_node.end())
             for (unsigned int d = 0; d < dim; ++d)
             {
-              double &of_node = seen.half_widths[found->second * node_stride + d];
-              of_node = std::max(of_node, half_widths[end * node_stride + d]);
+              double &half_width = collected.half_widths[found->second * node_stride + d];
+              half_width = std::max(half_width, half_widths[end * node_stride + d]);
             }
       }
     }
 
-    /** Gives the masses of nodes that depend on others to these. Collective. */
+    /** Distributes the masses of nodes that depend on others to these. Collective. */
     template <int dim>
-    void move_masses(const PartSetup<dim> &setup, SeenNodes &seen)
+    void move_masses(const PartSetup<dim> &setup, CollectedNodes &collected)
     {
       const Nodes<dim> &nodes = *setup.nodes;
       const auto partition = partition_of(nodes, nodes.relevant());
       NodalVector masses, before;
       masses.reinit(partition, Quantity::scalar);
-      for (const auto &[node, index] : seen.index_of_node)
+      for (const auto &[node, index] : collected.index_of_node)
         if (nodes.owned().is_element(node))
-          *masses.node(partition->local_index(node)) = seen.masses[index];
+          *masses.node(partition->local_index(node)) = collected.masses[index];
       before = masses.copy();
       before.update_ghosts();
       const NodePartition::DependentNodes &dependent = partition->dependent_nodes();
@@ -153,22 +154,23 @@ namespace tombolo
           if (*masses.node(dependent.node[row]) > 0. &&
               *before.node(dependent.weights[k].first) == 0.)
           {
-            Point<dim> place;
-            const double *const x = &seen.positions[seen.index_of_node.at(partition->global_index(
-                                                        dependent.node[row])) *
-                                                    node_stride];
-            std::copy_n(x, dim, place.begin_raw());
+            Point<dim> position;
+            const double *const x =
+                &collected.positions[collected.index_of_node.at(
+                                         partition->global_index(dependent.node[row])) *
+                                     node_stride];
+            std::copy_n(x, dim, position.begin_raw());
             failure =
-                "Section Mesh, entry \"Refine where\": at " + place_text(place) +
+                "Section Mesh, entry \"Refine where\": at " + place_text(position) +
                 " a node of a cell of the particle part \"" + setup.name +
                 "\" lies in the middle of a face or edge of a large cell that ends beyond the "
                 "part. Let the part and the small cells end at the same large cells.";
           }
       throw_on_all_ranks<InputError>(failure, setup.communicator);
       masses.condense();
-      for (const auto &[node, index] : seen.index_of_node)
+      for (const auto &[node, index] : collected.index_of_node)
         if (nodes.owned().is_element(node))
-          seen.masses[index] = *masses.node(partition->local_index(node));
+          collected.masses[index] = *masses.node(partition->local_index(node));
     }
   } // namespace
 
@@ -180,13 +182,13 @@ namespace tombolo
     mesh_nodes = setup.nodes;
     mpi_communicator = setup.communicator;
     const double density = setup.material->density();
-    SeenNodes seen = find_seen_nodes<dim>(*mesh_nodes, density, is_taken);
+    CollectedNodes collected = collect_nodes<dim>(*mesh_nodes, density, is_taken);
     const bool give_way =
         dependent_nodes == DependentNodes::give_way && mesh_nodes->has_dependent_nodes();
     if (give_way)
     {
-      widen_supports(*mesh_nodes, seen);
-      move_masses(setup, seen);
+      widen_supports(*mesh_nodes, collected);
+      move_masses(setup, collected);
     }
 
     std::vector<double> masses;
@@ -197,19 +199,19 @@ namespace tombolo
     spacing = std::numeric_limits<double>::max();
     for (const types::global_dof_index node : mesh_nodes->owned())
     {
-      const auto found = seen.index_of_node.find(node);
-      if (found == seen.index_of_node.end() ||
+      const auto found = collected.index_of_node.find(node);
+      if (found == collected.index_of_node.end() ||
           (give_way && mesh_nodes->dependent_node(node) != nullptr))
         continue;
       const unsigned int index = found->second;
       numbers.push_back(node);
-      masses.push_back(seen.masses[index]);
-      volumes.push_back(seen.masses[index] / density);
+      masses.push_back(collected.masses[index]);
+      volumes.push_back(collected.masses[index] / density);
       Point<dim> point;
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const double half_width = seen.half_widths[index * node_stride + d];
-        point[d] = seen.positions[index * node_stride + d];
+        const double half_width = collected.half_widths[index * node_stride + d];
+        point[d] = collected.positions[index * node_stride + d];
         spacing = std::min(spacing, half_width);
         supports.push_back(dilation * half_width);
       }

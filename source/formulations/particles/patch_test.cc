@@ -35,8 +35,8 @@ namespace tombolo
           continue;
         if (at_boundary && !all_nodes.is_outer_face(cell, face))
           continue;
-        for (const unsigned int place : all_nodes.face_places(face))
-          face_nodes.push_back(cell_nodes[place]);
+        for (const unsigned int corner : all_nodes.face_places(face))
+          face_nodes.push_back(cell_nodes[corner]);
         is_shared.push_back(!at_boundary);
         // The tangents of a face are those of the cell's axes in their order; their product points
         // along the third axis, but against the second.

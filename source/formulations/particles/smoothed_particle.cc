@@ -32,8 +32,8 @@ namespace tombolo
       for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
         if (cell->is_locally_owned() && is_taken(cell))
           n_cells += std::pow(setup.nodes->degree(), dim);
-      for (const double of_particle : particle_volumes)
-        volume += of_particle;
+      for (const double particle_volume : particle_volumes)
+        volume += particle_volume;
       n_cells = Utilities::MPI::sum(n_cells, setup.communicator);
       volume = Utilities::MPI::sum(volume, setup.communicator);
       return n_cells > 0. ? volume / n_cells : 0.;
@@ -47,7 +47,8 @@ namespace tombolo
    *
    * Where planes of symmetry leave a piece of a body, a particle on a plane has that part of its
    * volume (and mass) that is in the piece, with which its stress acts on its neighbours and on
-   * their images alike. Its neighbours see all of it: V⁰ in RadialRows is that of the whole body.
+   * their images alike. All of it acts on its neighbours: V⁰ in RadialRows is that of the whole
+   * body.
    */
   template <int dim>
   class SmoothedRows : public ParticleRows<dim>
@@ -172,8 +173,8 @@ namespace tombolo
 
   private:
     /** With kernels at present positions rows hold those of their candidates that are within two
-     * smoothing lengths now: sweeps over rows are shorter. Not with bonds, which know neighbours by
-     * their place among the candidates. */
+     * smoothing lengths now: sweeps over rows are shorter. Not with bonds, which number neighbours
+     * by their index among the candidates. */
     Stencils &searched() override
     {
       return is_compact ? candidates : this->shape;
@@ -190,12 +191,12 @@ namespace tombolo
       std::vector<std::size_t> candidate(shape.row_start.back());
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        std::size_t place = candidates.row_start[row];
+        std::size_t index = candidates.row_start[row];
         for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
         {
-          while (candidates.neighbour[place] != shape.neighbour[entry])
-            ++place;
-          candidate[entry] = place;
+          while (candidates.neighbour[index] != shape.neighbour[entry])
+            ++index;
+          candidate[entry] = index;
         }
       }
       this->neighbours.set_partition(partition, candidates);
@@ -212,13 +213,13 @@ namespace tombolo
                                       : radial_rows->reach();
       const std::vector<double> &x = this->neighbours.position_at_search();
       this->neighbours.remove_neighbours(
-          [&](const unsigned int row, const unsigned int place)
+          [&](const unsigned int row, const unsigned int neighbour)
           {
             double squared = 0;
             for (unsigned int d = 0; d < dim; ++d)
             {
-              const double offset =
-                  x[std::size_t(place) * node_stride + d] - x[std::size_t(row) * node_stride + d];
+              const double offset = x[std::size_t(neighbour) * node_stride + d] -
+                                    x[std::size_t(row) * node_stride + d];
               squared += offset * offset;
             }
             return squared >= reach * reach;
@@ -347,19 +348,21 @@ namespace tombolo
       const Neighbourhoods<dim> &found = this->rows->neighbourhoods();
       const std::vector<double> &supports = found.support_at_search();
       volumes.assign(std::size_t(partition.n_local()) * node_stride, 0.);
-      for (std::size_t place = 0; place < found.nodes().size(); ++place)
-        volumes[std::size_t(found.nodes()[place]) * node_stride] =
-            supports[place * node_stride + RadialRows<dim>::volume_slot];
+      for (std::size_t index = 0; index < found.nodes().size(); ++index)
+        volumes[std::size_t(found.nodes()[index]) * node_stride] =
+            supports[index * node_stride + RadialRows<dim>::volume_slot];
     }
 
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+    void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
       if (conduction.is_on())
         conduction.add_conduction(pair_rows(), heat->conductivity(), position.data(),
-                                  of_conductivity.data(), temperature.data(), heat_rate.data());
+                                  conductivity_temperature.data(), temperature.data(),
+                                  heat_rate.data());
       else
-        ParticleMethod<dim>::add_conduction(position, of_conductivity, temperature, heat_rate);
+        ParticleMethod<dim>::add_conduction(position, conductivity_temperature, temperature,
+                                            heat_rate);
     }
 
     StepLimit diffusion_limit(const NodalVector &position) const override
@@ -412,13 +415,14 @@ namespace tombolo
               &kernel_slope};
     }
 
-    bool visit_conductances(const NodalVector &position, const NodalVector &of_conductivity,
+    bool visit_conductances(const NodalVector &position,
+                            const NodalVector &conductivity_temperature,
                             const typename PairConduction<dim>::Visitor &visit) const override
     {
       if (!conduction.is_on())
         return false;
       conduction.for_each_pair(pair_rows(), heat->conductivity(), position.data(),
-                               of_conductivity.data(), visit);
+                               conductivity_temperature.data(), visit);
       return true;
     }
 
@@ -426,7 +430,7 @@ namespace tombolo
     PairTerms<dim> terms;
     PairConduction<dim> conduction;
     RadialTable kernel_slope;                      // |dW/dr|
-    mutable std::vector<double> volumes;           // of PairRows; V is set when they are asked for
+    mutable std::vector<double> volumes;           // of PairRows; V is set on request
     std::shared_ptr<const ThermalProperties> heat; // null: a scene without heat
   };
 

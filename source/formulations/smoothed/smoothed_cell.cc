@@ -123,7 +123,7 @@ namespace tombolo
       VertexOf<dim> result;
       for (unsigned int k = 0; k < part.nodes.size(); ++k)
       {
-        result.place += share * part.points[k];
+        result.position += share * part.points[k];
         result.row.emplace_back(part.nodes[k], share);
       }
       return result;
@@ -224,9 +224,9 @@ namespace tombolo
     {
       const CellFacet<3> whole = plain_facet<3>(facet, cell);
       const auto edge = std::find_if(cell.edge_nodes.begin(), cell.edge_nodes.end(),
-                                     [&](const EdgeNode<3> &of_cell)
+                                     [&](const EdgeNode<3> &edge_node)
                                      {
-                                       const auto [a, b] = of_cell.corners;
+                                       const auto [a, b] = edge_node.corners;
                                        return facet.vertices[0][a] + facet.vertices[0][b] == 1. &&
                                               facet.vertices[1][a] + facet.vertices[1][b] == 1.;
                                      });
@@ -261,13 +261,13 @@ namespace tombolo
       return volumes;
     }
 
-    /** The volumes that a cell with further nodes on its faces gives to its corners and to these.
-     */
+    /** The volumes of the corners and the further nodes of a cell that has such nodes on its
+     * faces. */
     template <int dim>
     std::map<types::global_dof_index, double> volumes_of_nodes(const SmoothedCell<dim> &cell)
     {
       std::map<types::global_dof_index, double> result;
-      constexpr double of_vertex = 1. / (dim + 1);
+      constexpr double vertex_share = 1. / (dim + 1);
       const Point<dim> centre = cell.centre();
       for (const CellFacet<dim> &facet : facets_of(cell, false))
       {
@@ -276,9 +276,9 @@ namespace tombolo
         const double volume = facet.area() * (facet.centroid() - centre) / dim;
         for (const auto &vertex : facet.vertices)
           for (const auto &[node, share] : vertex.row)
-            result[node] += of_vertex * volume * share;
+            result[node] += vertex_share * volume * share;
         for (const types::global_dof_index node : cell.nodes)
-          result[node] += of_vertex * volume / static_cast<double>(cell.nodes.size());
+          result[node] += vertex_share * volume / static_cast<double>(cell.nodes.size());
       }
       return result;
     }
@@ -295,8 +295,8 @@ namespace tombolo
       setup.nodes->cell_nodes(cell, found.nodes);
       setup.nodes->cell_points(cell, points);
       std::copy(points.begin(), points.end(), found.corners.begin());
-      const auto is_void = [&setup](const typename Nodes<dim>::Cell &of_part)
-      { return setup.void_cells != nullptr && setup.void_cells->is_void(of_part); };
+      const auto is_void = [&setup](const typename Nodes<dim>::Cell &part_cell)
+      { return setup.void_cells != nullptr && setup.void_cells->is_void(part_cell); };
       found.is_void = is_void(cell);
       for (const unsigned int face : cell->face_indices())
       {
@@ -323,7 +323,7 @@ namespace tombolo
   {
     Point<dim> result;
     for (const Vertex &vertex : vertices)
-      result += 1. / dim * vertex.place;
+      result += 1. / dim * vertex.position;
     return result;
   }
 
@@ -335,7 +335,7 @@ namespace tombolo
     const auto has_nodes = [&](const unsigned int face)
     {
       return std::any_of(cell.face_nodes.begin(), cell.face_nodes.end(),
-                         [&](const FaceNodes<dim> &of_cell) { return of_cell.face == face; });
+                         [&](const FaceNodes<dim> &face_nodes) { return face_nodes.face == face; });
     };
     for (const auto &facet : SubCells<dim>::facets())
       if (facet.to == SubCells<dim>::outside && has_nodes(facet.face))
@@ -368,13 +368,14 @@ namespace tombolo
       if (cells[c].face_nodes.empty() || cells[c].is_void)
         continue;
       auto volumes = volumes_of_nodes(cells[c]);
-      const auto of_uniform = corner_volumes<dim>(cells[c].corners);
+      const auto uniform_volumes = corner_volumes<dim>(cells[c].corners);
       const double density = setup.material->density();
-      const double of_cell = std::accumulate(of_uniform.begin(), of_uniform.end(), 0.);
-      for (unsigned int k = 0; k < of_uniform.size(); ++k)
-        volumes[cells[c].nodes[k]] -= of_uniform[k];
+      const double cell_volume =
+          std::accumulate(uniform_volumes.begin(), uniform_volumes.end(), 0.);
+      for (unsigned int k = 0; k < uniform_volumes.size(); ++k)
+        volumes[cells[c].nodes[k]] -= uniform_volumes[k];
       for (const auto &[node, volume] : volumes)
-        entries.push_back({c, node, density * volume, volume / of_cell});
+        entries.push_back({c, node, density * volume, volume / cell_volume});
     }
     std::vector<types::global_dof_index> nodes;
     for (const Entry &entry : entries)
@@ -409,11 +410,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void FurtherMasses<dim>::add_shares(const std::vector<double> &of_cells,
+  void FurtherMasses<dim>::add_shares(const std::vector<double> &cell_values,
                                       NodalVector &result) const
   {
     for (std::size_t i = 0; i < entries.size(); ++i)
-      *result.node(local_nodes[i]) += entries[i].share * of_cells[entries[i].cell];
+      *result.node(local_nodes[i]) += entries[i].share * cell_values[entries[i].cell];
   }
 
   template std::vector<SmoothedCell<2>> smoothed_cells_of<2>(const PartSetup<2> &);

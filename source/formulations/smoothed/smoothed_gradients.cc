@@ -48,8 +48,8 @@ namespace tombolo
         nodes_of_shared.reserve(8 * shared_values.size()); // as many as a facet has in a lattice
       }
 
-      /** Rows of all points of cell number @p c go behind @p rows. Returns what is wrong, or
-       * nothing. */
+      /** Appends the rows of all points of cell number @p c to @p rows. Returns an error message,
+       * or nothing. */
       std::string add_cell(const std::size_t c, const SmoothedIntegrationRule rule,
                            std::vector<SmoothedRow<dim>> &rows)
       {
@@ -57,15 +57,15 @@ namespace tombolo
         cell = &surroundings.cells[c];
         corners = cell->corners;
         for (unsigned int k = 0; k < corners.size() && position != nullptr; ++k)
-          corners[k] = present_place(cell->nodes[k]);
+          corners[k] = present_position(cell->nodes[k]);
         surroundings.find_neighbours(c, hits);
         const auto gather =
-            [this](const std::vector<double> &of_cloud, std::vector<double> &of_hits)
+            [this](const std::vector<double> &cloud_values, std::vector<double> &hit_values)
         {
-          of_hits.clear();
+          hit_values.clear();
           for (const std::size_t i : hits)
-            of_hits.insert(of_hits.end(), &of_cloud[i * node_stride],
-                           &of_cloud[i * node_stride] + node_stride);
+            hit_values.insert(hit_values.end(), &cloud_values[i * node_stride],
+                              &cloud_values[i * node_stride] + node_stride);
         };
         gather(cloud.position, positions);
         gather(cloud.support, supports);
@@ -81,13 +81,13 @@ namespace tombolo
       /** A facet of the sub-cells of the cell. */
       struct PlacedFacet
       {
-        Point<dim> of_start, now; ///< its centroid
-        Tensor<1, dim> area;      ///< present one
-        unsigned int from, to;    ///< as in SubCells::Facet
+        Point<dim> initial, now; ///< its centroid
+        Tensor<1, dim> area;     ///< present one
+        unsigned int from, to;   ///< as in SubCells::Facet
         bool is_on_boundary;
       };
 
-      /** Neighbours, by their place among the hits, and their values. */
+      /** Neighbours, by their index among the hits, and their values. */
       using Values = std::vector<std::pair<std::size_t, double>>;
 
       /** Where the values of a facet of two cells are. */
@@ -96,9 +96,9 @@ namespace tombolo
         std::size_t first = 0, n = 0;
       };
 
-      /** Values at a point that was at @p of_start in the initial configuration, and gradients,
-       * where it moves there with the present place by @p inverse. */
-      bool evaluate(const Point<dim> &of_start, const Point<dim> &now,
+      /** Values at a point that was at @p initial in the initial configuration, and gradients, with
+       * @p inverse the derivative of that position with respect to the present one. */
+      bool evaluate(const Point<dim> &initial, const Point<dim> &now,
                     Tensor<1, dim> *const gradient = nullptr,
                     const Tensor<2, dim> &inverse = Tensor<2, dim>())
       {
@@ -106,7 +106,7 @@ namespace tombolo
         return (position == nullptr
                     ? approximation.evaluate(now, n, positions.data(), supports.data(),
                                              values.data(), gradient)
-                    : approximation.evaluate_moved(of_start, n, positions.data(), supports.data(),
+                    : approximation.evaluate_moved(initial, n, positions.data(), supports.data(),
                                                    now, present.data(), values.data(), gradient,
                                                    inverse))
             .is_inside;
@@ -165,38 +165,38 @@ namespace tombolo
       {
         facets.clear();
         further_facets.clear();
-        const auto add = [this](const auto &facet, const Point<dim> &of_start,
-                                const Point<dim> &now, const Tensor<1, dim> &area)
+        const auto add = [this](const auto &facet, const Point<dim> &initial, const Point<dim> &now,
+                                const Tensor<1, dim> &area)
         {
-          facets.push_back({of_start, now, area, facet.from, facet.to,
+          facets.push_back({initial, now, area, facet.from, facet.to,
                             facet.to == Parts::outside && cell->is_on_boundary[facet.face]});
         };
         // Further nodes are in the middle of edges at the start.
         if (position == nullptr ? !cell->face_nodes.empty() : cell->has_further_nodes())
         {
-          const std::vector<CellFacet<dim>> of_start = facets_of(*cell, position != nullptr);
+          const std::vector<CellFacet<dim>> initial_facets = facets_of(*cell, position != nullptr);
           further_facets = position == nullptr
-                               ? of_start
+                               ? initial_facets
                                : present_facets(*cell, [this](const types::global_dof_index node)
-                                                { return present_place(node); });
-          for (std::size_t f = 0; f < of_start.size(); ++f)
-            add(further_facets[f], of_start[f].centroid(), further_facets[f].centroid(),
+                                                { return present_position(node); });
+          for (std::size_t f = 0; f < initial_facets.size(); ++f)
+            add(further_facets[f], initial_facets[f].centroid(), further_facets[f].centroid(),
                 further_facets[f].area());
           return;
         }
-        static const FacetVertices of_facets;
+        static const FacetVertices facet_vertices;
         std::vector<Point<dim>> vertices;
-        for (const typename Parts::Shares &shares : of_facets.shares)
+        for (const typename Parts::Shares &shares : facet_vertices.shares)
           vertices.push_back(Parts::point_at(shares, corners));
         for (std::size_t f = 0; f < Parts::facets().size(); ++f)
         {
           const typename Parts::Facet &facet = Parts::facets()[f];
-          std::array<Point<dim>, dim> of_facet;
+          std::array<Point<dim>, dim> points;
           for (unsigned int v = 0; v < dim; ++v)
-            of_facet[v] = vertices[of_facets.numbers[f][v]];
+            points[v] = vertices[facet_vertices.numbers[f][v]];
           const Point<dim> now = Parts::point_at(facet.centroid, corners);
           add(facet, position == nullptr ? now : Parts::point_at(facet.centroid, cell->corners),
-              now, Parts::area_of(of_facet, facet.orientation));
+              now, Parts::area_of(points, facet.orientation));
         }
       }
 
@@ -212,26 +212,27 @@ namespace tombolo
                                     supports.data(), present.data());
         known_values.resize(facets.size());
         std::array<std::size_t, most_places> numbers{};
-        typename MovedConvexValues<dim>::Places of_start, now;
+        typename MovedConvexValues<dim>::Places initial, now;
         unsigned int n = 0;
         for (std::size_t f = 0; f < facets.size(); ++f)
         {
           if (!facets[f].is_on_boundary && shared_values_of(f) == nullptr)
           {
             numbers[n] = f;
-            of_start[n] = facets[f].of_start;
+            initial[n] = facets[f].initial;
             now[n++] = facets[f].now;
           }
           if (n < most_places && (n == 0 || f + 1 < facets.size()))
             continue;
-          const unsigned int is_found = moved_values.evaluate(n, of_start, now);
-          for (unsigned int place = 0; place < n; ++place)
+          const unsigned int is_found = moved_values.evaluate(n, initial, now);
+          for (unsigned int slot = 0; slot < n; ++slot)
           {
-            is_known[numbers[place]] = ((is_found >> place) & 1u) != 0;
-            Values &of_facet = known_values[numbers[place]];
-            of_facet.clear();
-            for (unsigned int k = 0; k < moved_values.n_values(place); ++k)
-              of_facet.emplace_back(moved_values.neighbour(place, k), moved_values.value(place, k));
+            is_known[numbers[slot]] = ((is_found >> slot) & 1u) != 0;
+            Values &values_of_facet = known_values[numbers[slot]];
+            values_of_facet.clear();
+            for (unsigned int k = 0; k < moved_values.n_values(slot); ++k)
+              values_of_facet.emplace_back(moved_values.neighbour(slot, k),
+                                           moved_values.value(slot, k));
           }
           n = 0;
         }
@@ -271,7 +272,7 @@ namespace tombolo
         }
         if (is_known[f])
           facet_values.swap(known_values[f]);
-        else if (evaluate(facets[f].of_start, facets[f].now))
+        else if (evaluate(facets[f].initial, facets[f].now))
         {
           for (std::size_t k = 0; k < hits.size(); ++k)
             if (values[k] != 0.)
@@ -294,7 +295,7 @@ namespace tombolo
         facet_values.clear();
         const auto add = [this](const types::global_dof_index node, const double share)
         {
-          const auto found = std::lower_bound(hits.begin(), hits.end(), cloud.place_of(node));
+          const auto found = std::lower_bound(hits.begin(), hits.end(), cloud.index_of(node));
           facet_values.emplace_back(static_cast<std::size_t>(found - hits.begin()), share);
         };
         if (further_facets.empty())
@@ -317,8 +318,8 @@ namespace tombolo
         const Point<dim> centre = Parts::centre(corners);
         std::array<std::vector<Tensor<1, dim>>, Parts::n_sub_cells> areas; // of each neighbour
         std::array<double, Parts::n_sub_cells> volumes{};
-        for (auto &of_part : areas)
-          of_part.resize(hits.size());
+        for (auto &part_areas : areas)
+          part_areas.resize(hits.size());
         for (std::size_t f = 0; f < facets.size(); ++f)
         {
           const PlacedFacet &facet = facets[f];
@@ -345,7 +346,7 @@ namespace tombolo
         return {};
       }
 
-      Point<dim> present_place(const types::global_dof_index node) const
+      Point<dim> present_position(const types::global_dof_index node) const
       {
         Point<dim> result;
         for (unsigned int d = 0; d < dim; ++d)
@@ -355,14 +356,14 @@ namespace tombolo
 
       std::string add_point(std::vector<SmoothedRow<dim>> &rows)
       {
-        const PointOfCell<dim> of_start(cell->corners), now(corners);
+        const PointOfCell<dim> initial(cell->corners), now(corners);
         const double volume = determinant(now.jacobian);
         if (!(volume > 0.))
           return without_volume(volume);
         std::vector<Tensor<1, dim>> gradients(hits.size());
-        if (!evaluate(of_start.place, now.place, gradients.data(),
-                      of_start.jacobian * invert(now.jacobian)))
-          return outside_of_hull(now.place);
+        if (!evaluate(initial.position, now.position, gradients.data(),
+                      initial.jacobian * invert(now.jacobian)))
+          return outside_of_hull(now.position);
         rows.push_back(row_of(gradients, 1.));
         rows.back().volume = volume;
         return {};
@@ -377,7 +378,7 @@ namespace tombolo
       std::size_t number_of_cell = 0;
       typename SubCells<dim>::Corners corners;    // present ones
       std::vector<double> present_cloud, present; // of all nodes and of neighbours, likewise
-      std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
+      std::vector<std::size_t> hits; // neighbours of the cell, indices in the cloud, ascending
       std::vector<double> positions, supports, values;
       std::vector<PlacedFacet> facets;
       std::vector<CellFacet<dim>> further_facets; // empty without further nodes
@@ -385,7 +386,7 @@ namespace tombolo
       std::vector<Values> known_values;           // of facets
       Values facet_values;                        // of the present one
       std::vector<SharedValues> shared_values; // of facets of two cells, once one of them has them
-      Values nodes_of_shared;                  // places in the cloud
+      Values nodes_of_shared;                  // indices in the cloud
     };
   } // namespace
 
@@ -419,7 +420,7 @@ namespace tombolo
   void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
                                           const NodalVector *const position)
   {
-    // Void cells change, and what they are to their neighbours.
+    // Void cells change, and with them the surroundings of their neighbours.
     if (position == nullptr || setup.void_cells != nullptr || !surroundings)
       surroundings = std::make_shared<const CellSurroundings<dim>>(setup, dilation);
     const std::vector<SmoothedCell<dim>> &cells = surroundings->cells;
@@ -509,7 +510,7 @@ namespace tombolo
   void SmoothedGradients<dim>::add_conduction(const CellBatches<dim> &cells,
                                               const TemperatureTable &conductivity,
                                               const NodalVector &position,
-                                              const NodalVector &of_conductivity,
+                                              const NodalVector &conductivity_temperature,
                                               const NodalVector &temperature,
                                               NodalVector &heat_rate) const
   {
@@ -519,7 +520,7 @@ namespace tombolo
     std::vector<double> at_points(std::size_t(n_points) * n_lanes);
     for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
     {
-      interpolate_at_points(cells.nodes(batch), shares_of_points, of_conductivity,
+      interpolate_at_points(cells.nodes(batch), shares_of_points, conductivity_temperature,
                             at_points.data());
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)

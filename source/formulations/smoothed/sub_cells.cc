@@ -101,12 +101,12 @@ namespace tombolo
       }
       for (unsigned int corner = 0; corner < SubCells<2>::n_corners; ++corner)
       {
-        const unsigned int of_x = corner & 1u, of_y = 2 + ((corner >> 1) & 1u);
+        const unsigned int x_face = corner & 1u, y_face = 2 + ((corner >> 1) & 1u);
         const Tensor<1, 2> across =
-            SubCells<2>::point_at(centre_of<2>(corners_of_face<2>(of_y)), unit) -
-            SubCells<2>::point_at(centre_of<2>(corners_of_face<2>(of_x)), unit);
+            SubCells<2>::point_at(centre_of<2>(corners_of_face<2>(y_face)), unit) -
+            SubCells<2>::point_at(centre_of<2>(corners_of_face<2>(x_face)), unit);
         result.push_back(
-            make_facet<2>({{corner_alone<2>(corner), centre}}, across, of_x, of_y, n_faces));
+            make_facet<2>({{corner_alone<2>(corner), centre}}, across, x_face, y_face, n_faces));
       }
       return result;
     }
@@ -207,7 +207,7 @@ namespace tombolo
       unit[d] = 0.5;
     for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
     {
-      place += GeometryInfo<dim>::d_linear_shape_function(unit, corner) * corners[corner];
+      position += GeometryInfo<dim>::d_linear_shape_function(unit, corner) * corners[corner];
       jacobian += outer_product(Tensor<1, dim>(corners[corner]),
                                 GeometryInfo<dim>::d_linear_shape_function_gradient(unit, corner));
     }

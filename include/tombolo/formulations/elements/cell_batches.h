@@ -12,12 +12,12 @@
 
 namespace tombolo
 {
-  /** The number of point @p q of the cell at a place, where cells have @p n_points points: batch by
+  /** The number of point @p q of the cell at a slot, where cells have @p n_points points: batch by
    * batch, within a batch point by point, within a point cell by cell. */
-  inline unsigned int point_in_lanes(const unsigned int place, const unsigned int n_points,
+  inline unsigned int point_in_lanes(const unsigned int slot, const unsigned int n_points,
                                      const unsigned int q)
   {
-    return (place / n_lanes * n_points + q) * n_lanes + place % n_lanes;
+    return (slot / n_lanes * n_points + q) * n_lanes + slot % n_lanes;
   }
 
   /** Values of all Lagrange shape functions of a degree on Gauss-Lobatto points, at a point of the
@@ -37,31 +37,31 @@ namespace tombolo
    * their lumped masses. Cells keep the order of active cells of the triangulation. The lanes that
    * the last batch has too many repeat its last cell and are not valid.
    *
-   * Cells can be removed. Those that are left stay in batches, in their order; a removed cell has a
-   * place behind all batches, for what is kept of it. Cells can be grouped, too: each group then
-   * has batches of its own, with its own lanes that repeat a cell.
+   * Cells can be removed. Those that remain stay in batches, in their order; a removed cell has a
+   * slot behind all batches, for its stored data. Cells can be grouped, too: each group then has
+   * batches of its own, with its own lanes that repeat a cell.
    */
   template <int dim>
   class CellBatches
   {
   public:
-    /** Takes the cells of the part. The masses are those of @p density (the parts's initial one).
-     * Only with @p can_change it remembers what remove() and group() need, with batches for
-     * @p most_groups. */
+    /** Sets the cells of the part. The masses are those of @p density (the part's initial one).
+     * Only with @p can_change it stores what remove() and group() need, with batches for @p
+     * most_groups. */
     void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
                 bool can_change = false, unsigned int most_groups = 2);
 
-    /** Leaves in the batches those cells, by their number, that @p is_removed does not name. */
+    /** Removes the cells, by their number, that @p is_removed marks from the batches. */
     void remove(const std::vector<bool> &is_removed);
 
-    /** Batches of cells with the same number among @p of_cells, in the order of the numbers. */
+    /** Batches of cells with the same number among group_of_cells, in the order of the numbers. */
     struct Group
     {
       unsigned int number = 1, first_batch = 0, end_batch = 0;
     };
 
-    /** Gives present cells with the same number among @p group_of_cells batches of their own, until
-     * cells are removed. */
+    /** Puts present cells with the same number among @p group_of_cells into batches of their own,
+     * until cells are removed. */
     void group(const std::vector<unsigned int> &group_of_cells);
 
     /** One of all batches, until cells are grouped. */
@@ -84,22 +84,22 @@ namespace tombolo
     {
       return static_cast<unsigned int>(valid_lanes.size());
     }
-    /** How many batches there are places for, those of removed cells included. */
-    unsigned int n_batches_of_places() const
+    /** How many batches there are slots for, those of removed cells included. */
+    unsigned int n_batches_of_slots() const
     {
       return padded_to_lanes(all_cell_count) / n_lanes + (can_change ? most_groups - 1 : 0);
     }
 
-    /** The place of a cell: lane place % n_lanes of batch place / n_lanes. */
-    unsigned int place(const unsigned int cell) const
+    /** The slot of a cell: lane slot % n_lanes of batch slot / n_lanes. */
+    unsigned int slot_of(const unsigned int cell) const
     {
-      return cell < places.size() ? places[cell] : cell;
+      return cell < slots.size() ? slots[cell] : cell;
     }
 
-    /** The number of the cell at a place in a batch. */
-    unsigned int cell_at(const unsigned int place) const
+    /** The number of the cell at a slot in a batch. */
+    unsigned int cell_at(const unsigned int slot) const
     {
-      return present_cells.empty() ? place : present_cells[place];
+      return present_cells.empty() ? slot : present_cells[slot];
     }
 
     /** The nodes of a cell, present or not; only where cells can change. */
@@ -117,8 +117,8 @@ namespace tombolo
       return cell_mass;
     }
 
-    /** Other lumped masses, by cell and node; only where cells can change [M]. */
-    void set_masses(const std::vector<double> &of_cells);
+    /** Sets other lumped masses, by cell and node; only where cells can change [M]. */
+    void set_masses(const std::vector<double> &cell_masses);
 
     unsigned int n_nodes_per_cell() const
     {
@@ -165,8 +165,8 @@ namespace tombolo
 
   private:
     void find_local_nodes();
-    /** Fills batches with the cells of lists in turn, each from a new batch on, and gives cells
-     * that are in none places behind them. */
+    /** Fills batches with the cells of lists in turn, each from a new batch on; cells that are in
+     * none get slots behind them. */
     void arrange(const std::vector<std::vector<unsigned int>> &lists);
     void add_mass_of_cell(unsigned int cell);
 
@@ -186,7 +186,7 @@ namespace tombolo
     std::vector<Group> all_groups;
 
     // Only where cells can change.
-    std::vector<unsigned int> nodes_of_cells;        // within node_set, cell by cell
-    std::vector<unsigned int> places, present_cells; // of each cell, of each place; once needed
+    std::vector<unsigned int> nodes_of_cells;       // within node_set, cell by cell
+    std::vector<unsigned int> slots, present_cells; // of each cell, of each slot; once needed
   };
 } // namespace tombolo

@@ -39,7 +39,7 @@ namespace tombolo
     using Integration = CellIntegration<dim, Element>;
     using Points = CellPoints<dim, Element>;
 
-    /** Advances the temperature of @p points and whatever the material remembers. */
+    /** Advances the temperature of @p points and the variables of the material. */
     CellStiffness(Integration &integration, const MechanicalInput &input)
         : integration(integration), points(integration.points), input(input),
           linearized(integration.part, input.time_increment)
@@ -68,7 +68,7 @@ namespace tombolo
       typename Element::Work work;
     };
 
-    /** Takes the state of a batch at the start of the step, and its motion. */
+    /** Reads the state of a batch at the start of the step, and its motion. */
     void begin(const unsigned int batch)
     {
       first = Points::first_point(batch);
@@ -83,8 +83,8 @@ namespace tombolo
       Matrix3<Lanes> gradient[n_points];
       integration.element.evaluate(x, v, result.work, result.volume, gradient);
       integration.element.separate(result.work, gradient);
-      for (Matrix3<Lanes> &of_point : gradient)
-        for (Lanes &entry : of_point.entry)
+      for (Matrix3<Lanes> &point_gradient : gradient)
+        for (Lanes &entry : point_gradient.entry)
           entry *= input.time_increment;
       linearized.move(
           gradient, Element::shares_volume,
@@ -235,23 +235,23 @@ namespace tombolo
     }
     StepCost step_cost(const Material &material, const double /*box_ratio*/) const override
     {
-      return StepCosts::of_elements(dim, Element::degree, Element::n_points,
-                                    Element::cost_per_point, material);
+      return StepCosts::element_cost(dim, Element::degree, Element::n_points,
+                                     Element::cost_per_point, material);
     }
 
     void initialize(const PartSetup<dim> &setup) override
     {
       part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
-      cell_points.take_cells(setup, Element::degree, Element::lumping,
-                             can_lose_cells() || is_to_be_grouped,
-                             is_to_be_grouped ? GroupedCells<dim>::most_groups : 2);
+      cell_points.set_cells(setup, Element::degree, Element::lumping,
+                            can_lose_cells() || is_to_be_grouped,
+                            is_to_be_grouped ? GroupedCells<dim>::most_groups : 2);
       if (setup.has_mechanics)
       {
         std::vector<std::vector<double>> shape_values;
         for (const dealii::Point<dim> &point : Element::reference_points())
           shape_values.push_back(lagrange_values<dim>(Element::degree, point));
         AssertDimension(shape_values.size(), Element::n_points);
-        cell_points.create_points(shape_values, cell_points.cells().n_batches_of_places());
+        cell_points.create_points(shape_values, cell_points.cells().n_batches_of_slots());
       }
       integration.create_points();
       erosion.initialize(points(), setup.has_mechanics);
@@ -272,9 +272,9 @@ namespace tombolo
 
     void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
     {
-      constexpr double of_removed_cells = 1e300;
+      constexpr double removed_time_step = 1e300;
       const CellBatches<dim> &cells = cell_points.cells();
-      time_steps.assign(this->n_cells(), of_removed_cells);
+      time_steps.assign(this->n_cells(), removed_time_step);
       const PointStiffness stiffness(part_points);
       for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
       {
@@ -282,8 +282,8 @@ namespace tombolo
         Lanes volume[Element::n_points];
         integration.find_volumes(batch, position, x, volume);
         Lanes total = 0.;
-        for (const Lanes &of_point : volume)
-          total += of_point;
+        for (const Lanes &point_volume : volume)
+          total += point_volume;
         const Lanes time =
             characteristic_length<dim, Element::degree>(x, total) /
             (this->material().longitudinal_wave_speed() *
@@ -300,11 +300,11 @@ namespace tombolo
       return result;
     }
 
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+    void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
       Assert(part_points.heat() != nullptr, dealii::ExcInternalError());
-      add_conduction_of_cells(cell_points, *part_points.heat(), position, of_conductivity,
+      add_conduction_of_cells(cell_points, *part_points.heat(), position, conductivity_temperature,
                               temperature, heat_rate);
     }
 
@@ -316,7 +316,7 @@ namespace tombolo
           [this](StateArchive &archive)
           {
             if (lost_cells.serialize(this->n_cells(), part_points.heat() != nullptr, archive))
-              take_lost_cells();
+              remove_lost_cells();
           });
     }
 
@@ -343,11 +343,11 @@ namespace tombolo
           const bool is_small = n_small[lane] > 0;
           if (!is_small && !may_fail)
             continue;
-          const unsigned int place = batch * n_lanes + lane, cell = cells.cell_at(place);
-          // It could lose its volume before it takes each step.
+          const unsigned int slot = batch * n_lanes + lane, cell = cells.cell_at(slot);
+          // It could lose its volume before its next step.
           const bool is_late = !step_ratios.empty() && step_ratios[cell] > 1;
-          if (erosion.means().are_reached(points(), place, Element::n_points) ||
-              (is_small && (is_late || !integration.is_volume_positive(place, position))))
+          if (erosion.means().are_reached(points(), slot, Element::n_points) ||
+              (is_small && (is_late || !integration.is_volume_positive(slot, position))))
             failed.push_back(cell);
         }
       }
@@ -365,12 +365,12 @@ namespace tombolo
       const double pending_before = this->pending_plastic_heat();
       double power = 0;
       for (const unsigned int cell : failed)
-        power += integration.internal_power(cell_points.cells().place(cell), position, velocity,
+        power += integration.internal_power(cell_points.cells().slot_of(cell), position, velocity,
                                             time_increment);
 
       result.n_cells = static_cast<unsigned int>(failed.size());
       lost_cells.remove(failed, this->n_cells());
-      take_lost_cells();
+      remove_lost_cells();
 
       EnergyAccounts lost = before;
       lost.add(energies(), -1.);
@@ -406,16 +406,16 @@ namespace tombolo
       if (converted.empty())
         return;
       lost_cells.convert(converted, this->n_cells());
-      take_lost_cells();
+      remove_lost_cells();
     }
 
     void prepare_groups() override
     {
       is_to_be_grouped = true;
     }
-    void set_step_ratios(const std::vector<unsigned int> &of_cells) override
+    void set_step_ratios(const std::vector<unsigned int> &cell_ratios) override
     {
-      step_ratios = of_cells;
+      step_ratios = cell_ratios;
       cell_points.group(step_ratios, points());
     }
     const std::vector<typename GroupedCells<dim>::Group> &groups() const override
@@ -455,8 +455,8 @@ namespace tombolo
     using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
         Base::part_points, Base::points;
 
-    /** Takes lost cells out of the batches. */
-    void take_lost_cells()
+    /** Removes lost cells from the batches. */
+    void remove_lost_cells()
     {
       cell_points.remove(lost_cells.flags(), points());
       if (!step_ratios.empty())

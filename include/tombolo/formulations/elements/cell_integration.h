@@ -90,7 +90,7 @@ namespace tombolo
       if (!part.has_mechanics())
         return;
       element.set_material(part.material());
-      part.create(points.n_points_of_places(), element.variables());
+      part.create(points.n_points_of_slots(), element.variables());
       plastic_flow.set(part.points());
     }
 
@@ -101,8 +101,8 @@ namespace tombolo
       failure_message.clear();
       double *const volumes = part.points().component(MaterialPoints::volume, 0);
       NodeValues x, v;
-      for (auto &of_node : v)
-        std::fill_n(of_node, dim, Lanes(0.));
+      for (auto &node_values : v)
+        std::fill_n(node_values, dim, Lanes(0.));
       for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
       {
         points.gather_initial_positions(batch, x);
@@ -170,7 +170,7 @@ namespace tombolo
                                  NodalVector &force) const
     {
       const PointStiffness stiffness(part, time_step);
-      std::vector<double *> of_batch;
+      std::vector<double *> addresses;
       for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
       {
         const std::size_t first = Points::first_point(batch);
@@ -184,11 +184,11 @@ namespace tombolo
         Lanes stress[n_points][6];
         for (unsigned int q = 0; q < n_points; ++q)
           stiffness.find_stress(first + q * n_lanes, gradient[q], volume[q], stress[q]);
-        element.linearize(work, time_step, variables_at(first, of_batch));
+        element.linearize(work, time_step, variables_at(first, addresses));
         NodeValues action;
         element.integrate(work, stress, action);
-        for (auto &of_node : action)
-          for (Lanes &component : of_node)
+        for (auto &node_values : action)
+          for (Lanes &component : node_values)
             component *= factor;
         points.scatter(batch, action, force);
       }
@@ -200,11 +200,11 @@ namespace tombolo
     void add_energies(EnergyAccounts &energies) const
     {
       Lanes stored = 0., dissipated = 0.;
-      std::vector<double *> of_batch;
+      std::vector<double *> addresses;
       for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
       {
         Lanes batch_stored = 0., batch_dissipated = 0.;
-        element.add_energies(variables_at(Points::first_point(batch), of_batch), batch_stored,
+        element.add_energies(variables_at(Points::first_point(batch), addresses), batch_stored,
                              batch_dissipated);
         const unsigned int n_valid = points.cells().n_valid(batch);
         const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
@@ -217,8 +217,8 @@ namespace tombolo
 
     std::string unfit_to_linearize() const
     {
-      const std::string of_points = part.unfit_to_linearize();
-      return of_points.empty() && element.is_viscous() ? "forces that resist rates" : of_points;
+      const std::string reason = part.unfit_to_linearize();
+      return reason.empty() && element.is_viscous() ? "forces that resist rates" : reason;
     }
 
     /** Of the last add_internal_force() or set_initial_state(). */
@@ -230,10 +230,10 @@ namespace tombolo
 
     /** The power of the internal forces of t_{n-1} on @p velocity, that of a cell which has moved
      * with it to @p position. */
-    double internal_power(const unsigned int place, const NodalVector &position,
+    double internal_power(const unsigned int slot, const NodalVector &position,
                           const NodalVector &velocity, const double time_increment) const
     {
-      const unsigned int batch = place / n_lanes, lane = place % n_lanes;
+      const unsigned int batch = slot / n_lanes, lane = slot % n_lanes;
       NodeValues x, v;
       points.gather(batch, position, x);
       points.gather(batch, velocity, v);
@@ -248,11 +248,11 @@ namespace tombolo
       // A step of no duration gives the element's own forces; it is made with a copy, since cells
       // of the same batch remain.
       dealii::AlignedVector<double> copy;
-      const std::vector<double *> of_batch = copy_variables(Points::first_point(batch), copy);
+      const std::vector<double *> addresses = copy_variables(Points::first_point(batch), copy);
       Lanes spin[n_points][3];
-      for (auto &of_point : spin)
-        std::fill_n(of_point, 3, Lanes(0.));
-      element.advance(work, spin, 0., of_batch.data());
+      for (auto &point_spin : spin)
+        std::fill_n(point_spin, 3, Lanes(0.));
+      element.advance(work, spin, 0., addresses.data());
 
       Lanes stress[n_points][6];
       integrate_stress(batch, stress);
@@ -266,15 +266,15 @@ namespace tombolo
     }
 
     /** See Formulation::find_volumes(). */
-    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new)
+    void set_volumes(const NodalVector &position, const std::vector<bool> &are_new)
     {
       NodeValues x;
       Lanes volume[n_points];
       for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
       {
         find_volumes(batch, position, x, volume);
-        MeanDilatation::take_volumes(part.points(), Points::first_point(batch), volume,
-                                     shares_volume(), are_new);
+        MeanDilatation::set_volumes(part.points(), Points::first_point(batch), volume,
+                                    shares_volume(), are_new);
       }
     }
 
@@ -284,21 +284,22 @@ namespace tombolo
     {
       NodeValues v;
       points.gather(batch, position, x);
-      for (auto &of_node : v)
-        std::fill_n(of_node, dim, Lanes(0.));
+      for (auto &node_values : v)
+        std::fill_n(node_values, dim, Lanes(0.));
       typename Element::Work work;
       Matrix3<Lanes> gradient[n_points];
       element.evaluate(x, v, work, volume, gradient);
     }
 
-    /** Whether all points of the cell at a place have a positive volume at these positions. */
-    bool is_volume_positive(const unsigned int place, const NodalVector &position) const
+    /** Whether all points of the cell at a slot have a positive volume at these positions. */
+    bool is_volume_positive(const unsigned int slot, const NodalVector &position) const
     {
       NodeValues x;
       Lanes volume[n_points];
-      find_volumes(place / n_lanes, position, x, volume);
+      find_volumes(slot / n_lanes, position, x, volume);
       return std::all_of(volume, volume + n_points,
-                         [&](const Lanes &of_point) { return of_point[place % n_lanes] > 0.; });
+                         [&](const Lanes &point_volume)
+                         { return point_volume[slot % n_lanes] > 0.; });
     }
 
   private:
@@ -319,13 +320,13 @@ namespace tombolo
     {
       return part.formulation_variables();
     }
-    /** The same at the points from @p first on, in @p of_batch. */
-    double *const *variables_at(const std::size_t first, std::vector<double *> &of_batch) const
+    /** The same at the points from @p first on, in @p addresses. */
+    double *const *variables_at(const std::size_t first, std::vector<double *> &addresses) const
     {
-      of_batch = variables();
-      for (double *&variable : of_batch)
+      addresses = variables();
+      for (double *&variable : addresses)
         variable += first;
-      return of_batch.data();
+      return addresses.data();
     }
     /** Addresses of copies for the points of a batch, in @p memory. */
     std::vector<double *> copy_variables(const std::size_t first,
@@ -366,7 +367,7 @@ namespace tombolo
       MotionIncrement<Lanes> motions[n_points];
       sweep.move_cells(
           offset, points.cells().n_valid(batch), gradient, volume, shares_volume(), motions,
-          [&](MotionIncrement<Lanes>(&of_points)[n_points]) { share(work, of_points); });
+          [&](MotionIncrement<Lanes>(&point_motions)[n_points]) { share(work, point_motions); });
       if (part.heating().is_on())
         points.interpolate(batch, *input.temperature, sweep.nodal_temperature + offset);
       Lanes spin[n_points][3];
@@ -419,9 +420,9 @@ namespace tombolo
         if (!is_sound[lane] && failure_message.empty())
         {
           dealii::Point<dim> centre, initial;
-          for (const auto &of_node : x)
+          for (const auto &node_values : x)
             for (unsigned int d = 0; d < dim; ++d)
-              centre[d] += of_node[d][lane] / n_nodes;
+              centre[d] += node_values[d][lane] / n_nodes;
           double smallest = volume[0][lane];
           for (unsigned int q = 0; q < n_points; ++q)
           {

@@ -50,7 +50,7 @@ namespace tombolo
 
   /**
    * The conduction of heat in a cell, for every element of a degree: it needs full integration also
-   * where the mechanics does with one point, since one point does not see hourglass modes of the
+   * where the mechanics does with one point, since one point does not resist hourglass modes of the
    * temperature. Eight cells at a time; nodes and points are lexicographic, x fastest.
    */
   template <int dim, unsigned int degree>
@@ -61,12 +61,11 @@ namespace tombolo
         static_cast<unsigned int>(dealii::Utilities::pow(degree + 1, dim));
     static constexpr unsigned int n_points = n_nodes;
 
-    /** Adds -Σ_q V_q k_q ∇θ · ∇N_k to @p heat_rate, with k_q from @p conductivity at the
-     * temperatures
-     * @p of_conductivity, a function of Lanes. */
+    /** Adds -Σ_q V_q k_q ∇θ · ∇N_k to @p heat_rate, with k_q from @p conductivity, a function of
+     * Lanes, at the temperatures @p conductivity_temperature. */
     template <typename Conductivity>
     static void add_conduction(const Lanes (&x)[n_nodes][dim],
-                               const Lanes (&of_conductivity)[n_nodes],
+                               const Lanes (&conductivity_temperature)[n_nodes],
                                const Lanes (&temperature)[n_nodes],
                                const Conductivity &conductivity, Lanes (&heat_rate)[n_nodes])
     {
@@ -85,7 +84,7 @@ namespace tombolo
         for_nodes_of(q,
                      [&](const unsigned int k, const double shape, const double(&derivative)[dim])
                      {
-                       temperature_of_conductivity += shape * of_conductivity[k];
+                       temperature_of_conductivity += shape * conductivity_temperature[k];
                        for (unsigned int a = 0; a < dim; ++a)
                        {
                          reference_gradient[a] += derivative[a] * temperature[k];
@@ -175,8 +174,8 @@ namespace tombolo
   template <int dim, typename Element>
   void add_conduction_of_cells(const CellPoints<dim, Element> &points,
                                const ThermalProperties &properties, const NodalVector &position,
-                               const NodalVector &of_conductivity, const NodalVector &temperature,
-                               NodalVector &heat_rate)
+                               const NodalVector &conductivity_temperature,
+                               const NodalVector &temperature, NodalVector &heat_rate)
   {
     using Points = CellPoints<dim, Element>;
     const TemperatureTable &table = properties.conductivity();
@@ -197,7 +196,7 @@ namespace tombolo
       typename Points::NodeValues x;
       typename Points::ScalarValues at, theta, rate;
       points.gather(batch, position, x);
-      points.gather(batch, of_conductivity, at);
+      points.gather(batch, conductivity_temperature, at);
       points.gather(batch, temperature, theta);
       for (unsigned int k = 0; k < Points::n_nodes; ++k)
         rate[k] = 0.;
@@ -296,7 +295,7 @@ namespace tombolo
     }
     unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
     {
-      return cell_points.point_of_place(cell_points.cells().place(cell), q);
+      return cell_points.point_of_slot(cell_points.cells().slot_of(cell), q);
     }
 
     void fill_unused_lanes(const unsigned int field) override

@@ -32,38 +32,38 @@ namespace tombolo
    *
    * Points are kept batch by batch, within a batch point by point, within a point cell by cell
    * (point_in_lanes()). Where the last batch is not full, its unused lanes repeat the last cell of
-   * the part with volume zero, so that sums weighted by volume and extremes need not know of them.
-   * The place of a cell is its number, until cells are removed: those that are left close up, and
-   * the others keep points of volume zero behind them.
+   * the part with volume zero, so that sums weighted by volume and extremes need not exclude them.
+   * The slot of a cell is its number, until cells are removed: the remaining cells then close up,
+   * and the removed ones keep points of volume zero behind them.
    */
   template <int dim>
   class PointsInCells
   {
   public:
-    /** Takes the cells of the part, as CellBatches::reinit(), without points. */
-    void take_cells(const PartSetup<dim> &setup, const unsigned int degree,
-                    const MassLumping lumping, const bool can_change,
-                    const unsigned int most_groups = 2)
+    /** Sets the cells of the part, as CellBatches::reinit(), without points. */
+    void set_cells(const PartSetup<dim> &setup, const unsigned int degree,
+                   const MassLumping lumping, const bool can_change,
+                   const unsigned int most_groups = 2)
     {
       batches.reinit(setup, degree, lumping, can_change, most_groups);
       initial_points.clear();
       shape_values.clear();
     }
 
-    /** Places the points of the cells in @p n_batches, by the shape functions of node k at point q,
-     * [q][k], and the initial positions of the nodes. */
+    /** Creates the points of the cells in @p n_batches, by the shape functions of node k at point
+     * q, [q][k], and the initial positions of the nodes. */
     void create_points(const std::vector<std::vector<double>> &values, const unsigned int n_batches)
     {
       shape_values = values;
       const unsigned int n_points = n_points_per_cell(), per_batch = n_points * n_lanes;
       initial_points.assign(std::size_t(n_batches) * per_batch, dealii::Point<dim>());
-      for (unsigned int place = 0; place < batches.n_batches() * n_lanes; ++place)
+      for (unsigned int slot = 0; slot < batches.n_batches() * n_lanes; ++slot)
       {
-        const double *const x = batches.initial_positions(place / n_lanes) + place % n_lanes;
+        const double *const x = batches.initial_positions(slot / n_lanes) + slot % n_lanes;
         for (unsigned int q = 0; q < n_points; ++q)
           for (unsigned int k = 0; k < shape_values[q].size(); ++k)
             for (unsigned int d = 0; d < dim; ++d)
-              initial_points[point_of_place(place, q)][d] +=
+              initial_points[point_of_slot(slot, q)][d] +=
                   shape_values[q][k] * x[(k * dim + d) * n_lanes];
       }
       for (std::size_t i = std::size_t(batches.n_batches()) * per_batch;
@@ -71,9 +71,9 @@ namespace tombolo
         initial_points[i] = initial_points[i - per_batch]; // as unused lanes
     }
 
-    /** Takes away the cells, by their number, that @p is_removed names. @p points, where they are
-     * made, go with their cells: those of unused lanes repeat the last cell, and these and those of
-     * removed cells have no volume. */
+    /** Removes the cells that @p is_removed marks, by their number. @p points, where they exist, go
+     * with their cells: those of unused lanes repeat the last cell, and these and those of removed
+     * cells have no volume. */
     void remove(const std::vector<bool> &is_removed, MaterialPoints &points)
     {
       rearrange(points, [&] { batches.remove(is_removed); });
@@ -92,7 +92,7 @@ namespace tombolo
         for (unsigned int q = 0; q < n_points_per_cell(); ++q)
           for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
           {
-            double *const lanes = points.component(field, c) + point_of_place(batch * n_lanes, q);
+            double *const lanes = points.component(field, c) + point_of_slot(batch * n_lanes, q);
             const unsigned int n = batches.n_valid(batch);
             std::fill(lanes + n, lanes + n_lanes, lanes[n - 1]);
           }
@@ -107,8 +107,8 @@ namespace tombolo
       return batches;
     }
 
-    /** Of all places; zero without points. */
-    unsigned int n_points_of_places() const
+    /** Of all slots; zero without points. */
+    unsigned int n_points_of_slots() const
     {
       return static_cast<unsigned int>(initial_points.size());
     }
@@ -117,10 +117,10 @@ namespace tombolo
       return static_cast<unsigned int>(shape_values.size());
     }
 
-    /** The number of point @p q of the cell at a place. */
-    unsigned int point_of_place(const unsigned int place, const unsigned int q) const
+    /** The number of point @p q of the cell at a slot. */
+    unsigned int point_of_slot(const unsigned int slot, const unsigned int q) const
     {
-      return point_in_lanes(place, n_points_per_cell(), q);
+      return point_in_lanes(slot, n_points_per_cell(), q);
     }
 
     const std::vector<dealii::Point<dim>> &initial_positions() const
@@ -139,14 +139,14 @@ namespace tombolo
                         std::vector<dealii::Point<dim>> &positions) const
     {
       positions.assign(initial_points.size(), dealii::Point<dim>());
-      for (unsigned int place = 0; place < batches.n_batches() * n_lanes; ++place)
+      for (unsigned int slot = 0; slot < batches.n_batches() * n_lanes; ++slot)
         for (unsigned int k = 0; k < batches.n_nodes_per_cell(); ++k)
         {
           const double *const node =
-              position.node(batches.nodes(place / n_lanes)[k * n_lanes + place % n_lanes]);
+              position.node(batches.nodes(slot / n_lanes)[k * n_lanes + slot % n_lanes]);
           for (unsigned int q = 0; q < n_points_per_cell(); ++q)
             for (unsigned int d = 0; d < dim; ++d)
-              positions[point_of_place(place, q)][d] += shape_values[q][k] * node[d];
+              positions[point_of_slot(slot, q)][d] += shape_values[q][k] * node[d];
         }
     }
 
@@ -156,23 +156,23 @@ namespace tombolo
       interpolate_at_points(batches.nodes(batch), shape_values, vector, at_points);
     }
 
-    /** Gives the plastic heat that @p points hold to the nodes, by the shape functions. Unless it
-     * is null, @p of_cells becomes what each cell has given. */
+    /** Adds the plastic heat that @p points hold to the nodes, by the shape functions. Unless it is
+     * null, @p cell_heat becomes the heat from each cell. */
     void add_plastic_heat(PartPoints &points, NodalVector &heat,
-                          std::vector<double> *const of_cells = nullptr) const
+                          std::vector<double> *const cell_heat = nullptr) const
     {
-      if (of_cells != nullptr)
-        of_cells->assign(batches.n_cells(), 0.);
+      if (cell_heat != nullptr)
+        cell_heat->assign(batches.n_cells(), 0.);
       if (!points.heating().has_plastic_heat())
         return;
       for (unsigned int batch = 0; batch < batches.n_batches(); ++batch)
         for (unsigned int q = 0; q < n_points_per_cell(); ++q)
           for (unsigned int lane = 0; lane < batches.n_valid(batch); ++lane)
           {
-            const unsigned int place = batch * n_lanes + lane;
-            const double given = points.heating().give(points.points(), point_of_place(place, q));
-            if (of_cells != nullptr)
-              (*of_cells)[batches.cell_at(place)] += given;
+            const unsigned int slot = batch * n_lanes + lane;
+            const double given = points.heating().give(points.points(), point_of_slot(slot, q));
+            if (cell_heat != nullptr)
+              (*cell_heat)[batches.cell_at(slot)] += given;
             for (unsigned int k = 0; k < shape_values[q].size(); ++k)
               *heat.node(batches.nodes(batch)[k * n_lanes + lane]) += shape_values[q][k] * given;
           }
@@ -182,35 +182,35 @@ namespace tombolo
     CellBatches<dim> batches;
 
   private:
-    /** Changes the batches, and moves the points to where their cells are then. */
+    /** Changes the batches, and moves the points to the new slots of their cells. */
     template <typename Change>
     void rearrange(MaterialPoints &points, const Change &change)
     {
       const unsigned int n_points = n_points_per_cell();
-      const unsigned int n_places = batches.n_batches_of_places() * n_lanes;
-      std::vector<unsigned int> from(n_places, 0), old_place(batches.n_cells());
+      const unsigned int n_slots = batches.n_batches_of_slots() * n_lanes;
+      std::vector<unsigned int> from(n_slots, 0), old_slot(batches.n_cells());
       for (unsigned int cell = 0; cell < batches.n_cells(); ++cell)
-        old_place[cell] = batches.place(cell);
+        old_slot[cell] = batches.slot_of(cell);
       change();
       for (unsigned int cell = 0; cell < batches.n_cells(); ++cell)
-        from[batches.place(cell)] = old_place[cell];
-      std::vector<bool> is_cell(n_places, false);
+        from[batches.slot_of(cell)] = old_slot[cell];
+      std::vector<bool> is_cell(n_slots, false);
       for (unsigned int batch = 0; batch < batches.n_batches(); ++batch)
         for (unsigned int lane = 0, last = 0; lane < n_lanes; ++lane)
         {
-          const unsigned int place = batch * n_lanes + lane;
-          is_cell[place] = lane < batches.n_valid(batch);
-          if (is_cell[place])
-            last = place;
+          const unsigned int slot = batch * n_lanes + lane;
+          is_cell[slot] = lane < batches.n_valid(batch);
+          if (is_cell[slot])
+            last = slot;
           else
-            from[place] = from[last];
+            from[slot] = from[last];
         }
 
       const auto move = [&](auto *const values, const auto &old)
       {
-        for (unsigned int place = 0; place < n_places; ++place)
+        for (unsigned int slot = 0; slot < n_slots; ++slot)
           for (unsigned int q = 0; q < n_points; ++q)
-            values[point_of_place(place, q)] = old[point_of_place(from[place], q)];
+            values[point_of_slot(slot, q)] = old[point_of_slot(from[slot], q)];
       };
       move(initial_points.data(), std::vector<dealii::Point<dim>>(initial_points));
       if (points.size() == 0) // they are not made yet
@@ -221,11 +221,11 @@ namespace tombolo
           double *const values = points.component(f, c);
           move(values, std::vector<double>(values, values + points.size()));
         }
-      for (unsigned int place = 0; place < n_places; ++place)
-        for (unsigned int q = 0; q < n_points && !is_cell[place]; ++q)
+      for (unsigned int slot = 0; slot < n_slots; ++slot)
+        for (unsigned int q = 0; q < n_points && !is_cell[slot]; ++q)
         {
-          points.component(MaterialPoints::volume, 0)[point_of_place(place, q)] = 0.;
-          points.component(MaterialPoints::volume_ratio, 0)[point_of_place(place, q)] = 1.;
+          points.component(MaterialPoints::volume, 0)[point_of_slot(slot, q)] = 0.;
+          points.component(MaterialPoints::volume_ratio, 0)[point_of_slot(slot, q)] = 1.;
         }
     }
 
@@ -246,10 +246,10 @@ namespace tombolo
     using NodeValues = Lanes[n_nodes][dim];
     using ScalarValues = Lanes[n_nodes];
 
-    /** The number of point @p q of the cell at a place. */
-    static unsigned int point_at(const unsigned int place, const unsigned int q)
+    /** The number of point @p q of the cell at a slot. */
+    static unsigned int point_at(const unsigned int slot, const unsigned int q)
     {
-      return point_in_lanes(place, n_points, q);
+      return point_in_lanes(slot, n_points, q);
     }
 
     /** The number of the first point of a batch. */

@@ -12,8 +12,8 @@
 
 namespace tombolo
 {
-  /** What to say of a cell with a volume that is not positive, or not finite: at its centre, or at
-   * its initial one where the nodes are lost. */
+  /** The message about a cell with a volume that is not positive, or not finite: at its centre, or
+   * at its initial one where the nodes are lost. */
   template <int dim>
   std::string describe_unusable_cell(const dealii::Point<dim> &centre,
                                      const dealii::Point<dim> &initial_centre, const double volume)

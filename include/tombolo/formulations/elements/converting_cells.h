@@ -45,7 +45,7 @@ namespace tombolo
                const std::vector<unsigned int> &old_index) const;
 
     NodalVector volume;       ///< Σ V_k, scalar [L^3]
-    NodalVector pending_heat; ///< of plastic work, that nodes have not got [M L^2/T^2]
+    NodalVector pending_heat; ///< of plastic work, that nodes have not received [M L^2/T^2]
     std::vector<Component> components;
     /** Temperature of the nodes at the present step; null in scenes without heat. */
     const NodalVector *temperature = nullptr;
@@ -86,8 +86,8 @@ namespace tombolo
      * the part is read. Collective. */
     virtual void take_converted_cells(const std::vector<unsigned int> & /*cells*/) {}
 
-    /** Keeps among the energies of this part what was dissipated in cells that it gave up, and that
-     * the particles do not tell: plastic and viscous energy and thermal work of @p lost. */
+    /** Keeps among the energies of this part what was dissipated in cells that it lost, and that
+     * the particles do not have: plastic and viscous energy and thermal work of @p lost. */
     virtual void keep_dissipated(const EnergyAccounts &lost) = 0;
 
     /** Whether a cell of this rank is no cell of the part any more, converted or removed. */

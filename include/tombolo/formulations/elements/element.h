@@ -23,11 +23,11 @@ namespace tombolo
    * An element type is a small class that CellFormulation<dim, Element> is instantiated with. All
    * its arithmetic is on Lanes: n_lanes cells at a time. It has no virtual functions; the compiler
    * puts it into the loops of the driver. To derive from ElementDefaults gives it the members that
-   * an element without state of its own does not care about; what remains to be written is
+   * an element without state of its own does not need; what remains to be written is
    *
    * @code
    *   static constexpr unsigned int degree, n_nodes, n_points;
-   *   struct Work;  // what integrate() needs to know from evaluate()
+   *   struct Work;  // what integrate() needs from evaluate()
    *   explicit Element(const Section &section);
    *   static std::vector<dealii::Point<dim>> reference_points();     // in [-1, 1]^dim
    *   void evaluate(const Lanes (&x)[n_nodes][dim], const Lanes (&v)[n_nodes][dim], Work &work,
@@ -36,7 +36,7 @@ namespace tombolo
    *                  Lanes (&force)[n_nodes][dim]) const;
    * @endcode
    *
-   * evaluate() gives the volume of each point and the gradient of v with respect to x there
+   * evaluate() returns the volume of each point and the gradient of v with respect to x there
    * (∂v_i/∂x_j is gradient(i, j); zero in the third row and column in two dimensions). integrate()
    * is its transpose: the nodal forces that, for every v, have the power Σ_q stress_q : gradient_q
    * plus that of hourglass forces kept in @p work; the stress comes multiplied by the volume. It
@@ -76,7 +76,7 @@ namespace tombolo
     void initialize_variables(const Work & /*work*/, ElementVariables /*variables*/) const
     {}
 
-    /** For elements whose points share a part of their strain: takes from the gradient of
+    /** For elements whose points share a part of their strain: removes from the gradient of
      * evaluate(), at the end of the step, what is shared, ... */
     template <typename Work, unsigned int n_points>
     static void separate(const Work & /*work*/, Matrix3<Lanes> (&/*gradient*/)[n_points])

@@ -10,7 +10,7 @@ namespace tombolo
    * A multilinear field on a cell by its modes: mode m is the product of the reference coordinates
    * ξ_d ∈ [-1, 1] of the bits d that are set in m (in three dimensions 0: 1, 1: ξ, 2: η, 4: ζ,
    * 3: ξη, 5: ξζ, 6: ηζ, 7: ξηζ). Nodes are numbered in the same way: bit d of the number of a node
-   * tells whether ξ_d is +1 there. Both directions are fast Walsh-Hadamard transforms: dim·2^dim
+   * is set where ξ_d is +1. Both directions are fast Walsh-Hadamard transforms: dim·2^dim
    * additions for what would be 4^dim products, and all geometry is shorter in modes.
    */
 
@@ -47,8 +47,8 @@ namespace tombolo
       }
   }
 
-  /** Whether a mode is the product of two or more coordinates: those that a mean gradient does not
-   * see. */
+  /** Whether a mode is the product of two or more coordinates: those that do not change a mean
+   * gradient. */
   constexpr bool is_hourglass_mode(const unsigned int mode)
   {
     return (mode & (mode - 1)) != 0;

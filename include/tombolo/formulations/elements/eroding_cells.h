@@ -39,7 +39,7 @@ namespace tombolo
     MeanLimits largest_means;
   };
 
-  /** What cells take with them when they are removed; sums of this rank. */
+  /** The energy and the heat of cells that are removed; sums of this rank. */
   struct RemovedCells
   {
     unsigned int n_cells = 0;
@@ -66,10 +66,10 @@ namespace tombolo
     virtual bool erodes() const = 0;
 
     /** The cells of this rank that fulfil the criterion, or whose volume is no longer positive at
-     * these positions, or may be so before they take each step; ascending. */
+     * these positions, or may be so before their next step; ascending. */
     virtual std::vector<unsigned int> find_failed_cells(const NodalVector &position) const = 0;
 
-    /** Removes cells that take each step. Ghosts of both vectors must be current;
+    /** Removes cells whose step ratio is one. Ghosts of both vectors must be current;
      * @p time_increment is t_n - t_{n-1}. Masses are different afterwards. */
     virtual RemovedCells remove_cells(const std::vector<unsigned int> &cells,
                                       const NodalVector &position, const NodalVector &velocity,

@@ -26,8 +26,8 @@ namespace tombolo
     /** Is called before Formulation::initialize() where cells are to be grouped. */
     virtual void prepare_groups() = 0;
 
-    /** Gives cells these ratios, in the order of Formulation::courant_limits(). */
-    virtual void set_step_ratios(const std::vector<unsigned int> &of_cells) = 0;
+    /** Sets these ratios of cells, in the order of Formulation::courant_limits(). */
+    virtual void set_step_ratios(const std::vector<unsigned int> &cell_ratios) = 0;
 
     virtual const std::vector<Group> &groups() const = 0;
 

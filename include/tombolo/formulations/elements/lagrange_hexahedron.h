@@ -97,15 +97,15 @@ namespace tombolo
           weight *= line.weights[at];
           for (unsigned int i = 0; i < dim; ++i)
           {
-            Lanes of_x = coefficients[0] * x[first][i];
-            Lanes of_v = coefficients[0] * v[first][i];
+            Lanes x_derivative = coefficients[0] * x[first][i];
+            Lanes v_derivative = coefficients[0] * v[first][i];
             for (unsigned int m = 1; m <= p; ++m)
             {
-              of_x += coefficients[m] * x[first + m * stride(a)][i];
-              of_v += coefficients[m] * v[first + m * stride(a)][i];
+              x_derivative += coefficients[m] * x[first + m * stride(a)][i];
+              v_derivative += coefficients[m] * v[first + m * stride(a)][i];
             }
-            jacobian[i][a] = of_x;
-            velocity[i][a] = of_v;
+            jacobian[i][a] = x_derivative;
+            velocity[i][a] = v_derivative;
           }
         }
         Lanes inverse[dim][dim];

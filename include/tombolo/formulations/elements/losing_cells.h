@@ -68,11 +68,12 @@ namespace tombolo
 
     /** Keeps of the energies that went with cells what these dissipate, but no account that
      * particles have alone. */
-    void keep_dissipated(const EnergyAccounts &of_cells)
+    void keep_dissipated(const EnergyAccounts &cell_energies)
     {
-      for (const EnergyAccounts::Account &account : of_cells.accounts())
+      for (const EnergyAccounts::Account &account : cell_energies.accounts())
         if (std::any_of(kept.begin(), kept.end(),
-                        [&](const auto &of_cell) { return of_cell.first == account.name; }))
+                        [&](const auto &kept_account)
+                        { return kept_account.first == account.name; }))
           dissipated_in_lost.add(account.name, account.kind, account.value);
     }
 
@@ -127,23 +128,22 @@ namespace tombolo
     EnergyAccounts dissipated_in_lost;
   };
 
-  /** Whether the cell of this @p degree at a place has a corner that is too sharp at these
+  /** Whether the cell of this @p degree at a slot has a corner that is too sharp at these
    * positions. */
   template <int dim>
   bool is_too_sharp(const ConversionCriterion &criterion, const CellBatches<dim> &cells,
-                    const unsigned int degree, const NodalVector &position,
-                    const unsigned int place)
+                    const unsigned int degree, const NodalVector &position, const unsigned int slot)
   {
     if (!criterion.smallest_jacobian)
       return false;
     CellVertices<dim> vertices;
-    const unsigned int *const nodes = cells.nodes(place / n_lanes);
+    const unsigned int *const nodes = cells.nodes(slot / n_lanes);
     for (unsigned int corner = 0; corner < vertices.size(); ++corner)
     {
       unsigned int k = 0, stride = 1;
       for (unsigned int d = 0; d < dim; ++d, stride *= degree + 1)
         k += ((corner >> d) & 1u) * degree * stride;
-      const double *const x = position.node(nodes[k * n_lanes + place % n_lanes]);
+      const double *const x = position.node(nodes[k * n_lanes + slot % n_lanes]);
       for (unsigned int d = 0; d < dim; ++d)
         vertices[corner][d] = x[d];
     }
@@ -166,8 +166,8 @@ namespace tombolo
     std::vector<double> weights(n_points);
     for (const unsigned int cell : converted)
     {
-      const unsigned int place = cells.place(cell);
-      const unsigned int *const nodes = cells.nodes(place / n_lanes) + place % n_lanes;
+      const unsigned int slot = cells.slot_of(cell);
+      const unsigned int *const nodes = cells.nodes(slot / n_lanes) + slot % n_lanes;
       for (unsigned int k = 0; k < cells.n_nodes_per_cell(); ++k)
       {
         const unsigned int node = nodes[k * n_lanes];
@@ -175,7 +175,7 @@ namespace tombolo
         double sum = 0, pending = 0;
         for (unsigned int q = 0; q < n_points; ++q)
         {
-          const unsigned int point = point_in_lanes(place, n_points, q);
+          const unsigned int point = point_in_lanes(slot, n_points, q);
           weights[q] = shape_values[q][k] * volumes[point] / ratios[point];
           sum += weights[q];
           if (heating.has_plastic_heat())
@@ -188,7 +188,7 @@ namespace tombolo
           const double *const values = points.component(component.source_field, component.number);
           double mean = 0;
           for (unsigned int q = 0; q < n_points; ++q)
-            mean += weights[q] * values[point_in_lanes(place, n_points, q)];
+            mean += weights[q] * values[point_in_lanes(slot, n_points, q)];
           *component.sum.node(node) += volume * mean / sum;
         }
       }
@@ -213,7 +213,7 @@ namespace tombolo
     }
     void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
     {
-      integration.take_volumes(position, are_new);
+      integration.set_volumes(position, are_new);
     }
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override
     {
@@ -258,11 +258,10 @@ namespace tombolo
         this->courant_limits(position, time_steps);
       std::vector<unsigned int> result;
       for (unsigned int cell = 0; cell < cells.n_cells(); ++cell)
-        if (const unsigned int place = cells.place(cell);
+        if (const unsigned int slot = cells.slot_of(cell);
             !lost_cells.is_lost(cell) &&
-            (criterion.largest_means.are_reached(this->points(), place,
-                                                 this->n_points_per_cell()) ||
-             is_too_sharp(criterion, cells, this->degree(), position, place) ||
+            (criterion.largest_means.are_reached(this->points(), slot, this->n_points_per_cell()) ||
+             is_too_sharp(criterion, cells, this->degree(), position, slot) ||
              (criterion.smallest_time_step &&
               !(time_steps[cell] >= *criterion.smallest_time_step))))
           result.push_back(cell);

@@ -23,7 +23,7 @@ namespace tombolo
       damage
     };
 
-    /** One that this entry gives; nothing: none. */
+    /** Adds a limit that this entry sets; nothing: none. */
     void add(const std::string &entry, const std::optional<double> &limit, const Of measure)
     {
       if (limit)
@@ -57,8 +57,8 @@ namespace tombolo
       }
     }
 
-    /** Whether the cell at a place, with @p n_points points, reaches one. */
-    bool are_reached(const MaterialPoints &points, const unsigned int place,
+    /** Whether the cell at a slot, with @p n_points points, reaches one. */
+    bool are_reached(const MaterialPoints &points, const unsigned int slot,
                      const unsigned int n_points) const
     {
       return std::any_of(limits.begin(), limits.end(),
@@ -67,7 +67,7 @@ namespace tombolo
                            const double *const values = points.component(limit.field, 0);
                            double sum = 0;
                            for (unsigned int q = 0; q < n_points; ++q)
-                             sum += values[point_in_lanes(place, n_points, q)];
+                             sum += values[point_in_lanes(slot, n_points, q)];
                            return sum / n_points >= limit.value;
                          });
     }

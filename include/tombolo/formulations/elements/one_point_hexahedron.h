@@ -102,20 +102,20 @@ namespace tombolo
       TOMBOLO_UNROLL
       for (unsigned int d = 0; d < dim; ++d)
       {
-        Lanes of_x[n_nodes], of_v[n_nodes];
+        Lanes x_modes[n_nodes], v_modes[n_nodes];
         TOMBOLO_UNROLL
         for (unsigned int k = 0; k < n_nodes; ++k)
         {
-          of_x[k] = x[k][d];
-          of_v[k] = v[k][d];
+          x_modes[k] = x[k][d];
+          v_modes[k] = v[k][d];
         }
-        sum_to_modes(of_x);
-        sum_to_modes(of_v);
+        sum_to_modes(x_modes);
+        sum_to_modes(v_modes);
         TOMBOLO_UNROLL
         for (unsigned int k = 1; k < n_nodes; ++k)
         {
-          position_modes[k][d] = to_mean * of_x[k];
-          velocity_modes[k][d] = to_mean * of_v[k];
+          position_modes[k][d] = to_mean * x_modes[k];
+          velocity_modes[k][d] = to_mean * v_modes[k];
         }
       }
       volume_gradient(position_modes, work.gradient, volume[0]);

@@ -25,7 +25,7 @@ namespace tombolo
   }
 
   /** A part whose nodes move as one rigid body. It has no stress and does not limit the step, and
-   * its material needs none. Who moves it is not its business. */
+   * its material needs none. It is moved from outside. */
   template <int dim>
   class RigidCells
   {

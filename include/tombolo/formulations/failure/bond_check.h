@@ -90,7 +90,7 @@ namespace tombolo
       return !(dealii::Utilities::MPI::max(largest, communicator) < criterion->threshold());
     }
 
-    /** Shows the measures to other ranks, and where the particles began. Collective. */
+    /** Sends the measures and the initial positions of particles to other ranks. Collective. */
     void exchange(const std::shared_ptr<const NodePartition> &partition,
                   const std::vector<dealii::Point<dim>> &initial_positions, const Stencils &shape)
     {
@@ -121,8 +121,8 @@ namespace tombolo
         if (!row.is_within_support(k) || row.neighbour[k] == own)
           continue;
         const double *const data = pair_data.node(row.neighbour[k]);
-        const double of_pair = 0.5 * (own_data[node_stride - 1] + data[node_stride - 1]);
-        if (of_pair < threshold)
+        const double pair_mean = 0.5 * (own_data[node_stride - 1] + data[node_stride - 1]);
+        if (pair_mean < threshold)
           continue;
         const double *const other_position = position.node(row.neighbour[k]);
         double now = 0, before = 0;
@@ -132,7 +132,7 @@ namespace tombolo
           before += (data[d] - own_data[d]) * (data[d] - own_data[d]);
         }
         entries.push_back(k);
-        mean.push_back(of_pair);
+        mean.push_back(pair_mean);
         stretch.push_back(std::sqrt(now / before));
       }
       if (entries.empty())

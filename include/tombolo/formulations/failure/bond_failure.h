@@ -14,8 +14,8 @@ namespace tombolo
   /**
    * When the bond between two particles breaks: a function of a measure at both of them, of which
    * the mean counts, and of the stretch of the pair, its present over its initial distance. Both
-   * are the same seen from either end, so that every rank comes to the same answer. In batches; it
-   * knows no neighbourhoods.
+   * are the same seen from either end, so that every rank has the same result. In batches; it has
+   * no neighbourhoods.
    */
   class BondFailure
   {
@@ -25,7 +25,7 @@ namespace tombolo
     /** Throws the InputError that points with these fields cannot be judged. */
     virtual void check(const MaterialPoints & /*points*/) const {}
 
-    /** Whether measure() looks at deformations. */
+    /** Whether measure() uses deformations. */
     virtual bool needs_deformation() const
     {
       return false;
@@ -37,8 +37,8 @@ namespace tombolo
                          const std::vector<dealii::Tensor<2, 3>> &deformation,
                          std::vector<double> &value) const = 0;
 
-    /** Nothing breaks where the measure of no particle reaches this; minus infinity where that
-     * cannot be said. Then pairs are not looked at. */
+    /** Nothing breaks and no pair is checked where the measure of no particle reaches this; minus
+     * infinity where there is no such bound. */
     virtual double threshold() const = 0;
 
     /** Which of @p n pairs break, 1 or 0, by the mean of their measures and their stretches. */

@@ -46,8 +46,8 @@ namespace tombolo
    * A particle without a basis (its row is rigid) that has lost bonds is debris. Its stress does
    * not act any more: it is put to zero, and its elastic energy is booked as lost to failure. One
    * whose remaining neighbours nearly carry no basis, or that would be turned inside out, loses all
-   * its bonds and becomes debris too; where it is wanted, also one that has lost no bond before.
-   * Where no bond can break, all calls do nothing.
+   * its bonds and becomes debris too; where this is requested, also one that has lost no bond
+   * before. Where no bond can break, all calls do nothing.
    */
   template <int dim>
   class Bonds
@@ -60,8 +60,8 @@ namespace tombolo
      */
     static constexpr double largest_gradient_growth = 3.;
 
-    /** Takes the criterion of the section of the formulation, or none. The other arguments must
-     * outlive this object, which changes rows and points. Throws InputError. */
+    /** Reads the criterion in the section of the formulation; there may be none. The other
+     * arguments must outlive this object, which changes rows and points. Throws InputError. */
     Bonds(const Section &section, const ParticleSet<dim> &particles,
           const KernelConfiguration<dim> &kernel, ParticleRows<dim> &rows, PartPoints &points)
         : particles(particles), kernel(kernel), rows(rows), points(points)
@@ -91,7 +91,7 @@ namespace tombolo
                OnDivision::held}};
     }
 
-    /** Takes the rows of the start, whose neighbours with φ ≠ 0 are the bonds. Throws InputError
+    /** Sets the bonds to the neighbours with φ ≠ 0 in the rows of the start. Throws InputError
      * where the points cannot be judged. */
     void initialize()
     {
@@ -108,12 +108,12 @@ namespace tombolo
       measure_rows(rows.stencils());
     }
 
-    /** What is called before stencils change in a run, on all ranks. */
+    /** Sets a function to call before stencils change in a run, on all ranks. */
     void set_before_change(const std::function<void()> &to_call)
     {
       before_change = to_call;
     }
-    /** Calls it, and remembers the rows as they are. */
+    /** Calls it, and stores the present rows. */
     void prepare_change()
     {
       reference_gradient.clear();
@@ -123,20 +123,19 @@ namespace tombolo
         former_rows.remember(rows.stencils());
     }
 
-    /** Before a search: keeps in mind the bonds that particles with broken ones still have.
-     * Collective. */
+    /** Before a search: stores the bonds that particles with broken ones still have. Collective. */
     void prepare_search()
     {
       if (!is_broken_anywhere)
         return;
-      // Who is damaged may have changed since.
+      // Which particles are damaged may have changed since.
       partners.find(rows.partition(particles), rows.neighbourhoods(), own_ids, broken, growth);
       previous.reset(own_ids.size());
-      add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
-                { return is_damaged(i, place); },
+      add_pairs([&](const unsigned int i, const unsigned int neighbour, std::size_t)
+                { return is_damaged(i, neighbour); },
                 previous);
     }
-    /** After it: takes out broken bonds, and new ones of particles that have lost some.
+    /** After it: removes broken bonds, and new ones of particles that have lost some.
      * Collective. */
     void finish_search()
     {
@@ -148,9 +147,10 @@ namespace tombolo
         partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
         previous.resize(own_ids.size());
         refused.reset(own_ids.size());
-        add_pairs([&](const unsigned int i, const unsigned int place, std::size_t)
-                  { return is_refused(i, place) && !broken.has(i, partners[place].partner); },
-                  refused);
+        add_pairs(
+            [&](const unsigned int i, const unsigned int neighbour, std::size_t)
+            { return is_refused(i, neighbour) && !broken.has(i, partners[neighbour].partner); },
+            refused);
         previous.reset(0);
         remove_broken(partition);
       }
@@ -173,7 +173,8 @@ namespace tombolo
       const auto &partition = position.partition();
       const Stencils &shape = rows.stencils();
       bool has_changed = false;
-      // What one loses, others lose too; each time there is one particle less that can.
+      // A bond that one particle loses is lost by others, too; each pass leaves one less to
+      // isolate.
       for (; can_isolate(); has_changed = true)
       {
         NodalSmoothing::try_inverse_deformation<dim>(position.data(), rows.stencils());
@@ -189,7 +190,7 @@ namespace tombolo
         if (dealii::Utilities::MPI::max(distorted.empty() ? 0 : 1, particles.communicator()) == 0)
           break;
 
-        // Also from the rows of others, who may have such a particle without being in its row.
+        // Also from rows that contain such a particle without being in its row.
         if (!partners.are_current())
           partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
         const NodalVector mark =
@@ -217,58 +218,59 @@ namespace tombolo
         return;
       const auto partition = rows.partition(particles);
       rows.set_partition(*partition);
-      isolate_distorted(
-          nodal_field(partition, Quantity::position, rows.stencils().particle_node,
-                      [&](const std::size_t i, double *const place)
-                      { std::copy_n(&kernel.positions()[i * node_stride], node_stride, place); }));
+      isolate_distorted(nodal_field(partition, Quantity::position, rows.stencils().particle_node,
+                                    [&](const std::size_t i, double *const position) {
+                                      std::copy_n(&kernel.positions()[i * node_stride], node_stride,
+                                                  position);
+                                    }));
     }
 
-    /** Books the elastic energy of debris, and takes its stress away. */
+    /** Books the elastic energy of debris, and sets its stress to zero. */
     void release_debris()
     {
       const std::vector<unsigned int> released = debris();
       if (released.empty())
         return;
-      MaterialPoints &of_part = points.points();
+      MaterialPoints &material_points = points.points();
       const std::vector<double> elastic_energies = points.elastic_energies();
-      const unsigned int work_field = of_part.find_field("pressure work"); // stored, too
+      const unsigned int work_field = material_points.find_field("pressure work"); // stored, too
       for (const unsigned int row : released)
       {
-        if (work_field < of_part.fields().size())
-          of_part.component(work_field, 0)[row] = 0.;
-        of_part.component(dissipation_field, 0)[row] +=
+        if (work_field < material_points.fields().size())
+          material_points.component(work_field, 0)[row] = 0.;
+        material_points.component(dissipation_field, 0)[row] +=
             elastic_energies[row] / particles.initial_volumes()[row];
         for (unsigned int c = 0; c < 6; ++c)
-          of_part.component(MaterialPoints::stress, c)[row] = 0.;
+          material_points.component(MaterialPoints::stress, c)[row] = 0.;
       }
     }
 
-    /** There are more particles; the one at place old_place[i] is now number i, others are new.
-     * Where gains[i] it is a node of cells that came. Follows prepare_search(); with the search
-     * after it a new particle gets a bond also with a damaged one if cells came to both, since
-     * these have joined them. */
-    void add_particles(const std::vector<unsigned int> &old_place, const std::vector<bool> &gains)
+    /** There are more particles; the one with index old_index[i] is now number i, others are new.
+     * Where gains[i] it is a node of new cells. Follows prepare_search(); with the search after it
+     * a new particle gets a bond also with a damaged one if both got cells, since these have joined
+     * them. */
+    void add_particles(const std::vector<unsigned int> &old_index, const std::vector<bool> &gains)
     {
       if (!is_on())
         return;
       const std::vector<std::uint64_t> ids = particles.persistent_ids();
       const std::size_t n_old = own_ids.size();
       for (PartnerLists *const lists : {&broken, &refused, &previous})
-        lists->rearrange(old_place);
-      rearrange(old_place, n_initial_bonds);
-      rearrange(old_place, initial_gradient);
+        lists->rearrange(old_index);
+      rearrange(old_index, n_initial_bonds);
+      rearrange(old_index, initial_gradient);
       own_ids = ids;
       growth.clear();
       for (std::size_t i = 0; i < ids.size(); ++i)
-        growth.push_back(old_place[i] >= n_old ? ParticleGrowth::is_new
+        growth.push_back(old_index[i] >= n_old ? ParticleGrowth::is_new
                          : gains[i]            ? ParticleGrowth::gains
                                                : ParticleGrowth::none);
       has_grown = true;
       partners.forget();
     }
 
-    /** Between add_particles() and finish_search(): takes those pairs out of rows in another
-     * configuration that finish_search() will refuse. @p partition has all nodes and images of @p
+    /** Between add_particles() and finish_search(): removes from rows in another configuration
+     * those pairs that finish_search() will refuse. @p partition has all nodes and images of @p
      * neighbourhoods. Collective. */
     void remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
                          Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
@@ -277,13 +279,13 @@ namespace tombolo
         return;
       partners.find(partition, neighbourhoods, own_ids, broken, growth);
       neighbourhoods.remove_neighbours(
-          [&](const unsigned int row, const unsigned int place)
-          { return broken.has(row, partners[place].partner) || is_refused(row, place); },
+          [&](const unsigned int row, const unsigned int neighbour)
+          { return broken.has(row, partners[neighbour].partner) || is_refused(row, neighbour); },
           shape);
       partners.forget();
     }
 
-    /** Takes @p shape as the rows of the start, for particles without broken bonds. */
+    /** Uses @p shape as the rows of the start, for particles without broken bonds. */
     void measure_rows(const Stencils &shape)
     {
       for (unsigned int i = 0; i < own_ids.size(); ++i)
@@ -308,8 +310,8 @@ namespace tombolo
           result.push_back(row);
       return result;
     }
-    /** Of the debris() of the last update those that it made, and those that it took further
-     * neighbours from. */
+    /** Of the debris() of the last update those that it made, and those from which it removed
+     * further neighbours. */
     std::vector<LeavingParticle> take_leaving_particles()
     {
       return former_rows.leaving(rows.stencils(), debris());
@@ -363,8 +365,8 @@ namespace tombolo
                 dealii::Utilities::MPI::max(is_broken ? 1 : 0, particles.communicator()) == 1;
           });
     }
-    /** Takes broken bonds out of rows that were searched anew, on @p partition. Returns whether
-     * there are any on any rank. Collective. */
+    /** Removes broken bonds from rows that were searched anew, on @p partition. Returns whether any
+     * rank has some. Collective. */
     bool complete_reading(const std::shared_ptr<const NodePartition> &partition)
     {
       reference_gradient.clear();
@@ -380,7 +382,8 @@ namespace tombolo
     {
       return is_broken_anywhere || (is_on() && check->isolates_all());
     }
-    /** Breaks what the criterion tells. Returns whether any bond broke on any rank. Collective. */
+    /** Breaks the bonds that the criterion selects. Returns whether any bond broke on any rank.
+     * Collective. */
     bool break_bonds(const NodalVector &position)
     {
       const Stencils &shape = rows.stencils();
@@ -411,16 +414,16 @@ namespace tombolo
     {
       const auto &nodes = rows.neighbourhoods().global_nodes();
       const auto &images = rows.neighbourhoods().images();
-      const unsigned int place = rows.neighbourhoods().places()[entry];
-      const BondPartner partner = partners[place].partner;
+      const unsigned int neighbour = rows.neighbourhoods().places()[entry];
+      const BondPartner partner = partners[neighbour].partner;
       // The mirror image of the bond of I to an image of J is that of J to the image of I.
       if (broken.add(row, partner))
         messages.push_back(
-            {place < nodes.size() ? nodes[place] : images[place - nodes.size()].source,
+            {neighbour < nodes.size() ? nodes[neighbour] : images[neighbour - nodes.size()].source,
              {own_ids[row], partner.planes}});
     }
-    /** Completes what break_entry() began, takes what broke out of the rows, and computes these.
-     * Returns whether there was anything on any rank. Collective. */
+    /** Completes break_entry(): removes broken bonds from the rows, and computes these. Returns
+     * whether any bond broke on any rank. Collective. */
     bool complete_breaking(const std::shared_ptr<const NodePartition> &partition,
                            const std::vector<PartnerMessage> &messages)
     {
@@ -435,13 +438,13 @@ namespace tombolo
                                          std::max(n_initial_bonds[i], 1u));
       prepare_change();
       // Of particles with broken bonds, neighbours that the last search found out of the support
-      // (φ = 0) stay without a bond, wherever they move. Who is damaged has changed.
+      // (φ = 0) stay without a bond, wherever they move. Other particles are damaged now.
       const Stencils &shape = rows.stencils();
       partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
       add_pairs(
-          [&](const unsigned int i, const unsigned int place, const std::size_t entry)
+          [&](const unsigned int i, const unsigned int neighbour, const std::size_t entry)
           {
-            return is_damaged(i, place) && !broken.has(i, partners[place].partner) &&
+            return is_damaged(i, neighbour) && !broken.has(i, partners[neighbour].partner) &&
                    !shape.row(i).is_within_support(
                        static_cast<unsigned int>(entry - shape.row_start[i]));
           },
@@ -452,41 +455,43 @@ namespace tombolo
       release_debris();
       return true;
     }
-    /** Takes broken bonds out of the rows. @p partition has all their nodes and images.
+    /** Removes broken bonds from the rows. @p partition has all their nodes and images.
      * Collective. */
     void remove_broken(const std::shared_ptr<const NodePartition> &partition)
     {
       if (!partners.are_current())
         partners.find(partition, rows.neighbourhoods(), own_ids, broken, growth);
       rows.neighbourhoods().remove_neighbours(
-          [&](const unsigned int row, const unsigned int place) {
-            return broken.has(row, partners[place].partner) ||
-                   refused.has(row, partners[place].partner);
+          [&](const unsigned int row, const unsigned int neighbour)
+          {
+            return broken.has(row, partners[neighbour].partner) ||
+                   refused.has(row, partners[neighbour].partner);
           },
           rows.stencils());
     }
-    /** Adds to @p lists the neighbours of which is_such(row, place, entry) holds. */
+    /** Adds to @p lists the neighbours of which is_such(row, neighbour, entry) holds. */
     template <typename IsSuch>
     void add_pairs(const IsSuch &is_such, PartnerLists &lists) const
     {
       const Stencils &shape = rows.stencils();
       for (unsigned int i = 0; i < own_ids.size(); ++i)
         for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-          if (const unsigned int place = rows.neighbourhoods().places()[entry];
-              is_such(i, place, entry))
-            lists.add(i, partners[place].partner);
+          if (const unsigned int neighbour = rows.neighbourhoods().places()[entry];
+              is_such(i, neighbour, entry))
+            lists.add(i, partners[neighbour].partner);
     }
-    bool is_damaged(const unsigned int row, const unsigned int place) const
+    bool is_damaged(const unsigned int row, const unsigned int neighbour) const
     {
-      return !broken[row].empty() || partners[place].is_damaged;
+      return !broken[row].empty() || partners[neighbour].is_damaged;
     }
     /** Whether a pair of a search, of which neither bond nor break is known, is no bond: one of its
      * ends is damaged. */
-    bool is_refused(const unsigned int row, const unsigned int place) const
+    bool is_refused(const unsigned int row, const unsigned int neighbour) const
     {
-      if (place == row || !is_damaged(row, place) || previous.has(row, partners[place].partner))
+      if (neighbour == row || !is_damaged(row, neighbour) ||
+          previous.has(row, partners[neighbour].partner))
         return false;
-      const ParticleGrowth a = partners[row].growth, b = partners[place].growth;
+      const ParticleGrowth a = partners[row].growth, b = partners[neighbour].growth;
       return a == ParticleGrowth::none || b == ParticleGrowth::none ||
              (a != ParticleGrowth::is_new && b != ParticleGrowth::is_new);
     }

@@ -169,7 +169,7 @@ namespace tombolo
     std::vector<List> lists;
   };
 
-  /** What cells that became particles did to a particle since the last search. */
+  /** How cells that became particles changed a particle since the last search. */
   enum class ParticleGrowth : std::uint8_t
   {
     none,
@@ -185,7 +185,7 @@ namespace tombolo
     ParticleGrowth growth;
   };
 
-  /** Which particles, of this rank and others, the neighbours in the rows are, by the places of
+  /** Which particles, of this rank and others, the neighbours in the rows are, by the indices of
    * Neighbourhoods; whether they have broken bonds, and how they grew. */
   template <int dim>
   class NeighbourPartners
@@ -234,10 +234,10 @@ namespace tombolo
       is_found = false;
     }
 
-    /** At a place. */
-    const BondNeighbour &operator[](const unsigned int place) const
+    /** By the index of Neighbourhoods. */
+    const BondNeighbour &operator[](const unsigned int index) const
     {
-      return neighbours[place];
+      return neighbours[index];
     }
 
   private:

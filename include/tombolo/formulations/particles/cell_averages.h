@@ -32,16 +32,17 @@ namespace tombolo
     {
       if (!setup.nodes->has_dependent_nodes())
         return false;
-      std::vector<dealii::types::global_dof_index> of_rank;
+      std::vector<dealii::types::global_dof_index> referenced_nodes;
       for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
         if (cell->is_locally_owned() && setup.part_cells->part_of(cell) == part)
           for (const unsigned int v : cell->vertex_indices())
             if (const DependentNode *const row =
                     setup.nodes->dependent_node(cell->vertex_dof_index(v, 0)))
               for (const auto &weight : row->weights)
-                of_rank.push_back(weight.first);
+                referenced_nodes.push_back(weight.first);
       bool has_some = false;
-      for (const dealii::types::global_dof_index node : of_all_ranks(of_rank, setup.communicator))
+      for (const dealii::types::global_dof_index node :
+           of_all_ranks(referenced_nodes, setup.communicator))
         has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
       return dealii::Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
     }
@@ -78,7 +79,7 @@ namespace tombolo
     CellAverages() = default;
     explicit CellAverages(const Entries &e) : section(e.section())
     {
-      wanted = e.choice(
+      requested = e.choice(
           "Shape functions", "automatic", "automatic|cell averages|moving least squares",
           "`moving least squares` on boxes along the axes (`Kernel`, `Dilation`), which can be "
           "renewed, or `cell averages` of the initial cells around a particle: these pass the "
@@ -86,7 +87,7 @@ namespace tombolo
           "body does. They are there for the smoothings affine and none, a total Lagrangian "
           "configuration without bonds that fail, the bridge of the paper and cells that stay "
           "what they are. `automatic` chooses them where they are there and something moves.");
-      wanted_dilatation = e.choice(
+      requested_dilatation = e.choice(
           "Dilatation", "automatic", "automatic|of cells|of particles",
           "Whether the volume of a particle changes as those of the cells around it, and each cell "
           "resists a change of its volume by the bulk modulus, or `of particles`: as its own "
@@ -96,20 +97,20 @@ namespace tombolo
       control = ZeroEnergyControl(e);
     }
 
-    /** Decides whether the particles of this part have these functions. Throws the InputError of
-     * what they do not have, where they are asked for. Takes equal parts without these functions
-     * from @p setup. Collective. */
+    /** Decides whether the particles of this part have these functions. Throws InputError where
+     * they are requested but not possible. Removes equal parts without these functions from @p
+     * setup. Collective. */
     void choose(PartSetup<dim> &setup)
     {
-      reason = wanted == "moving least squares" ? std::string() : obstacle(setup);
-      if (wanted == "cell averages" && !reason.empty())
+      reason = requested == "moving least squares" ? std::string() : obstacle(setup);
+      if (requested == "cell averages" && !reason.empty())
         section.fail("Shape functions", "`cell averages` are not there with " + reason +
                                             "; allowed is `moving least squares`, or `automatic`");
       // Heated faces of a lattice are a third of a percent nearer with moving least squares.
-      is_chosen = reason.empty() &&
-                  (wanted == "cell averages" || (wanted == "automatic" && setup.has_mechanics));
-      shares_dilatation = wanted_dilatation == "of cells" ||
-                          (wanted_dilatation == "automatic" && is_chosen && setup.has_mechanics);
+      is_chosen = reason.empty() && (requested == "cell averages" ||
+                                     (requested == "automatic" && setup.has_mechanics));
+      shares_dilatation = requested_dilatation == "of cells" ||
+                          (requested_dilatation == "automatic" && is_chosen && setup.has_mechanics);
       if (shares_dilatation && !is_chosen)
         section.fail("Dilatation",
                      "`of cells` needs cell averages as `Shape functions`" +
@@ -124,7 +125,7 @@ namespace tombolo
       // Where nothing is smoothed, values would only stiffen the kink between materials.
       if (section.get("Smoothing") == "none")
         setup.parts_of_other_material.clear();
-      of_part = setup;
+      part_setup = setup;
       nodes = setup.nodes;
     }
     /** Why the part cannot have these functions; empty if it can. */
@@ -163,9 +164,9 @@ namespace tombolo
                                            : " (cell averages are not there with " + reason + ")");
     }
 
-    /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
-     * the volumes V_I, and supports that reach all in whose rows they are; with @p rounds, the rows
-     * of their cells are kept in single precision. Collective. */
+    /** Computes the functions of @p particles, the nodes of the part of choose(), and sets their
+     * volumes V_I, and supports that reach all in whose rows they are; with @p rounds, the rows of
+     * their cells are kept in single precision. Collective. */
     void establish(ParticleSet<dim> &particles, const bool rounds)
     {
       accelerated_share = find_accelerated_shares(particles);
@@ -173,24 +174,24 @@ namespace tombolo
       CellIntegration<dim> integration(*nodes, value_sharpness());
       const auto sums_of = [&](const Node node)
       {
-        const std::size_t place = particles.place_of(node);
-        return place < sums.size() ? &sums[place] : nullptr;
+        const std::size_t index = particles.index_of(node);
+        return index < sums.size() ? &sums[index] : nullptr;
       };
-      // The owner of a particle sees all cells around it, but not those around nodes that follow
+      // The owner of a particle has all cells around it, but not those around nodes that depend on
       // it.
-      places = nodes->points_depended_on();
-      std::map<Node, Sums> of_rank;
-      std::vector<NodeOfCell> of_cells, of_following_cells;
+      node_positions = nodes->points_depended_on();
+      std::map<Node, Sums> rank_sums;
+      std::vector<NodeOfCell> entries_of_cells, entries_of_dependent;
       std::vector<Node> cell_nodes;
       std::vector<dealii::Point<dim>> points;
-      CellIntegrals<dim> of_following({}, {});
+      CellIntegrals<dim> dependent_integrals({}, {});
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
       {
         if (cell->is_artificial())
           continue;
-        const unsigned int part = of_part.part_cells->part_of(cell);
-        const bool is_own = part == of_part.index;
-        if (!of_part.smooths_over(part))
+        const unsigned int part = part_setup.part_cells->part_of(cell);
+        const bool is_own = part == part_setup.index;
+        if (!part_setup.smooths_over(part))
           continue;
         nodes->cell_nodes(cell, cell_nodes);
         const bool follows =
@@ -200,30 +201,33 @@ namespace tombolo
                     : !is_own && std::none_of(cell_nodes.begin(), cell_nodes.end(), sums_of))
           continue;
         nodes->cell_points(cell, points);
-        const CellIntegrals<dim> &of_cell = integration.of_cell(cell, cell_nodes, points);
+        const CellIntegrals<dim> &cell_integrals = integration.integrate(cell, cell_nodes, points);
         const CellIntegrals<dim> &integrals =
-            follows ? of_following = of_cell.of_nodes_that_move(*nodes, places) : of_cell;
+            follows
+                ? dependent_integrals = cell_integrals.on_independent_nodes(*nodes, node_positions)
+                : cell_integrals;
         if (follows)
         {
-          add_cell(integrals, part, [&](const Node node) { return &of_rank[node]; });
+          add_cell(integrals, part, [&](const Node node) { return &rank_sums[node]; });
           for (std::size_t j = 0; j < integrals.nodes.size(); ++j)
-            places.emplace(integrals.nodes[j], integrals.points[j]);
+            node_positions.emplace(integrals.nodes[j], integrals.points[j]);
         }
         else
           add_cell(integrals, part, sums_of);
-        if (shares_dilatation && of_part.is_of_equals(part))
-          integrals.list_nodes(follows ? of_following_cells : of_cells);
+        if (shares_dilatation && part_setup.is_of_equals(part))
+          integrals.list_nodes(follows ? entries_of_dependent : entries_of_cells);
       }
       if (nodes->has_dependent_nodes())
-        add_from_ranks(of_rank, sums_of);
+        add_from_ranks(rank_sums, sums_of);
       if (shares_dilatation && nodes->has_dependent_nodes())
-        for (const NodeOfCell &node : of_all_ranks(of_following_cells, nodes->communicator()))
-          of_cells.push_back(node);
+        for (const NodeOfCell &node : of_all_ranks(entries_of_dependent, nodes->communicator()))
+          entries_of_cells.push_back(node);
 
       std::vector<double> volumes, squared_edges;
       make_rows(sums, volumes, squared_edges);
       if (shares_dilatation)
-        dilatation.reset([&](const auto &use) { for_cells_around(of_cells, particles, use); },
+        dilatation.reset([&](const auto &use)
+                         { for_cells_around(entries_of_cells, particles, use); },
                          particles.size(), rounds);
       particles.set_initial_volumes(volumes);
       control.reset(volumes, squared_edges);
@@ -236,10 +240,10 @@ namespace tombolo
       return is_chosen && shares_dilatation ? &dilatation : nullptr;
     }
 
-    /** Null: none is wanted. */
+    /** Null: none is needed. */
     ZeroEnergyControl *zero_energy_control()
     {
-      return is_chosen && shares_dilatation && control.is_wanted() ? &control : nullptr;
+      return is_chosen && shares_dilatation && control.is_requested() ? &control : nullptr;
     }
 
     /** The share of the own part in the volume of the cells around each particle. */
@@ -248,12 +252,12 @@ namespace tombolo
       return own_share;
     }
 
-    /** Puts the nodes that have functions into the rows of @p found, once after establish(). */
+    /** Sets the rows of @p found to the nodes that have functions, once after establish(). */
     void assign(const ParticleSet<dim> &particles, const std::vector<double> &position,
                 const std::vector<double> &support, Neighbourhoods<dim> &found, Stencils &stencils)
     {
-      found.assign(particles.nodes(), position, support, rows, places, stencils);
-      places.clear();
+      found.assign(particles.nodes(), position, support, rows, node_positions, stencils);
+      node_positions.clear();
     }
 
     /** Fills the rows of @p stencils, once after establish(); with @p share_rows, those that are
@@ -293,8 +297,8 @@ namespace tombolo
       double value = 0;
       double gradient[3] = {};
     };
-    /** What the cells around a particle have summed up; all but volumes with images of cells.
-     * Cells of other materials count for values alone. */
+    /** Sums over the cells around a particle; all but volumes include images of cells. Cells of
+     * other materials count for values alone. */
     struct Totals
     {
       bool has_other_materials = false;
@@ -307,14 +311,14 @@ namespace tombolo
       {
         if (entries.empty())
           entries.reserve(dim == 2 ? 9 : 27); // of a lattice
-        const auto place =
+        const auto found =
             std::lower_bound(entries.begin(), entries.end(), node,
                              [](const Entry &a, const ImageNode &b) { return a.node < b; });
-        if (place != entries.end() && place->node == node)
-          return *place;
+        if (found != entries.end() && found->node == node)
+          return *found;
         Entry entry;
         entry.node = node;
-        return *entries.insert(place, entry);
+        return *entries.insert(found, entry);
       }
 
       std::vector<Entry> entries; // by node
@@ -338,7 +342,7 @@ namespace tombolo
           cell.gradient.emplace_back();
           for (unsigned int d = 0; d < dim; ++d)
             cell.gradient.back()[d] = list[i].gradient[d];
-          if (const auto p = static_cast<unsigned int>(particles.place_of(list[i].node));
+          if (const auto p = static_cast<unsigned int>(particles.index_of(list[i].node));
               p < particles.size())
             cell.shares.emplace_back(p, own_share[p] * list[i].volume);
         }
@@ -387,7 +391,7 @@ namespace tombolo
       {
         volumes.push_back(sum.own_volume);
         own_share.push_back(sum.own_volume / sum.volume);
-        // Displacements have a kink between materials, which nothing must resist.
+        // Displacements have a kink between materials, which must not be resisted.
         squared_edges.push_back(sum.has_other_materials ? 1e100 : sum.squared_edge / sum.volume);
         for (Entry &entry : sum.entries)
         {
@@ -406,24 +410,24 @@ namespace tombolo
     {
       // S_A is 1 + κ h² ∂² on long waves, with κ the value of φ at the next node of a lattice. The
       // energy of v̂ is that of v but for its gradient in the bulk and, where this ends within the
-      // body, v ∂v there: a layer of mass κ h in the wrong place.
+      // body, v ∂v there: a layer of mass κ h in the wrong position.
       const double kappa = 0.25 - value_sharpness() / 12.;
       NodalVector shift(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
       const NodePartition &partition = *shift.partition();
       std::vector<dealii::types::global_dof_index> cell_nodes;
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
       {
-        if (!cell->is_locally_owned() || of_part.part_cells->part_of(cell) != of_part.index)
+        if (!cell->is_locally_owned() || part_setup.part_cells->part_of(cell) != part_setup.index)
           continue;
         nodes->cell_nodes(cell, cell_nodes);
         const double volume = kappa * cell->measure() / (1u << (dim - 1));
         for (const unsigned int face : cell->face_indices())
           if (!cell->at_boundary(face) &&
-              !of_part.smooths_over(of_part.part_cells->part_beyond(cell, face)))
-            for (const unsigned int place : nodes->face_places(face))
+              !part_setup.smooths_over(part_setup.part_cells->part_beyond(cell, face)))
+            for (const unsigned int corner : nodes->face_places(face))
             {
-              const unsigned int opposite = place ^ (1u << (face / 2));
-              *shift.node(partition.local_index(cell_nodes[place])) += volume;
+              const unsigned int opposite = corner ^ (1u << (face / 2));
+              *shift.node(partition.local_index(cell_nodes[corner])) += volume;
               *shift.node(partition.local_index(cell_nodes[opposite])) -= volume;
             }
       }
@@ -439,7 +443,7 @@ namespace tombolo
     void add_cell(const CellIntegrals<dim> &integrals, const unsigned int part,
                   const SumsOf &sums_of)
     {
-      const bool is_own = part == of_part.index, is_of_equals = of_part.is_of_equals(part);
+      const bool is_own = part == part_setup.index, is_of_equals = part_setup.is_of_equals(part);
       const auto n = static_cast<unsigned int>(integrals.nodes.size());
       const double tolerance = 1e-6 * integrals.points.front().distance(integrals.points.back());
       const Images &images = *nodes->images();
@@ -451,7 +455,7 @@ namespace tombolo
         Sums *const sum = sums_of(integrals.nodes[i]);
         if (sum == nullptr)
         {
-          places.emplace(integrals.nodes[i], integrals.points[i]);
+          node_positions.emplace(integrals.nodes[i], integrals.points[i]);
           continue;
         }
         const double volume = is_of_equals ? integrals.volume[i] : 0.;
@@ -479,8 +483,8 @@ namespace tombolo
         }
       }
     }
-    /** Adds what all ranks have for particles. Collective. */
-    void add_from_ranks(const std::map<Node, Sums> &of_rank,
+    /** Adds the sums of all ranks for particles. Collective. */
+    void add_from_ranks(const std::map<Node, Sums> &rank_sums,
                         const std::function<Sums *(Node)> &sums_of)
     {
       struct TotalsOfNode
@@ -492,17 +496,18 @@ namespace tombolo
       {
         Node node;
         Entry entry;
-        double place[3]; // of the node of the entry
+        double position[3]; // of the node of the entry
       };
       std::vector<TotalsOfNode> totals_of_rank;
       std::vector<EntryOfNode> entries_of_rank;
-      for (const auto &[node, sum] : of_rank)
+      for (const auto &[node, sum] : rank_sums)
       {
         totals_of_rank.push_back({node, sum});
         for (const Entry &entry : sum.entries)
         {
           entries_of_rank.push_back({node, entry, {}});
-          std::copy_n(places.at(entry.node.source).begin_raw(), dim, entries_of_rank.back().place);
+          std::copy_n(node_positions.at(entry.node.source).begin_raw(), dim,
+                      entries_of_rank.back().position);
         }
       }
       for (const auto &[node, totals] : of_all_ranks(totals_of_rank, nodes->communicator()))
@@ -517,17 +522,18 @@ namespace tombolo
           for (unsigned int d = 0; d < dim; ++d)
             sum->moment[d] += totals.moment[d];
         }
-      for (const auto &[node, entry, place] : of_all_ranks(entries_of_rank, nodes->communicator()))
+      for (const auto &[node, entry, position] :
+           of_all_ranks(entries_of_rank, nodes->communicator()))
         if (Sums *const sum = sums_of(node))
         {
-          std::copy_n(place, dim, places[entry.node.source].begin_raw());
+          std::copy_n(position, dim, node_positions[entry.node.source].begin_raw());
           Entry &target = sum->at(entry.node);
           target.value += entry.value;
           for (unsigned int d = 0; d < dim; ++d)
             target.gradient[d] += entry.gradient[d];
         }
     }
-    /** Widens supports of @p particles where they do not reach rows that they are in. */
+    /** Widens supports of @p particles so that they reach the rows that contain them. */
     void widen_supports(ParticleSet<dim> &particles) const
     {
       if (!nodes->has_dependent_nodes())
@@ -544,7 +550,7 @@ namespace tombolo
           const dealii::Point<dim> &source =
               particle != numbers.end() && *particle == entry.node.source
                   ? particles.initial_positions()[std::size_t(particle - numbers.begin())]
-                  : places.at(entry.node.source);
+                  : node_positions.at(entry.node.source);
           for (unsigned int d = 0; d < dim; ++d)
           {
             const double other = map.sign[d] * source[d] + map.offset[d];
@@ -555,26 +561,27 @@ namespace tombolo
         }
       particles.set_initial_supports(supports);
     }
-    /** The entry of a neighbour that assign() has put there. */
+    /** The entry of a neighbour that assign() has set. */
     const Entry &entry_at(const Neighbourhoods<dim> &found, const unsigned int row,
-                          const unsigned int place) const
+                          const unsigned int index) const
     {
       const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
-      const ImageNode node = place < n_nodes ? ImageNode{found.global_nodes()[place], 0}
-                                             : found.images()[place - n_nodes];
+      const ImageNode node = index < n_nodes ? ImageNode{found.global_nodes()[index], 0}
+                                             : found.images()[index - n_nodes];
       return *std::lower_bound(rows[row].begin(), rows[row].end(), node,
                                [](const Entry &a, const ImageNode &b) { return a.node < b; });
     }
 
     Section section;
-    std::string wanted, wanted_dilatation, reason;
+    std::string requested, requested_dilatation, reason;
     bool is_chosen = false, shares_dilatation = false;
     CellDilatation<dim> dilatation;
     ZeroEnergyControl control;
     const Nodes<dim> *nodes = nullptr;
-    PartSetup<dim> of_part;
-    std::vector<std::vector<Entry>> rows;      // by particle, ascending by node
-    std::map<Node, dealii::Point<dim>> places; // of nodes of rows, and others; not of all particles
+    PartSetup<dim> part_setup;
+    std::vector<std::vector<Entry>> rows; // by particle, ascending by node
+    std::map<Node, dealii::Point<dim>>
+        node_positions; // of nodes of rows, and others; not of all particles
     std::vector<double> accelerated_share, own_share; // by particle
   };
 } // namespace tombolo

@@ -44,12 +44,11 @@ namespace tombolo
    *   f_J = - Σ_c P_c cof(F_c) g_cJ,   P_c = Σ_I V_cI (σ_I + K (J_c - J_I))
    * @endverbatim
    *
-   * since the derivatives of J_I cancel in the second term. What the determinant of the own F_I of
-   * a particle is beside J_I, d = det F_I / J_I, has the energy V_I G W(d) of
-   * OwnDilatation: without it only the deviator would keep a particle at an edge from being turned
-   * inside out. All are functions of the positions alone. A rank has the
-   * cells of its particles, those of other ranks among them, and adds what its particles give to
-   * P_c.
+   * since the derivatives of J_I cancel in the second term. The ratio d = det F_I / J_I of the
+   * determinant of the own F_I of a particle has the energy V_I G W(d) of OwnDilatation: without it
+   * only the deviator would keep a particle at an edge from being turned inside out. All are
+   * functions of the positions alone. A rank has the cells of its particles, those of other ranks
+   * among them, and adds the contributions of its particles to P_c.
    */
   template <int dim>
   class CellDilatation
@@ -57,7 +56,7 @@ namespace tombolo
   public:
     using Node = dealii::types::global_dof_index;
 
-    /** A cell with what particles of this rank have of it. */
+    /** A cell and the shares of particles of this rank in it. */
     struct Cell
     {
       std::vector<Node> nodes;
@@ -66,8 +65,8 @@ namespace tombolo
           shares; ///< particles of this rank and V_cI [L^dim]
     };
 
-    /** Begins anew with the cells around @p n_particles particles which @p for_cells(use) hands
-     * over; with @p rounds, g_cJ are kept in single precision. */
+    /** Resets to the cells around @p n_particles particles, which @p for_cells(use) passes to use;
+     * with @p rounds, g_cJ are kept in single precision. */
     template <typename ForCells>
     void reset(const ForCells &for_cells, const unsigned int n_particles, const bool rounds = false)
     {
@@ -108,10 +107,10 @@ namespace tombolo
       if (rounds)
         cells.round();
       cofactor.resize(3 * node_stride * n_cells);
-      for (dealii::AlignedVector<double> *const of_cell : {&jacobian, &rate, &pressure})
+      for (dealii::AlignedVector<double> *const cell_values : {&jacobian, &rate, &pressure})
       {
-        of_cell->resize(n_cells);
-        of_cell->fill(0.);
+        cell_values->resize(n_cells);
+        cell_values->fill(0.);
       }
 
       std::partial_sum(share_begin.begin(), share_begin.end(), share_begin.begin());
@@ -123,9 +122,9 @@ namespace tombolo
       for (std::size_t s = 0; s < shares.size(); ++s)
       {
         const auto &[particle, volume_of_share] = shares[s];
-        const unsigned int place = next[particle]++;
-        share_cell[place] = cell_of_share[s];
-        share_volume[place] = volume_of_share;
+        const unsigned int entry = next[particle]++;
+        share_cell[entry] = cell_of_share[s];
+        share_volume[entry] = volume_of_share;
         volume[particle] += volume_of_share;
       }
       ratio_of_particle.resize(padded_to_lanes(n_particles));
@@ -157,7 +156,7 @@ namespace tombolo
     void find(const NodalVector &position)
     {
       const unsigned int n_cells = cells.n_particles();
-      alignas(64) double of_place[n_lanes][3][node_stride] = {};
+      alignas(64) double deformation_columns[n_lanes][3][node_stride] = {};
       alignas(64) double det[n_lanes];
       for (unsigned int first = 0; first < n_cells; first += n_lanes)
       {
@@ -168,23 +167,23 @@ namespace tombolo
           RowBlock::add_row(cells.row_of_gradients(first + lane), position.data(),
                             load_node(position.node(cells.particle_node[first + lane])), f);
           for (unsigned int j = 0; j < 3; ++j)
-            store_node(f[j], of_place[lane][j]);
+            store_node(f[j], deformation_columns[lane][j]);
         }
-        Matrix3<Lanes> f = RowBlock::load_columns(of_place[0][0]);
+        Matrix3<Lanes> f = RowBlock::load_columns(deformation_columns[0][0]);
         if constexpr (dim == 2)
           f(2, 2) = 1.;
-        Matrix3<Lanes> of_areas;
+        Matrix3<Lanes> cofactors;
         for (unsigned int i = 0; i < 3; ++i)
           for (unsigned int j = 0; j < 3; ++j)
           {
             const unsigned int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3,
                                j2 = (j + 2) % 3;
-            of_areas(i, j) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
+            cofactors(i, j) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
           }
-        store_lanes(f(0, 0) * of_areas(0, 0) + f(0, 1) * of_areas(0, 1) + f(0, 2) * of_areas(0, 2),
-                    det);
+        store_lanes(
+            f(0, 0) * cofactors(0, 0) + f(0, 1) * cofactors(0, 1) + f(0, 2) * cofactors(0, 2), det);
         alignas(64) double columns[n_lanes][3][node_stride];
-        RowBlock::store_columns(of_areas, columns[0][0]);
+        RowBlock::store_columns(cofactors, columns[0][0]);
         std::copy_n(columns[0][0], 3 * node_stride * std::size_t(n),
                     cofactor.data() + 3 * node_stride * std::size_t(first));
         std::copy_n(det, n, jacobian.data() + first);
@@ -198,37 +197,37 @@ namespace tombolo
       }
     }
 
-    /** J_I of n_lanes particles from @p first on, one of those that are not there. */
+    /** J_I of n_lanes particles from @p first on; one for lanes without a particle. */
     Lanes ratio(const unsigned int first) const
     {
       return load_lanes(&ratio_of_particle[first]);
     }
 
-    /** Gives n_lanes particles from @p first on, with the ratio @p old_ratio before the step, J_I
-     * in the place of the dilatation of @p motion. */
+    /** Sets the dilatation of @p motion of n_lanes particles from @p first on to that of J_I, with
+     * the ratio @p old_ratio before the step. */
     void share(const unsigned int first, const Lanes &old_ratio, const bool is_logarithmic,
                MotionIncrement<Lanes> &motion) const
     {
       MeanDilatation::set_ratio<dim>(is_logarithmic, ratio(first) / old_ratio, motion);
     }
 
-    /** Takes the mean stress out of @p stress of n_lanes particles from @p first on, which comes
-     * times the present volume, adds what d gives, with the determinant @p own of F_I, and what
-     * both and the differences of the cells give to P_c. */
+    /** Removes the mean stress from @p stress of n_lanes particles from @p first on, which is
+     * multiplied by the present volume. Adds the stress of d, with the determinant @p own of F_I,
+     * and adds to P_c the terms of both and of the differences of the cells. */
     void collect(const unsigned int first, const Lanes &own, Lanes (&stress)[6])
     {
       const Lanes shared = ratio(first), initial_volume = load_lanes(&volume[first]);
-      const OwnDilatation of_ratio(own / shared);
-      const Lanes of_own = shear_modulus * initial_volume * of_ratio.slope;
-      store_lanes(shear_modulus * initial_volume * of_ratio.energy, &own_energy[first]);
+      const OwnDilatation own_dilatation(own / shared);
+      const Lanes own_stress = shear_modulus * initial_volume * own_dilatation.slope;
+      store_lanes(shear_modulus * initial_volume * own_dilatation.energy, &own_energy[first]);
       const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
       for (unsigned int i = 0; i < dim; ++i)
-        stress[i] += of_own - mean_stress;
-      add_pressures(first, (mean_stress - of_own) / (shared * initial_volume) -
+        stress[i] += own_stress - mean_stress;
+      add_pressures(first, (mean_stress - own_stress) / (shared * initial_volume) -
                                bulk_modulus * (shared - 1.));
     }
 
-    /** Adds the forces of P_c after collect(), and begins the sums anew. */
+    /** Adds the forces of P_c after collect(), and resets the sums. */
     void add_force(NodalVector &force)
     {
       subtract_pressures([&](const unsigned int c)
@@ -242,14 +241,14 @@ namespace tombolo
       return shear_modulus;
     }
 
-    /** Adds what the terms of the J_I of @p particle, and the differences of its cells, add to the
+    /** Adds the terms of the J_I of @p particle, and of the differences of its cells, to the
      * equations of its row, at the positions of the last find(). */
     void add_tangent(const unsigned int particle,
                      const typename RowStiffness<dim, 1>::RatioTerms &terms,
                      CellEquations &equations) const
     {
       const std::size_t n_rows = equations.force.size();
-      const auto place_of = [&](const unsigned int node)
+      const auto first_row_of = [&](const unsigned int node)
       {
         const auto found = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
         return static_cast<std::size_t>(found - equations.nodes.begin()) * dim;
@@ -257,94 +256,94 @@ namespace tombolo
       const unsigned int lanes_of_particle = particle / n_lanes * n_lanes;
       const double mean_ratio = ratio(lanes_of_particle)[particle - lanes_of_particle];
       const double stress = terms.force / volume[particle];
-      std::vector<double> of_mean(n_rows, 0.), of_cell(n_rows);
+      std::vector<double> mean_gradient(n_rows, 0.), cell_gradient(n_rows);
       for (unsigned int s = share_begin[particle]; s < share_begin[particle + 1]; ++s)
       {
         const unsigned int c = share_cell[s];
         const Stencils::Row row = cells.row_of_gradients(c);
         const double *const columns = cofactor.data() + 3 * node_stride * std::size_t(c);
-        std::vector<std::size_t> places;
+        std::vector<std::size_t> first_rows;
         std::vector<dealii::Tensor<1, dim>> areas; // cof(F_c) g_cJ
         for (unsigned int k = 0; k < row.size; ++k)
         {
-          places.push_back(place_of(row.neighbour[k]));
+          first_rows.push_back(first_row_of(row.neighbour[k]));
           areas.emplace_back();
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
               areas.back()[i] +=
                   columns[j * node_stride + i] * row.gradient[Stencils::n_gradient * k + j];
         }
-        std::fill(of_cell.begin(), of_cell.end(), 0.);
+        std::fill(cell_gradient.begin(), cell_gradient.end(), 0.);
         for (unsigned int k = 0; k < row.size; ++k)
           for (unsigned int i = 0; i < dim; ++i)
-            of_cell[places[k] + i] += areas[k][i];
+            cell_gradient[first_rows[k] + i] += areas[k][i];
         const double difference = jacobian[c] - mean_ratio;
-        const double of_areas =
+        const double area_factor =
             share_volume[s] * (stress + bulk_modulus * difference) / jacobian[c];
         for (unsigned int k = 0; k < row.size; ++k)
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int l = 0; l < row.size; ++l)
               for (unsigned int j = 0; j < dim; ++j)
-                equations.matrix[(places[k] + i) * n_rows + places[l] + j] +=
-                    of_areas * (areas[k][i] * areas[l][j] - areas[k][j] * areas[l][i]) +
+                equations.matrix[(first_rows[k] + i) * n_rows + first_rows[l] + j] +=
+                    area_factor * (areas[k][i] * areas[l][j] - areas[k][j] * areas[l][i]) +
                     share_volume[s] * bulk_modulus * areas[k][i] * areas[l][j];
         for (std::size_t i = 0; i < n_rows; ++i)
         {
-          of_mean[i] += share_volume[s] / volume[particle] * of_cell[i];
-          equations.force[i] += share_volume[s] * bulk_modulus * difference * of_cell[i];
+          mean_gradient[i] += share_volume[s] / volume[particle] * cell_gradient[i];
+          equations.force[i] += share_volume[s] * bulk_modulus * difference * cell_gradient[i];
         }
       }
-      // The bulk modulus acts on what cells differ from the mean by.
-      const double of_squares = terms.derivative - bulk_modulus * volume[particle];
+      // The bulk modulus acts on the difference between cells and the mean.
+      const double square_factor = terms.derivative - bulk_modulus * volume[particle];
       for (std::size_t i = 0; i < n_rows; ++i)
       {
-        equations.force[i] += terms.force * of_mean[i];
+        equations.force[i] += terms.force * mean_gradient[i];
         for (std::size_t j = 0; j < n_rows; ++j)
           equations.matrix[i * n_rows + j] +=
-              of_mean[i] * (of_squares * of_mean[j] + terms.with_position[j]) +
-              terms.of_force[i] * of_mean[j];
+              mean_gradient[i] * (square_factor * mean_gradient[j] + terms.with_position[j]) +
+              terms.force_derivative[i] * mean_gradient[j];
       }
     }
 
-    /** Of the differences of cells and the own determinants, of the particles of this rank, at
-     * the last find() and collect() [M L^2/T^2]. */
+    /** Energy of the differences of cells and of the own determinants, over the particles of this
+     * rank, at the last find() and collect() [M L^2/T^2]. */
     double energy() const
     {
       double sum = 0;
       for (unsigned int first = 0; first + 1 < share_begin.size(); first += n_lanes)
       {
-        const Lanes of_particle = ratio(first);
+        const Lanes particle_ratios = ratio(first);
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
           {
-            const double difference = jacobian[share_cell[s]] - of_particle[lane];
+            const double difference = jacobian[share_cell[s]] - particle_ratios[lane];
             sum += share_volume[s] * difference * difference;
           }
       }
-      double of_own = 0;
+      double own_sum = 0;
       for (const double energy_of_particle : own_energy)
-        of_own += energy_of_particle;
-      return 0.5 * bulk_modulus * sum + of_own;
+        own_sum += energy_of_particle;
+      return 0.5 * bulk_modulus * sum + own_sum;
     }
 
-    /** @name The linear answer to velocities at the positions of the last find() */
+    /** @name The linear response to velocities at the positions of the last find() */
     ///@{
     /** Finds the rates of J_c. */
     void find_rates(const NodalVector &velocity)
     {
       for (unsigned int c = 0; c < cells.n_particles(); ++c)
       {
-        const double *const of_areas = cofactor.data() + 3 * node_stride * std::size_t(c);
+        const double *const cofactors = cofactor.data() + 3 * node_stride * std::size_t(c);
         NodeLanes h[3] = {0., 0., 0.};
         RowBlock::add_row(cells.row_of_gradients(c), velocity.data(), NodeLanes(0.), h);
         NodeLanes sum = 0.;
         for (unsigned int j = 0; j < 3; ++j)
-          sum += h[j] * load_node(of_areas + j * node_stride);
+          sum += h[j] * load_node(cofactors + j * node_stride);
         rate[c] = sum[0] + sum[1] + sum[2];
       }
     }
-    /** Gives n_lanes particles the rate of ln J_I in the place of the trace of @p gradient. Sets
-     * @p mean_rate, that of J_I, and returns the rate of ln d. */
+    /** Sets the trace of @p gradient of n_lanes particles to the rate of ln J_I. Sets @p mean_rate
+     * to the rate of J_I, and returns the rate of ln d. */
     Lanes share_rate(const unsigned int first, Matrix3<Lanes> &gradient, Lanes &mean_rate) const
     {
       mean_rate = mean(rate, first);
@@ -353,20 +352,20 @@ namespace tombolo
         gradient(i, i) += (1. / dim) * difference;
       return -difference;
     }
-    /** collect() of rates; @p stress comes times minus the present volume. */
+    /** collect() of rates; @p stress is multiplied by minus the present volume. */
     void collect_rates(const unsigned int first, const Lanes &own, const Lanes &mean_rate,
                        const Lanes &rate_of_own, Lanes (&stress)[6])
     {
       const Lanes initial_volume = load_lanes(&volume[first]);
-      const Lanes of_own = shear_modulus * initial_volume *
-                           OwnDilatation(own / ratio(first)).stiffness * rate_of_own;
+      const Lanes own_stress = shear_modulus * initial_volume *
+                               OwnDilatation(own / ratio(first)).stiffness * rate_of_own;
       const Lanes mean_stress = (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress);
       for (unsigned int i = 0; i < dim; ++i)
-        stress[i] -= of_own + mean_stress;
-      add_pressures(first, (mean_stress + of_own) / (ratio(first) * initial_volume) +
+        stress[i] -= own_stress + mean_stress;
+      add_pressures(first, (mean_stress + own_stress) / (ratio(first) * initial_volume) +
                                bulk_modulus * mean_rate);
     }
-    /** Adds what they give, and begins the sums anew. */
+    /** Adds their forces, and resets the sums. */
     void add_force_of_rates(NodalVector &force)
     {
       subtract_pressures(
@@ -376,40 +375,40 @@ namespace tombolo
 
   private:
     /** Σ V_cI y_c / V_I. */
-    Lanes mean(const dealii::AlignedVector<double> &of_cell, const unsigned int first) const
+    Lanes mean(const dealii::AlignedVector<double> &cell_values, const unsigned int first) const
     {
       alignas(64) double sum[n_lanes];
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
-        double of_particle = 0;
+        double weighted_sum = 0;
         for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
-          of_particle += share_volume[s] * of_cell[share_cell[s]];
-        sum[lane] = of_particle / volume[first + lane];
+          weighted_sum += share_volume[s] * cell_values[share_cell[s]];
+        sum[lane] = weighted_sum / volume[first + lane];
       }
       return load_lanes(sum);
     }
-    /** Adds V_cI times what n_lanes particles from @p first on have to P_c. */
-    void add_pressures(const unsigned int first, const Lanes &of_particles)
+    /** Adds V_cI times the values of n_lanes particles from @p first on to P_c. */
+    void add_pressures(const unsigned int first, const Lanes &particle_values)
     {
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
-        const double of_particle = of_particles[lane];
+        const double value = particle_values[lane];
         for (unsigned int s = share_begin[first + lane]; s < share_begin[first + lane + 1]; ++s)
-          pressure[share_cell[s]] += share_volume[s] * of_particle;
+          pressure[share_cell[s]] += share_volume[s] * value;
       }
     }
-    /** Subtracts P_c cof(F_c) g_cJ from @p force, with @p of_cell(c) in P_c beside what particles
-     * have added, which is emptied. */
-    template <typename OfCell>
-    void subtract_pressures(const OfCell &of_cell, NodalVector &force)
+    /** Subtracts P_c cof(F_c) g_cJ from @p force, where P_c includes @p cell_pressure(c), and
+     * resets the sums of particles. */
+    template <typename CellPressure>
+    void subtract_pressures(const CellPressure &cell_pressure, NodalVector &force)
     {
       alignas(64) double columns[3 * node_stride];
       for (unsigned int c = 0; c < cells.n_particles(); ++c)
       {
-        const double *const of_areas = cofactor.data() + 3 * node_stride * std::size_t(c);
-        const double of_all = pressure[c] + of_cell(c);
+        const double *const cofactors = cofactor.data() + 3 * node_stride * std::size_t(c);
+        const double total_pressure = pressure[c] + cell_pressure(c);
         for (unsigned int k = 0; k < 3 * node_stride; ++k)
-          columns[k] = of_all * of_areas[k];
+          columns[k] = total_pressure * cofactors[k];
         RowBlock::subtract_row(cells.row_of_gradients(c), columns, force.data());
       }
       pressure.fill(0.);
@@ -424,7 +423,7 @@ namespace tombolo
     std::vector<double> cell_volume;        ///< Σ_I V_cI over the particles of this rank
     dealii::AlignedVector<double> ratio_of_particle; ///< J_I
 
-    std::vector<unsigned int> share_begin; ///< by particle, of what follows
+    std::vector<unsigned int> share_begin; ///< by particle, first of its entries below
     std::vector<unsigned int> share_cell;
     std::vector<double> share_volume;         ///< V_cI
     std::vector<double> volume;               ///< V_I

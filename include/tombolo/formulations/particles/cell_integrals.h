@@ -31,8 +31,8 @@ namespace tombolo
     }
   } // namespace internal
 
-  /** What a cell gives to the averages around its nodes I, with the functions N_J of its nodes J
-   * (see CellAverages). */
+  /** The contribution of a cell to the averages around its nodes I, with the functions N_J of its
+   * nodes J (see CellAverages). */
   template <int dim>
   struct CellIntegrals
   {
@@ -65,26 +65,27 @@ namespace tombolo
       for (const unsigned int q : fe_values.quadrature_point_indices())
         for (unsigned int i = 0; i < n; ++i)
         {
-          const dealii::Point<dim> &place = fe_values.get_quadrature().point(q);
-          const double of_gradient =
-              internal::weight_of_corner<dim>(gradient_sharpness, i, place) * fe_values.JxW(q);
-          const double of_value =
-              internal::weight_of_corner<dim>(value_sharpness, i, place) * fe_values.JxW(q);
-          volume[i] += of_gradient;
-          weight[i] += of_value;
-          moment[i] += of_value * (fe_values.quadrature_point(q) - points[i]);
+          const dealii::Point<dim> &unit_point = fe_values.get_quadrature().point(q);
+          const double gradient_weight =
+              internal::weight_of_corner<dim>(gradient_sharpness, i, unit_point) * fe_values.JxW(q);
+          const double value_weight =
+              internal::weight_of_corner<dim>(value_sharpness, i, unit_point) * fe_values.JxW(q);
+          volume[i] += gradient_weight;
+          weight[i] += value_weight;
+          moment[i] += value_weight * (fe_values.quadrature_point(q) - points[i]);
           for (unsigned int j = 0; j < n; ++j)
           {
-            value[i * n + j] += of_value * fe_values.shape_value(hierarchic[j], q);
-            gradient[i * n + j] += of_gradient * fe_values.shape_grad(hierarchic[j], q);
+            value[i * n + j] += value_weight * fe_values.shape_value(hierarchic[j], q);
+            gradient[i * n + j] += gradient_weight * fe_values.shape_grad(hierarchic[j], q);
           }
         }
     }
 
-    /** The same of the corners, or in the place of those that depend on others, of the others.
-     * @p places are those of Nodes::points_depended_on(). */
-    CellIntegrals of_nodes_that_move(const Nodes<dim> &of_mesh,
-                                     const std::map<Node, dealii::Point<dim>> &places) const
+    /** The same with each dependent corner replaced by the nodes that it depends on. @p
+     * node_positions are those of Nodes::points_depended_on(). */
+    CellIntegrals
+    on_independent_nodes(const Nodes<dim> &mesh_nodes,
+                         const std::map<Node, dealii::Point<dim>> &node_positions) const
     {
       const std::size_t n_corners = nodes.size();
       std::vector<Node> others;
@@ -101,25 +102,25 @@ namespace tombolo
         points_of_others.push_back(point);
       };
       for (std::size_t i = 0; i < n_corners; ++i)
-        if (const DependentNode *const row = of_mesh.dependent_node(nodes[i]))
+        if (const DependentNode *const row = mesh_nodes.dependent_node(nodes[i]))
           for (const auto &[node, share_of_node] : row->weights)
-            share(i, node, places.at(node), share_of_node);
+            share(i, node, node_positions.at(node), share_of_node);
         else
           share(i, nodes[i], points[i], 1.);
       CellIntegrals result(others, points_of_others);
       result.squared_edge = squared_edge;
       const std::size_t n = others.size();
       for (std::size_t i = 0; i < n_corners; ++i)
-        for (const auto &[a, of_a] : shares[i])
+        for (const auto &[a, share_a] : shares[i])
         {
-          result.volume[a] += of_a * volume[i];
-          result.weight[a] += of_a * weight[i];
-          result.moment[a] += of_a * (moment[i] + weight[i] * (points[i] - points_of_others[a]));
+          result.volume[a] += share_a * volume[i];
+          result.weight[a] += share_a * weight[i];
+          result.moment[a] += share_a * (moment[i] + weight[i] * (points[i] - points_of_others[a]));
           for (std::size_t j = 0; j < n_corners; ++j)
-            for (const auto &[b, of_b] : shares[j])
+            for (const auto &[b, share_b] : shares[j])
             {
-              result.value[a * n + b] += of_a * of_b * value[i * n_corners + j];
-              result.gradient[a * n + b] += of_a * of_b * gradient[i * n_corners + j];
+              result.value[a * n + b] += share_a * share_b * value[i * n_corners + j];
+              result.gradient[a * n + b] += share_a * share_b * gradient[i * n_corners + j];
             }
         }
       return result;
@@ -130,8 +131,8 @@ namespace tombolo
     {
       const std::size_t n = nodes.size();
       double volume_of_all = 0;
-      for (const double of_node : volume)
-        volume_of_all += of_node;
+      for (const double node_volume : volume)
+        volume_of_all += node_volume;
       for (std::size_t j = 0; j < n; ++j)
       {
         NodeOfCell node{static_cast<unsigned int>(n), nodes[j], volume[j], {}};
@@ -166,9 +167,9 @@ namespace tombolo
     {}
 
     /** Of the cell with these nodes at @p points. The reference stays valid until the next call. */
-    const CellIntegrals<dim> &of_cell(const typename Nodes<dim>::Cell &cell,
-                                      const std::vector<dealii::types::global_dof_index> &nodes,
-                                      const std::vector<dealii::Point<dim>> &points)
+    const CellIntegrals<dim> &integrate(const typename Nodes<dim>::Cell &cell,
+                                        const std::vector<dealii::types::global_dof_index> &nodes,
+                                        const std::vector<dealii::Point<dim>> &points)
     {
       cell->get_dof_indices(cell_dofs);
       hierarchic.clear();

@@ -26,13 +26,13 @@
 
 namespace tombolo
 {
-  /** What contact between particles sees of the heat of a scene: null pointers without heat. */
+  /** The heat of a scene for contact between particles: null pointers without heat. */
   struct FragmentHeat
   {
     const NodalVector *temperature = nullptr; ///< θ^h at the present time, slot 0 of owned nodes
     const NodalEnthalpy *enthalpy = nullptr;
-    /** Scalar, of owned nodes: heat that they have got and that no thermal step has given them yet
-     * [M L^2/T^2]. */
+    /** Scalar, of owned nodes: heat that they have received and that no thermal step has applied
+     * yet [M L^2/T^2]. */
     const NodalVector *pending = nullptr;
     NodalSource *given = nullptr; ///< gets that of the step
   };
@@ -74,7 +74,7 @@ namespace tombolo
     std::vector<unsigned int> mirrors; ///< of the partner as an image, as bits; 0: it is none
   };
 
-  /** Two particles of different bodies that touch, seen by one of them. */
+  /** Two particles of different bodies that touch, from the side of one of them. */
   template <int dim>
   struct FragmentTouch
   {
@@ -103,9 +103,9 @@ namespace tombolo
    * basis (debris) are points without spin, W = 0. s turns with both materials and keeps its
    * length, and slips at |½ k s| = μ f_n. The forces act at the point of contact: their moments
    * about the centres are carried by the neighbours K as ½ (f ⊗ r - r ⊗ f) g_K, the adjoint of W.
-   * So friction sees no rotation of a body, linear momentum is kept to round-off, and angular
-   * momentum as well where neither end is debris. To debris it gives the moment r × f that would
-   * spin it, and that is lost.
+   * So friction does not resist a rotation of a body, linear momentum is kept to round-off, and
+   * angular momentum as well where neither end is debris. On debris it exerts the moment r × f that
+   * would spin it, and that is lost.
    *
    * μ is that at the temperature of the hotter of the two, and of two parts the smaller one. Half
    * of the heat of friction is each end's, whatever the materials are. Conduction exchanges
@@ -128,22 +128,22 @@ namespace tombolo
     };
 
     /** Between particles of these @p parts. */
-    explicit FragmentFriction(std::vector<Part> of_parts) : parts(std::move(of_parts))
+    explicit FragmentFriction(std::vector<Part> touching_parts) : parts(std::move(touching_parts))
     {
       for (const Part &part : parts)
       {
         any_rubs = any_rubs || part.law->rubs();
         any_conducts = any_conducts || part.law->conducts();
-        part.kept->fetch_springs = [this] { give_back_springs(); };
+        part.kept->fetch_springs = [this] { return_springs(); };
       }
     }
 
-    /** The pairs from now on, of @p rows; local nodes are those of @p partition. What is known of
-     * pairs that were there before is kept. Collective. */
+    /** The pairs from now on, of @p pair_rows; local nodes are those of @p partition. Springs of
+     * pairs that existed before are kept. Collective. */
     void set_pairs(const std::shared_ptr<const NodePartition> &partition,
-                   const TouchingRows &of_pairs, const FragmentPairs &pairs)
+                   const TouchingRows &pair_rows, const FragmentPairs &pairs)
     {
-      give_back_springs();
+      return_springs();
       std::vector<KnownSpring> known;
       for (const Part &part : parts)
       {
@@ -151,7 +151,7 @@ namespace tombolo
         part.kept->springs.clear();
       }
       std::sort(known.begin(), known.end());
-      rows = of_pairs;
+      rows = pair_rows;
       const NodalVector id_of_node = nodal_field(partition, Quantity::scalars, rows.nodes,
                                                  [&](const std::size_t i, double *const halves)
                                                  {
@@ -199,10 +199,10 @@ namespace tombolo
     void begin_step(const NodalVector &position, const std::vector<dealii::Tensor<1, dim>> &moves,
                     const std::vector<bool> &touches, const FragmentHeat &heat)
     {
-      const auto set_move = [&](const std::size_t i, double *const of_node)
+      const auto set_move = [&](const std::size_t i, double *const node_move)
       {
         for (unsigned int d = 0; d < dim; ++d)
-          of_node[d] = moves[i][d];
+          node_move[d] = moves[i][d];
       };
       if (any_rubs)
       {
@@ -214,10 +214,10 @@ namespace tombolo
         couple.assign(rows.size(), {});
       }
       ends.fill(rows.nodes,
-                [&](const std::size_t i, double *const of_end)
+                [&](const std::size_t i, double *const end_values)
                 {
                   if (touches[i])
-                    set_end(static_cast<unsigned int>(i), position, heat, of_end);
+                    set_end(static_cast<unsigned int>(i), position, heat, end_values);
                 });
       reflect_spins();
       exchanges.clear();
@@ -387,8 +387,8 @@ namespace tombolo
       double exposure;         ///< e = h A Δt [M L^2/(T^2 K)]
     };
 
-    /** Moves the springs that are closed to those that the parts know; there are no pairs then. */
-    void give_back_springs()
+    /** Moves the closed springs to those that the parts keep; there are no pairs then. */
+    void return_springs()
     {
       for (unsigned int i = 0; i + 1 < row_of_pairs.size(); ++i)
         for (std::size_t pair = row_of_pairs[i]; pair < row_of_pairs[i + 1]; ++pair)
@@ -413,12 +413,12 @@ namespace tombolo
     }
     /** Values of a particle in contact: axial vector of W, temperature. */
     void set_end(const unsigned int row, const NodalVector &position, const FragmentHeat &heat,
-                 double *const of_end)
+                 double *const end_values)
     {
       const unsigned int own = rows.nodes[row];
-      std::fill_n(of_end, node_stride, 0.);
+      std::fill_n(end_values, node_stride, 0.);
       if (heat.enthalpy != nullptr)
-        of_end[temperature_slot] = heat.enthalpy->temperature(
+        end_values[temperature_slot] = heat.enthalpy->temperature(
             own,
             heat.enthalpy->enthalpy(own, *heat.temperature->node(own)) + *heat.pending->node(own));
       const auto [part, i] = rows.site(row);
@@ -433,9 +433,9 @@ namespace tombolo
       inverse_deformation[row] = invert(deformation);
       const std::array<double, 3> spin =
           spin_of_row(shape, i, inverse_deformation[row], displacement);
-      std::copy(spin.begin(), spin.end(), of_end);
+      std::copy(spin.begin(), spin.end(), end_values);
     }
-    /** Images have the axial vectors of their nodes: gives them those of images. */
+    /** Images have the axial vectors of their nodes: reflects them. */
     void reflect_spins()
     {
       const NodePartition &partition = *ends.partition();
@@ -455,8 +455,8 @@ namespace tombolo
         if (couple[i] == dealii::Tensor<2, dim>())
           continue;
         const unsigned int own = rows.nodes[i];
-        const auto [part, of_part] = rows.site(i);
-        const Stencils::Row row = parts[part].shape->row(of_part);
+        const auto [part, part_row] = rows.site(i);
+        const Stencils::Row row = parts[part].shape->row(part_row);
         dealii::Tensor<1, dim> sum;
         for (unsigned int k = 0; k < row.size; ++k)
         {

@@ -63,7 +63,7 @@ namespace tombolo
   /** The mirrors of an image, as bits. */
   unsigned int mirrors_of(const Images::Map &reflection, const Images &images);
 
-  // What ranks tell each other of the fragment of a particle: four numbers at its node.
+  // What ranks exchange about the fragment of a particle: four numbers at its node.
   enum FragmentTag : unsigned int
   {
     upper_label,
@@ -73,12 +73,12 @@ namespace tombolo
   };
   constexpr double is_unknown = -1.; // no half of a label
 
-  inline void set_tags(const FragmentOfParticle &fragment, const bool of_elements,
+  inline void set_tags(const FragmentOfParticle &fragment, const bool at_elements,
                        double *const tag)
   {
     tag[upper_label] = upper_half(fragment.label);
     tag[lower_label] = lower_half(fragment.label);
-    tag[has_elements] = (of_elements ? 1. : 0.) + 2. * upper_half(fragment.copies);
+    tag[has_elements] = (at_elements ? 1. : 0.) + 2. * upper_half(fragment.copies);
     tag[lower_copies] = lower_half(fragment.copies);
   }
 
@@ -95,13 +95,13 @@ namespace tombolo
 
   /** Whether a node with the first tags and the image of one with the others in @p mirrors (0: that
    * node itself) are of different fragments, without elements between them. */
-  inline bool is_pair(const double *const of_one, const double *const of_other,
+  inline bool is_pair(const double *const own_tag, const double *const other_tag,
                       const unsigned int mirrors)
   {
     // Most are of one fragment.
-    const bool can_be_one = of_one[upper_label] == of_other[upper_label] &&
-                            of_one[lower_label] == of_other[lower_label];
-    return !(can_be_one && fragment_of(of_one).has(fragment_of(of_other), mirrors)) &&
-           !(is_of_elements(of_one) && is_of_elements(of_other));
+    const bool can_be_one = own_tag[upper_label] == other_tag[upper_label] &&
+                            own_tag[lower_label] == other_tag[lower_label];
+    return !(can_be_one && fragment_of(own_tag).has(fragment_of(other_tag), mirrors)) &&
+           !(is_of_elements(own_tag) && is_of_elements(other_tag));
   }
 } // namespace tombolo

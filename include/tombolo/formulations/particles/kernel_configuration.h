@@ -92,8 +92,8 @@ namespace tombolo
     }
 
     /** Counts a step. Whether the reference is to be renewed at @p position (current ghosts), the
-     * same answer on all ranks. Brings the inverse deformation of @p shape up to date where it
-     * needs it. Collective. */
+     * same result on all ranks. Updates the inverse deformation of @p shape where it needs it.
+     * Collective. */
     bool is_renewal_due(const NodalVector &position, const ParticleSet<dim> &particles,
                         Stencils &shape)
     {
@@ -153,9 +153,9 @@ namespace tombolo
         if (old_index[i] < old.size())
           reference_deformation[i] = old[old_index[i]];
     }
-    void set_deformation(const unsigned int i, const dealii::Tensor<2, dim> &of_reference)
+    void set_deformation(const unsigned int i, const dealii::Tensor<2, dim> &new_deformation)
     {
-      reference_deformation[i] = of_reference;
+      reference_deformation[i] = new_deformation;
     }
     /** Stretches the initial support of all particles by F. */
     void stretch_supports(const ParticleSet<dim> &particles)
@@ -163,8 +163,8 @@ namespace tombolo
       for (unsigned int i = 0; i < particles.size(); ++i)
         stretch_support(i, particles);
     }
-    /** Remembers where the particles are at @p position as that of the reference, and that no step
-     * was made since. */
+    /** Stores the positions of the particles at @p position as those of the reference, and that no
+     * step was made since. */
     void set_positions(const NodalVector &position, const Stencils &shape)
     {
       steps_since_renewal = 0;
@@ -175,8 +175,8 @@ namespace tombolo
     }
 
     /** Where the kernels are current and supports are fixed, nothing but outputs and bonds needs F:
-     * whoever computes velocity gradients at the present positions multiplies it with what they
-     * add to the deformation. Null otherwise: renew() does it. */
+     * the sweep that computes velocity gradients at the present positions multiplies it with what
+     * they add to the deformation. Null otherwise: renew() does it. */
     std::vector<dealii::Tensor<2, dim>> *deformation_of_motion()
     {
       return follows_motion() ? &reference_deformation : nullptr;

@@ -196,7 +196,7 @@ namespace tombolo
                                         (speed * stiffness.relative_speed(i)));
                                   });
     }
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+    void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
       const Stencils &shape = this->stencils();
@@ -214,7 +214,7 @@ namespace tombolo
             volume[row] *
             (conductivity.is_constant()
                  ? conductivity.largest()
-                 : conductivity.value(*of_conductivity.node(shape.particle_node[row])));
+                 : conductivity.value(*conductivity_temperature.node(shape.particle_node[row])));
         RowBlock::conduct<dim>(
             shape, row, shape.is_undeformed(row), position, temperature,
             [conducted](const double /*det*/) { return conducted; }, heat_rate);
@@ -232,13 +232,13 @@ namespace tombolo
           set, this->stencils(), position,
           [&](const unsigned int i, const double *half_width)
           {
-            const double *const place = position.node(this->particle_nodes()[i]);
+            const double *const x = position.node(this->particle_nodes()[i]);
             for (unsigned int d = 0; d < dim; ++d)
               if (const double step = half_width[d] * half_width[d] / (2. * diffusivity);
                   step < limit.time_step)
               {
                 limit.time_step = step;
-                std::copy_n(place, dim, &limit.place[0]);
+                std::copy_n(x, dim, &limit.place[0]);
               }
           });
       return limit;
@@ -339,13 +339,13 @@ namespace tombolo
           set.collect(setup, dilation, is_taken, ParticleSet<dim>::DependentNodes::give_way);
       if (volumes != nullptr)
       {
-        std::vector<double> of_particles;
+        std::vector<double> particle_volumes;
         for (const dealii::types::global_dof_index node : set.nodes())
-          of_particles.push_back(
+          particle_volumes.push_back(
               *volumes->node(static_cast<unsigned int>(set.owned_nodes().index_within_set(node))));
-        set.set_initial_volumes(of_particles);
+        set.set_initial_volumes(particle_volumes);
         for (std::size_t i = 0; i < masses.size(); ++i)
-          masses[i] = setup.material->density() * of_particles[i];
+          masses[i] = setup.material->density() * particle_volumes[i];
       }
       kernel.reset(set);
       return masses;
@@ -367,7 +367,7 @@ namespace tombolo
     ParticleSet<dim> set;
     KernelConfiguration<dim> kernel;
     CellDilatation<dim> *dilatation = nullptr; ///< null: particles have their own
-    ZeroEnergyControl *control = nullptr;      ///< of modes that gradients hardly see; or null
+    ZeroEnergyControl *control = nullptr;      ///< of modes that hardly change gradients; or null
 
   private:
     bool position_is_held = false, was_current = false; ///< was: F⁻¹, before it was held

@@ -57,8 +57,9 @@ namespace tombolo
      * stand before it, those with larger numbers and ghosts behind. */
     const std::size_t *own_entry;
     std::size_t n_nodes; ///< local ones, with ghosts and images
-    /** By local node, node_stride each: V⁰ as others see it, and the present V of particles that
-     * have a row, zero of ghosts and images. On planes of symmetry V is of the part in the body. */
+    /** By local node, node_stride each: V⁰ as it acts on others, and the present V of particles
+     * that have a row, zero of ghosts and images. On planes of symmetry V is of the part in the
+     * body. */
     const double *volumes;
     const double *initial_volume; ///< V⁰ of each row, as V
     const RadialTable *slope;     ///< |dW/dr| over the distance
@@ -76,10 +77,10 @@ namespace tombolo
 
   /**
    * n_lanes pairs of the particle i of a row with particles j behind it, at the present positions.
-   * Each pair of two particles of this rank stands in the rows of both, and is treated once: what
-   * acts between them is the sum of a half from either row. A ghost has its row on another rank,
-   * so that its half is zero here, and no rank needs more of the particles of another than where
-   * they are and how large they were.
+   * Each pair of two particles of this rank stands in the rows of both, and is treated once: the
+   * interaction is the sum of a half from either row. A ghost has its row on another rank, so that
+   * its half is zero here, and a rank needs only the position and the size of particles of another
+   * one.
    */
   template <int dim>
   struct RowPairs
@@ -114,8 +115,8 @@ namespace tombolo
       Lanes other[2];
       gather_nodes(rows.volumes, node, other);
       volumes = other[0] * own_volumes[1];
-      of_row = slope * volumes;
-      of_other = slope * other[1] * own_volumes[0];
+      row_slope = slope * volumes;
+      other_slope = slope * other[1] * own_volumes[0];
       volumes += other[1] * own_volumes[0];
     }
     RowPairs(const RowPairs &) = delete;
@@ -138,9 +139,9 @@ namespace tombolo
     Lanes distance;    ///< |x_j - x_i|
     /** V_i V⁰_j |dW/dr|/r: V⁰_i times the size of ∇φ_j of row i over the distance. Zero for a
      * particle with itself. */
-    Lanes of_row;
-    Lanes of_other; ///< the same of row j
-    Lanes volumes;  ///< V_i V⁰_j + V_j V⁰_i, also of a particle with itself
+    Lanes row_slope;
+    Lanes other_slope; ///< the same of row j
+    Lanes volumes;     ///< V_i V⁰_j + V_j V⁰_i, also of a particle with itself
   };
 
   /** A nodal value of one particle in all lanes. */
@@ -168,7 +169,7 @@ namespace tombolo
   }
 
   /** The viscosity of all pairs of a part for small changes of the velocity: C = Σ e eᵀ, where a
-   * vector e of each pair takes differences of velocities. */
+   * vector e of each pair multiplies differences of velocities. */
   template <int dim>
   class PairDampers
   {
@@ -190,7 +191,7 @@ namespace tombolo
    * What acts between pairs of particles with radial kernels beyond their stresses
    * (doc/pair_terms.md), each off unless chosen. With x_ij = x_i - x_j, v_ij = v_i - v_j, the
    * smoothing length h, the speed c of P waves and ∇φ_j = (m_j/ρ_i) ∇_iW_ij at the present
-   * distance, whatever the gradients of the rows are corrected to, row i gives
+   * distance, whatever the gradients of the rows are corrected to, row i adds
    *
    * @verbatim
    *   artificial viscosity  ½ m_i (-α c µ + β µ²) |∇φ_j| x_ij/|x_ij|
@@ -203,8 +204,8 @@ namespace tombolo
    * rows are the usual terms, with the mean of 1/ρ_i and 1/ρ_j where those have the inverse of a
    * mean density. The viscosity acts along x_ij and conserves linear and angular momentum; the
    * artificial stress (Gray, Monaghan, Swift 2001) conserves linear momentum only. XSPH is a
-   * velocity with which positions are moved in addition; velocities do not know it. Its weights are
-   * symmetric, so that it keeps the centre of mass and the angular momentum.
+   * velocity with which positions are moved in addition; velocities do not include it. Its weights
+   * are symmetric, so that it keeps the centre of mass and the angular momentum.
    *
    * Nodal arrays are at the address of local node 0, node_stride doubles a node, with current
    * ghosts where they are read; forces are added at ghosts too.
@@ -240,7 +241,7 @@ namespace tombolo
     }
 
     /** Adds the forces of the viscosity and of the artificial stress, where they are on, and unless
-     * @p power is null what the viscosity takes per unit time, which is not negative, by local
+     * @p power is null the power that the viscosity dissipates, which is not negative, by local
      * node. @p points have the stresses of the rows. */
     void add_forces(const PairRows &rows, const MaterialPoints &points, const double *position,
                     const double *velocity, double *viscous_force, double *power,
@@ -280,10 +281,10 @@ namespace tombolo
    *   c_i V_i 2 k_i k_j/(k_i + k_j) |∇φ_j|/|x_ij| (T_j - T_i)
    * @endverbatim
    *
-   * pass from j to i: with the row of j the usual 4 k_i k_j/(k_i + k_j). What i gets j gives, so
-   * that heat is conserved to round-off; the operator is symmetric, not negative, and has no other
-   * null mode than a constant. `paper` takes c = 1, and conducts too little by what a kernel sum
-   * misses on a lattice; `corrected` takes c_i = dim / Σ_j |x_ij| |∇φ_j|, the inverse of that
+   * pass from j to i: with the row of j the usual 4 k_i k_j/(k_i + k_j). What i receives j loses,
+   * so that heat is conserved to round-off; the operator is symmetric, not negative, and has no
+   * other null mode than a constant. `paper` takes c = 1, and conducts too little by what a kernel
+   * sum misses on a lattice; `corrected` takes c_i = dim / Σ_j |x_ij| |∇φ_j|, the inverse of that
    * factor, at most that of an undisturbed cubic lattice: at surfaces the sum is smaller since
    * neighbours are absent, which must not count.
    */
@@ -335,13 +336,14 @@ namespace tombolo
     using Visitor = std::function<void(unsigned int, unsigned int, double)>;
 
     /** Calls @p visit for every pair, with conductivities at the
-     * temperatures @p of_conductivity (slot 0 of node_stride a node): for matrices, not for steps.
+     * temperatures @p conductivity_temperature (slot 0 of node_stride a node): for matrices, not
+     * for steps.
      */
     void for_each_pair(const PairRows &rows, const TemperatureTable &conductivity,
-                       const double *position, const double *of_conductivity,
+                       const double *position, const double *conductivity_temperature,
                        const Visitor &visit) const
     {
-      visit_pairs(rows, conductivity, position, of_conductivity,
+      visit_pairs(rows, conductivity, position, conductivity_temperature,
                   [&](const unsigned int i, const RowPairs<dim> &pairs, const Lanes &conductance)
                   {
                     for (unsigned int lane = 0; lane < pairs.n; ++lane)
@@ -351,12 +353,12 @@ namespace tombolo
     }
 
     /** Adds the heat per unit time to slot 0 of @p heat_rate; nodal arrays have node_stride doubles
-     * a node and current ghosts, and heat goes to ghosts too. */
+     * a node and current ghosts, and heat is added at ghosts, too. */
     void add_conduction(const PairRows &rows, const TemperatureTable &conductivity,
-                        const double *position, const double *of_conductivity,
+                        const double *position, const double *conductivity_temperature,
                         const double *temperature, double *heat_rate) const
     {
-      visit_pairs(rows, conductivity, position, of_conductivity,
+      visit_pairs(rows, conductivity, position, conductivity_temperature,
                   [&](const unsigned int i, const RowPairs<dim> &pairs, const Lanes &conductance)
                   {
                     Lanes heat[1];
@@ -376,7 +378,7 @@ namespace tombolo
       for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
       {
         const double *const own =
-            &of_nodes[std::size_t(rows.shape->particle_node[row]) * node_stride];
+            &nodal_buffer[std::size_t(rows.shape->particle_node[row]) * node_stride];
         use(row, own[0] / rows.volume_ratio(row) * own[1]);
       }
     }
@@ -410,59 +412,62 @@ namespace tombolo
     /** Calls use(particle, pairs, conductances). */
     template <typename Use>
     void visit_pairs(const PairRows &rows, const TemperatureTable &conductivity,
-                     const double *position, const double *of_conductivity, const Use &use) const
+                     const double *position, const double *conductivity_temperature,
+                     const Use &use) const
     {
       if (conductivity.largest() == 0.)
         return;
       find_factors(rows, position);
       for (std::size_t slot = 0; slot < rows.n_nodes * node_stride; slot += node_stride)
-        of_nodes[slot + 1] = conductivity.is_constant() ? conductivity.largest()
-                                                        : conductivity.value(of_conductivity[slot]);
+        nodal_buffer[slot + 1] = conductivity.is_constant()
+                                     ? conductivity.largest()
+                                     : conductivity.value(conductivity_temperature[slot]);
       const Stencils &shape = *rows.shape;
       Lanes other[2];
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
+        const double *const own =
+            &nodal_buffer[std::size_t(shape.particle_node[row]) * node_stride];
         for_pairs_of_row<dim>(rows, row, position,
                               [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                               {
-                                gather_nodes(of_nodes.data(), pairs.node, other);
+                                gather_nodes(nodal_buffer.data(), pairs.node, other);
                                 const Lanes sum = own[1] + other[1];
                                 Lanes conductance =
                                     2. * own[1] * other[1] *
-                                    (own[0] * pairs.of_row + other[0] * pairs.of_other) / sum;
+                                    (own[0] * pairs.row_slope + other[0] * pairs.other_slope) / sum;
                                 where(!(sum > 0.), conductance) = 0.;
                                 use(shape.particle_node[row], pairs, conductance);
                               });
       }
     }
 
-    /** Sets of_nodes of the rows to c_i V_i/V⁰_i and Σ_j |∇φ_j|/|x_ij|. */
+    /** Sets nodal_buffer of the rows to c_i V_i/V⁰_i and Σ_j |∇φ_j|/|x_ij|. */
     void find_factors(const PairRows &rows, const double *position) const
     {
       // Sums of the rows: of the squared distances, and of one, times V⁰ of the row.
-      of_nodes.resize_fast(rows.n_nodes * node_stride);
-      of_nodes.fill(0.);
+      nodal_buffer.resize_fast(rows.n_nodes * node_stride);
+      nodal_buffer.fill(0.);
       const Stencils &shape = *rows.shape;
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        Lanes squares = 0., sum = 0., of_other[2];
+        Lanes squares = 0., sum = 0., other_sums[2];
         for_pairs_of_row<dim>(rows, row, position,
                               [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
                               {
-                                squares += pairs.of_row * pairs.squared;
-                                sum += pairs.of_row;
-                                of_other[0] = pairs.of_other * pairs.squared;
-                                of_other[1] = pairs.of_other;
-                                add_to_nodes(of_other, pairs.node, pairs.n, of_nodes.data());
+                                squares += pairs.row_slope * pairs.squared;
+                                sum += pairs.row_slope;
+                                other_sums[0] = pairs.other_slope * pairs.squared;
+                                other_sums[1] = pairs.other_slope;
+                                add_to_nodes(other_sums, pairs.node, pairs.n, nodal_buffer.data());
                               });
-        double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
+        double *const own = &nodal_buffer[std::size_t(shape.particle_node[row]) * node_stride];
         own[0] += reduce(squares);
         own[1] += reduce(sum);
       }
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        double *const own = &of_nodes[std::size_t(shape.particle_node[row]) * node_stride];
+        double *const own = &nodal_buffer[std::size_t(shape.particle_node[row]) * node_stride];
         const double moment = own[0] / rows.initial_volume[row];
         own[0] = rows.volume_ratio(row) * (method == Method::paper         ? 1.
                                            : moment * largest_factor > dim ? dim / moment
@@ -473,7 +478,7 @@ namespace tombolo
 
     Method method = Method::gradients;
     double largest_factor = 1.;
-    mutable dealii::AlignedVector<double> of_nodes; // node_stride each: a buffer
+    mutable dealii::AlignedVector<double> nodal_buffer; // node_stride each: a buffer
   };
 
   /** What particle formulations have whose particles act on each other in pairs, beside what their
@@ -494,7 +499,8 @@ namespace tombolo
     /** Where heat is conducted between pairs and not by the gradients of the rows, calls @p visit
      * for the local numbers and conductances of all pairs of the rows, and returns true. Arguments
      * as in Formulation::add_conduction(). */
-    virtual bool visit_conductances(const NodalVector &position, const NodalVector &of_conductivity,
+    virtual bool visit_conductances(const NodalVector &position,
+                                    const NodalVector &conductivity_temperature,
                                     const typename PairConduction<dim>::Visitor &visit) const = 0;
   };
 } // namespace tombolo

@@ -36,26 +36,26 @@ namespace tombolo
     {
       alignas(64) double columns[block_size][3][node_stride];
 
-      void set(const unsigned int place, const NodeLanes (&of_particle)[3])
+      void set(const unsigned int index, const NodeLanes (&particle_columns)[3])
       {
         for (unsigned int j = 0; j < 3; ++j)
-          store_node(of_particle[j], columns[place][j]);
+          store_node(particle_columns[j], columns[index][j]);
       }
 
       /** Particles from ... block_size - 1: @p diagonal times the identity. */
       void fill(const unsigned int from, const unsigned int to, const double diagonal)
       {
-        for (unsigned int place = from; place < to; ++place)
+        for (unsigned int index = from; index < to; ++index)
           for (unsigned int j = 0; j < 3; ++j)
             for (unsigned int i = 0; i < node_stride; ++i)
-              columns[place][j][i] = i == j ? diagonal : 0.;
+              columns[index][j][i] = i == j ? diagonal : 0.;
       }
     };
 
     /** A vector for each particle of a block. */
     using BlockVectors = double[block_size][node_stride];
 
-    /** ∂v/∂X and, where asked for, F = ∂x/∂X of the particles of a block, and what φ makes of the
+    /** ∂v/∂X and, where requested, F = ∂x/∂X of the particles of a block, and what φ makes of the
      * positions less those of the particles. In the plane ∇φ has two components. */
     template <int dim, bool with_deformation, bool with_residual>
     void gather_gradients(const Stencils &shape, const unsigned int first, const unsigned int last,
@@ -66,15 +66,16 @@ namespace tombolo
       for (unsigned int row = first; row < last; ++row)
       {
         const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
-        // Two chains of sums hide the time that an addition takes.
-        NodeLanes h[3] = {0., 0., 0.}, of_odd[3] = {0., 0., 0.};
+        // Two chains of sums hide the latency of additions.
+        NodeLanes h[3] = {0., 0., 0.}, odd_sums[3] = {0., 0., 0.};
         NodeLanes f[3] = {0., 0., 0.};
         NodeLanes r = 0.;
-        const Stencils::Row of_row = with_residual ? shape.row(row) : shape.row_of_gradients(row);
+        const Stencils::Row stencil_row =
+            with_residual ? shape.row(row) : shape.row_of_gradients(row);
         const auto add = [&](const unsigned int k, NodeLanes(&sum)[3])
         {
-          const unsigned int neighbour = of_row.neighbour[k];
-          const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
+          const unsigned int neighbour = stencil_row.neighbour[k];
+          const double *const gradient = stencil_row.gradient + k * Stencils::n_gradient;
           const NodeLanes v = load_node(node(velocity, neighbour));
           TOMBOLO_UNROLL
           for (unsigned int d = 0; d < dim; ++d)
@@ -89,22 +90,22 @@ namespace tombolo
                 f[d] += offset * gradient[d];
             }
             if constexpr (with_residual)
-              r += of_row.value[k] * offset;
+              r += stencil_row.value[k] * offset;
           }
         };
         unsigned int k = 0;
         if constexpr (!with_deformation)
         {
-          for (; k + 1 < of_row.size; k += 2)
+          for (; k + 1 < stencil_row.size; k += 2)
           {
             add(k, h);
-            add(k + 1, of_odd);
+            add(k + 1, odd_sums);
           }
           TOMBOLO_UNROLL
           for (unsigned int d = 0; d < dim; ++d)
-            h[d] += of_odd[d];
+            h[d] += odd_sums[d];
         }
-        for (; k < of_row.size; ++k)
+        for (; k < stencil_row.size; ++k)
           add(k, h);
         velocity_gradient.set(row - first, h);
         if constexpr (with_deformation)
@@ -115,20 +116,20 @@ namespace tombolo
     }
 
     /** Adds -K ∇φ to the forces of the neighbours of each particle of a block, and unless it is
-     * null -φ times @p of_residual, whose opposite the particle gets. */
+     * null -φ times @p residual_forces, whose opposite the particle gets. */
     inline void scatter_force(const Stencils &shape, const unsigned int first,
                               const unsigned int last, const BlockMatrices &k,
-                              const BlockVectors *const of_residual, double *force)
+                              const BlockVectors *const residual_forces, double *force)
     {
       for (unsigned int row = first; row < last; ++row)
-        if (of_residual == nullptr)
+        if (residual_forces == nullptr)
           RowBlock::subtract_row(shape.row_of_gradients(row), k.columns[row - first][0], force);
         else
           RowBlock::subtract_row(shape.row(row), k.columns[row - first][0],
-                                 (*of_residual)[row - first], shape.particle_node[row], force);
+                                 (*residual_forces)[row - first], shape.particle_node[row], force);
     }
 
-    /** What ∇φ of some rows says of their deformation is not meant. */
+    /** Rows whose ∇φ does not describe their deformation count as undeformed. */
     inline void set_undeformed_rows(const Stencils &shape, const unsigned int first,
                                     const unsigned int last, BlockMatrices &deformation)
     {
@@ -158,9 +159,9 @@ namespace tombolo
           for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
             if (!(det[lane] > 0.))
             {
-              const double *const place = node(position, shape.particle_node[first + p + lane]);
+              const double *const x = node(position, shape.particle_node[first + p + lane]);
               throw RunError(
-                  as_text("the particle at (", place[0], ", ", place[1], ", ", place[2],
+                  as_text("the particle at (", x[0], ", ", x[1], ", ", x[2],
                           ") is turned inside out: the determinant of its deformation since the "
                           "kernel's reference is ",
                           det[lane], "."));
@@ -237,10 +238,10 @@ namespace tombolo
             backwards(i, j) = (i == j ? 1. : 0.) - backwards(i, j);
         Lanes det;
         const Matrix3<Lanes> forwards = inverse(backwards, det);
-        alignas(64) double of_step[dim][dim][n_lanes];
+        alignas(64) double step_deformation[dim][dim][n_lanes];
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
-            store_lanes(forwards(i, j), of_step[i][j]);
+            store_lanes(forwards(i, j), step_deformation[i][j]);
         for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
         {
           Tensor<2, dim> &now = (*deformation)[first + p + lane];
@@ -250,7 +251,7 @@ namespace tombolo
             {
               double sum = 0;
               for (unsigned int k = 0; k < dim; ++k)
-                sum += of_step[i][k][lane] * before[k][j];
+                sum += step_deformation[i][k][lane] * before[k][j];
               now[i][j] = sum;
             }
         }

@@ -34,7 +34,7 @@ namespace tombolo
   template <int dim>
   class SelfContact;
 
-  /** How often and how widely the particles of a part see each other, for the audit. */
+  /** Numbers of neighbours of the particles of a part, for the audit. */
   struct NeighbourCounts
   {
     unsigned int minimum = 0;
@@ -58,8 +58,8 @@ namespace tombolo
     virtual const Stencils &stencils() const = 0;
     virtual Stencils &stencils() = 0;
 
-    /** Until the next call, apply_elastic_stiffness() is asked about this position alone; null:
-     * about any, and all is as before. What depends on the position is found once. */
+    /** Until the next call, apply_elastic_stiffness() is called with this position alone; null:
+     * with any, and all is as before. What depends on the position is computed once. */
     virtual void hold_position(const NodalVector * /* position */) {}
 
     const char *phase() const override
@@ -181,7 +181,7 @@ namespace tombolo
       return nullptr;
     }
 
-    /** Contact between its fragments; null: they do not feel each other. */
+    /** Contact between its fragments; null: there is none. */
     virtual SelfContact<dim> *fragment_contact()
     {
       return nullptr;
@@ -190,7 +190,8 @@ namespace tombolo
     /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */
     virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
 
-    /** What the shape functions are, for the audit; empty: the formulation says all. */
+    /** What the shape functions are, for the audit; empty: the name of the formulation is enough.
+     */
     virtual std::string shape_functions() const
     {
       return {};

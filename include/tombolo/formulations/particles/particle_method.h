@@ -51,9 +51,9 @@ namespace tombolo
         cost += per_shape_function;
       return {0., StepCosts::per_node + n_neighbours * cost + material.cost_per_point()};
     }
-    void initialize(const PartSetup<dim> &of_part) override
+    void initialize(const PartSetup<dim> &part_setup) override
     {
-      setup = of_part;
+      setup = part_setup;
 
       const unsigned int index = setup.source.value_or(setup.index);
       collect([&](const typename Nodes<dim>::Cell &cell)
@@ -93,7 +93,7 @@ namespace tombolo
       bonds.initialize();
       if (!setup.source)
         smallest_spacing_at_start = set.smallest_spacing();
-      if (tell_self_contact() > 1 && !kernel.is_total_lagrangian())
+      if (update_self_contact() > 1 && !kernel.is_total_lagrangian())
         section.fail("Self-contact",
                      "the part has several bodies, and with a kernel that is renewed "
                      "those that come near each other grow together; choose `total "
@@ -102,12 +102,12 @@ namespace tombolo
     dealii::IndexSet required_nodes() const override
     {
       dealii::IndexSet nodes = rows->required_nodes(set);
-      std::vector<dealii::types::global_dof_index> of_fibres;
+      std::vector<dealii::types::global_dof_index> fibre_nodes;
       for (const SurfaceFibre &fibre : fibres)
-        of_fibres.insert(of_fibres.end(), fibre.node.begin(), fibre.node.end());
-      // One after the other, each would move the ranges behind it.
-      std::sort(of_fibres.begin(), of_fibres.end());
-      nodes.add_indices(of_fibres.begin(), of_fibres.end());
+        fibre_nodes.insert(fibre_nodes.end(), fibre.node.begin(), fibre.node.end());
+      // Adding one after the other would move the ranges behind each.
+      std::sort(fibre_nodes.begin(), fibre_nodes.end());
+      nodes.add_indices(fibre_nodes.begin(), fibre_nodes.end());
       nodes.compress();
       return nodes;
     }
@@ -136,10 +136,10 @@ namespace tombolo
     }
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override
     {
-      const NeighbourhoodChange of_rows = update_rows(position);
+      const NeighbourhoodChange row_change = update_rows(position);
       if (self_contact)
-        self_contact->set_rows(of_rows != NeighbourhoodChange::none, bonds.any());
-      return of_rows;
+        self_contact->set_rows(row_change != NeighbourhoodChange::none, bonds.any());
+      return row_change;
     }
     void list(Records &records) override
     {
@@ -155,8 +155,8 @@ namespace tombolo
             archive("is rebuilt", is_renewed);
             if (!is_renewed)
               return;
-            // Rows are not stored: the same search and the same renewal at the same positions give
-            // them bit by bit, in the same order.
+            // Rows are not stored: the same search and the same renewal at the same positions
+            // restore them bit by bit, in the same order.
             std::vector<double> position, support;
             rows->serialize_search(archive, position, support);
             kernel.serialize_reference(archive);
@@ -166,12 +166,12 @@ namespace tombolo
     }
     void complete_reading(NodalVector &position) override
     {
-      // Whoever looked at the model since it was built may have left one of its initial positions.
+      // A use of the model since it was built may have left one of its initial positions.
       rows->stencils().inverse_deformation_is_current = false;
       const bool has_broken = bonds.complete_reading(position.partition());
       if (kernel.is_renewed(setup.communicator) || has_broken)
       {
-        tell_volumes();
+        update_volumes();
         rows->compute_in_reference(set, kernel, position);
       }
       if (smoothing_settings.affine)
@@ -246,7 +246,7 @@ namespace tombolo
       bonds.add_particles(old_index, gains);
       if (renews)
         renew_reference(position, old_index);
-      tell_volumes();
+      update_volumes();
       rows->search(set, renews ? kernel.positions() : set.padded_initial_positions(),
                    kernel.supports());
       bonds.finish_search();
@@ -254,7 +254,7 @@ namespace tombolo
       if (!renews)
         bonds.measure_rows(rows->stencils());
       bonds.release_debris();
-      tell_self_contact();
+      update_self_contact();
     }
     bool can_add_particles() const override
     {
@@ -281,13 +281,13 @@ namespace tombolo
       SelfContact<dim>::create(e);
     }
 
-    /** Takes @p rows, which have no particles yet. Throws InputError. */
-    ParticleMethod(const Section &of_part, std::unique_ptr<ParticleRows<dim>> of_method,
+    /** @p method_rows have no particles yet. Throws InputError. */
+    ParticleMethod(const Section &part_section, std::unique_ptr<ParticleRows<dim>> method_rows,
                    const StrainMeasure measure)
-        : section(of_part), rows(std::move(of_method)),
-          bonds(of_part, set, kernel, *rows, part_points)
+        : section(part_section), rows(std::move(method_rows)),
+          bonds(part_section, set, kernel, *rows, part_points)
     {
-      part_points = PartPoints(BulkViscosity(of_part), measure);
+      part_points = PartPoints(BulkViscosity(part_section), measure);
       smoothing_settings.is_active = false;
       self_contact = SelfContact<dim>::create(section);
       kernel = KernelConfiguration<dim>(section);
@@ -310,7 +310,7 @@ namespace tombolo
     static constexpr double own_rows = 1.25;          // where rows are not shared by particles
     static constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
 
-    /** Begins with the particles of these cells, without rows. */
+    /** Collects the particles of these cells, without rows. */
     void collect(const CellSelection<dim> &is_taken, const NodalVector *const volumes = nullptr)
     {
       rows->reset(this->collect_particles(setup, rows->dilation(), is_taken, volumes));
@@ -359,14 +359,14 @@ namespace tombolo
                                                      &nodes.dof_handler()),
                            inner);
           const unsigned int across = cell->neighbor_of_neighbor(opposite) / 2;
-          for (const unsigned int place : nodes.face_places(face))
+          for (const unsigned int corner : nodes.face_places(face))
           {
-            const unsigned int next = place ^ (1u << (face / 2));
+            const unsigned int next = corner ^ (1u << (face / 2));
             const auto in_neighbour = static_cast<unsigned int>(
                 std::find(inner.begin(), inner.end(), own[next]) - inner.begin());
-            fibres.push_back({{{own[place], own[next], inner[in_neighbour ^ (1u << across)]}},
+            fibres.push_back({{{own[corner], own[next], inner[in_neighbour ^ (1u << across)]}},
                               cell->measure() / (1u << dim),
-                              points[place].distance(points[next])});
+                              points[corner].distance(points[next])});
           }
         }
       }
@@ -411,8 +411,8 @@ namespace tombolo
       const std::vector<unsigned int> &particles = initial.particle_node;
       const NodalVector present =
           nodal_field(partition, Quantity::position, particles,
-                      [&](const std::size_t i, double *const place)
-                      { std::copy_n(position.node(particles[i]), node_stride, place); });
+                      [&](const std::size_t i, double *const x)
+                      { std::copy_n(position.node(particles[i]), node_stride, x); });
       for (unsigned int i = 0; i < initial.n_particles(); ++i)
         if (old_index[i] == dealii::numbers::invalid_unsigned_int && !initial.is_undeformed(i))
         {
@@ -422,9 +422,9 @@ namespace tombolo
         }
       kernel.stretch_supports(set);
     }
-    /** Tells self-contact, where there is some, what particles there are. Returns the number of
-     * fragments that it has. Collective. */
-    unsigned long tell_self_contact()
+    /** Sets the particles of self-contact, where there is some. Returns the number of its
+     * fragments. Collective. */
+    unsigned long update_self_contact()
     {
       if (!self_contact)
         return 0;
@@ -459,7 +459,7 @@ namespace tombolo
         return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
       bonds.prepare_change();
       kernel.renew(position, set, rows->stencils());
-      tell_volumes();
+      update_volumes();
       kernel.set_positions(position, rows->stencils());
       if (rows->neighbourhoods().candidates_hold(kernel.positions(), kernel.supports(),
                                                  setup.communicator))
@@ -478,8 +478,8 @@ namespace tombolo
       bonds.isolate_distorted_in_reference();
       return NeighbourhoodChange::neighbours;
     }
-    /** Gives rows that depend on them the present volumes. */
-    void tell_volumes()
+    /** Sets the present volumes in rows that depend on them. */
+    void update_volumes()
     {
       if (!rows->depend_on_volumes())
         return;
@@ -491,7 +491,7 @@ namespace tombolo
     PartSetup<dim> setup;
     Bonds<dim> bonds;
     std::vector<SurfaceFibre> fibres;
-    std::unique_ptr<SelfContact<dim>> self_contact; // null: fragments do not feel each other
+    std::unique_ptr<SelfContact<dim>> self_contact; // null: fragments are not in contact
     double smallest_spacing_at_start = 0;           // of all that can be particles of the part [L]
   };
 } // namespace tombolo

@@ -27,9 +27,9 @@ namespace tombolo
 
   /**
    * The stencils of the particles of one part, in the reference of their kernels: the search of
-   * neighbours, their numbers in a partition, when φ and ∇φ are computed. What these are, a derived
-   * class says (fill()). After search() the rows have the numbers of the search until
-   * set_partition() gives them those of a partition.
+   * neighbours, their numbers in a partition, when φ and ∇φ are computed. A derived class defines
+   * these functions (fill()). After search() the rows have the numbers of the search until
+   * set_partition() sets those of a partition.
    */
   template <int dim>
   class ParticleRows
@@ -56,18 +56,18 @@ namespace tombolo
                       const double *support, Stencils &stencils) = 0;
     /** The half width of a support over the spacing of particles. */
     virtual double dilation() const = 0;
-    /** The entry that says how far supports reach, for messages. */
+    /** The entry that sets the reach of supports, for messages. */
     virtual const char *support_entry() const = 0;
 
-    /** Decides which functions the particles of the part have, from now on, and takes those from
-     * the equal parts of @p setup whose cells do not count for them. Returns whether they are
-     * averages over cells. Throws InputError. */
+    /** Decides which functions the particles of the part have, from now on, and removes the equal
+     * parts from @p setup whose cells do not count for them. Returns whether they are averages over
+     * cells. Throws InputError. */
     virtual bool choose_functions(PartSetup<dim> &setup, ParticleSet<dim> & /*particles*/)
     {
       setup.end_at_own_cells();
       return false;
     }
-    /** Gives @p particles, which come from the cells of @p is_taken, other supports than those of
+    /** Sets other supports of @p particles, which come from the cells of @p is_taken, than those of
      * their cells. Returns whether it did; then supports do not change as particles deform.
      * Collective. */
     virtual bool choose_supports(const PartSetup<dim> & /*setup*/,
@@ -87,7 +87,7 @@ namespace tombolo
     {
       return nullptr;
     }
-    /** What holds modes that the gradients of the particles hardly see; null: nothing. */
+    /** What resists modes that hardly change the gradients of the particles; null: nothing. */
     virtual ZeroEnergyControl *zero_energy_control()
     {
       return nullptr;
@@ -111,7 +111,7 @@ namespace tombolo
     /** The present volumes of the particles of this rank, before the next rows are computed. */
     virtual void set_present_volumes(const double * /*volumes*/) {}
 
-    /** How far the rows at the start fail the patch test. @p smooths tells whether velocities are
+    /** How far the rows at the start fail the patch test. @p smooths: whether velocities are
      * smoothed by them, @p position are initial ones with current ghosts. Collective. */
     virtual PatchTest patch_test(const PartSetup<dim> & /*setup*/,
                                  const ParticleSet<dim> & /*particles*/,
@@ -127,15 +127,16 @@ namespace tombolo
       neighbours.set_images(images);
     }
 
-    /** From the next search on, particles have neighbours of their own body alone, unless the
-     * entry `Kernels across gaps` asks for others. The image of a body that has no node on the
-     * plane is another body. @p of_mesh must outlive this. */
-    void set_bodies(const Bodies<dim> &of_mesh, const PlanesOfBodies &planes, const bool has_planes)
+    /** From the next search on, particles have neighbours of their own body alone, unless the entry
+     * `Kernels across gaps` allows others. The image of a body that has no node on the plane is
+     * another body. @p mesh_bodies must outlive this. */
+    void set_bodies(const Bodies<dim> &mesh_bodies, const PlanesOfBodies &planes,
+                    const bool has_planes)
     {
-      bodies = (of_mesh.n_bodies() > 1 || has_planes) && !crosses_gaps ? &of_mesh : nullptr;
+      bodies = (mesh_bodies.n_bodies() > 1 || has_planes) && !crosses_gaps ? &mesh_bodies : nullptr;
       planes_of_bodies = planes;
     }
-    /** Takes neighbours of other bodies out of the rows of @p found, whose nodes @p partition has.
+    /** Removes neighbours of other bodies from the rows of @p found, whose nodes @p partition has.
      * Collective. */
     void separate_bodies(const std::shared_ptr<const NodePartition> &partition,
                          Neighbourhoods<dim> &found, Stencils &stencils) const
@@ -151,18 +152,18 @@ namespace tombolo
             *body.node(partition->local_index(node)));
       };
       found.remove_neighbours(
-          [&](const unsigned int row, const unsigned int place)
+          [&](const unsigned int row, const unsigned int neighbour)
           {
             const auto own = body_of(found.global_nodes()[row]);
-            if (place < n_nodes)
-              return own != body_of(found.global_nodes()[place]);
-            const auto &image = found.images()[place - n_nodes];
+            if (neighbour < n_nodes)
+              return own != body_of(found.global_nodes()[neighbour]);
+            const auto &image = found.images()[neighbour - n_nodes];
             return own != body_of(image.source) || !planes_of_bodies.joins(own, image.mirrors);
           },
           stencils);
     }
 
-    /** Begins with particles of these masses, which have no rows yet. */
+    /** Resets to particles of these masses, without rows. */
     void reset(const std::vector<double> &masses)
     {
       shape = Stencils();
@@ -196,8 +197,8 @@ namespace tombolo
      * the particles, node_stride each. Collective. */
     void compute_at(const NodalVector &position, const std::vector<double> &support)
     {
-      support_of_node.fill(shape.particle_node, [&](const std::size_t i, double *const of_node)
-                           { std::copy_n(&support[i * node_stride], node_stride, of_node); });
+      support_of_node.fill(shape.particle_node, [&](const std::size_t i, double *const node_support)
+                           { std::copy_n(&support[i * node_stride], node_stride, node_support); });
       compute(position.data(), support_of_node.data());
     }
 
@@ -210,8 +211,8 @@ namespace tombolo
       compute_at(buffer, kernel.supports());
     }
 
-    /** Tells that rows have just been computed at the present positions: then F is the identity
-     * where are_undeformed_when_new() says so. */
+    /** Marks rows as just computed at the present positions: then F is the identity where
+     * are_undeformed_when_new(). */
     void note_present()
     {
       if (!are_undeformed_when_new())
@@ -235,8 +236,8 @@ namespace tombolo
     dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const
     {
       dealii::IndexSet nodes(particles.owned_nodes().size());
-      const auto &of_rows = neighbours.global_nodes();
-      nodes.add_indices(of_rows.begin(), of_rows.end());
+      const auto &row_nodes = neighbours.global_nodes();
+      nodes.add_indices(row_nodes.begin(), row_nodes.end());
       nodes.compress();
       return nodes;
     }
@@ -249,7 +250,8 @@ namespace tombolo
       renumber(partition);
       support_of_node.reinit(std::make_shared<const NodePartition>(partition), Quantity::scalars);
     }
-    /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */
+    /** Sets the positions of @p particles in the reference of @p kernel for affine smoothing.
+     * Collective. */
     void store_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
                          const std::shared_ptr<const NodePartition> &partition)
     {
@@ -327,18 +329,18 @@ namespace tombolo
         : section(section), neighbours(skin), crosses_gaps(section.get_bool("Kernels across gaps"))
     {}
 
-    /** The rows that searches fill and that have the places of Neighbourhoods: the stencils
+    /** The rows that searches fill and that have the indices of Neighbourhoods: the stencils
      * themselves, or more neighbours, among which fill() chooses. */
     virtual Stencils &searched()
     {
       return shape;
     }
-    /** Gives the rows the numbers of nodes in @p partition. */
+    /** Sets the numbers of nodes in @p partition in the rows. */
     virtual void renumber(const NodePartition &partition)
     {
       neighbours.set_partition(partition, shape);
     }
-    /** Puts neighbours that are known without a search into the rows; false: there are none. */
+    /** Adds neighbours that are known without a search to the rows; false: there are none. */
     virtual bool assign_neighbours(const ParticleSet<dim> & /*particles*/,
                                    const std::vector<double> & /*position*/,
                                    const std::vector<double> & /*support*/)
@@ -362,23 +364,23 @@ namespace tombolo
       if (has_started)
         return;
       const std::string message = describe_defects(position, support);
-      for (const std::string &of_rank : texts_of_ranks(communicator, message))
-        if (!of_rank.empty())
-          section.fail(support_entry(), of_rank);
+      for (const std::string &rank_text : texts_of_ranks(communicator, message))
+        if (!rank_text.empty())
+          section.fail(support_entry(), rank_text);
     }
-    /** Where @p particles are in the reference of @p kernel, with the numbers of the rows, into @p
-     * reference, and its ghosts. Collective. */
+    /** Sets @p reference, with its ghosts, to the positions of @p particles in the reference of @p
+     * kernel, with the numbers of the rows. Collective. */
     void find_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
                         NodalVector &reference) const
     {
       const bool is_renewed = !kernel.positions().empty();
       reference.fill(shape.particle_node,
-                     [&](const std::size_t i, double *const place)
+                     [&](const std::size_t i, double *const x)
                      {
                        if (is_renewed)
-                         std::copy_n(&kernel.positions()[i * node_stride], node_stride, place);
+                         std::copy_n(&kernel.positions()[i * node_stride], node_stride, x);
                        else
-                         std::copy_n(particles.initial_positions()[i].begin_raw(), dim, place);
+                         std::copy_n(particles.initial_positions()[i].begin_raw(), dim, x);
                      });
       // Neighbours from other parts, too.
       const std::vector<double> &initial = neighbours.position_at_search();

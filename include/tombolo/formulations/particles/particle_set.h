@@ -17,7 +17,7 @@
 
 namespace tombolo
 {
-  /** Says of a cell of the mesh, owned or ghost, whether its nodes are particles. */
+  /** Whether the nodes of a cell of the mesh, owned or ghost, are particles. */
   template <int dim>
   using CellSelection = std::function<bool(const typename Nodes<dim>::Cell &)>;
 
@@ -59,8 +59,8 @@ namespace tombolo
       return numbers;
     }
 
-    /** The place of @p node in nodes(), or size() where it is no particle. */
-    std::size_t place_of(const dealii::types::global_dof_index node) const
+    /** The index of @p node in nodes(), or size() where it is no particle. */
+    std::size_t index_of(const dealii::types::global_dof_index node) const
     {
       // Mostly all numbers of a range are there.
       const std::size_t guess =
@@ -92,17 +92,17 @@ namespace tombolo
     {
       return supports;
     }
-    /** Other volumes than the lumped ones. */
-    void set_initial_volumes(const std::vector<double> &of_particles)
+    /** Sets other volumes than the lumped ones. */
+    void set_initial_volumes(const std::vector<double> &new_volumes)
     {
-      AssertDimension(of_particles.size(), volumes.size());
-      volumes = of_particles;
+      AssertDimension(new_volumes.size(), volumes.size());
+      volumes = new_volumes;
     }
-    /** Other supports than those of the cells; what the pad holds goes along with them. */
-    void set_initial_supports(const std::vector<double> &of_particles)
+    /** Sets other supports than those of the cells; the values of the pad are copied, too. */
+    void set_initial_supports(const std::vector<double> &new_supports)
     {
-      AssertDimension(of_particles.size(), supports.size());
-      supports = of_particles;
+      AssertDimension(new_supports.size(), supports.size());
+      supports = new_supports;
     }
     /** Initial positions, node_stride each, zero in the pad [L]. */
     std::vector<double> padded_initial_positions() const;

@@ -106,7 +106,7 @@ namespace tombolo
     double dissipated = 0; ///< heat of friction since the start, of this rank
     /** The closed ones that no pair has, in the order of their identifiers. */
     std::vector<KnownSpring> springs;
-    /** Brings all that pairs have to the parts of their particles. */
+    /** Moves all springs of pairs to the parts of their particles. */
     std::function<void()> fetch_springs;
 
     /** Writes to a checkpoint or reads it: rows of the particles @p own_ids. Collective. */
@@ -119,29 +119,29 @@ namespace tombolo
       if (archive.is_reading())
         springs.clear();
       // Rows of the file are of one length, that of the particle with most springs.
-      std::vector<std::vector<double>> of_row(own_ids.size());
+      std::vector<std::vector<double>> row_numbers(own_ids.size());
       for (std::size_t i = 0; i < own_ids.size() && !springs.empty(); ++i)
         for (auto known = std::lower_bound(springs.begin(), springs.end(), own_ids[i],
                                            [](const KnownSpring &spring, const std::uint64_t id)
                                            { return spring.own < id; });
              known != springs.end() && known->own == own_ids[i]; ++known)
         {
-          of_row[i].insert(of_row[i].end(),
-                           {upper_half(known->partner) + mirror_unit * known->mirrors,
-                            lower_half(known->partner), known->spring.stiffness});
+          row_numbers[i].insert(row_numbers[i].end(),
+                                {upper_half(known->partner) + mirror_unit * known->mirrors,
+                                 lower_half(known->partner), known->spring.stiffness});
           for (unsigned int d = 0; d < dim; ++d)
-            of_row[i].push_back(known->spring.slip[d]);
+            row_numbers[i].push_back(known->spring.slip[d]);
         }
       constexpr unsigned int n_numbers = 3 + dim;
       unsigned int longest = 0;
-      for (const std::vector<double> &row : of_row)
+      for (const std::vector<double> &row : row_numbers)
         longest = std::max(longest, static_cast<unsigned int>(row.size()));
       longest = dealii::Utilities::MPI::max(longest, archive.communicator());
       archive("numbers of a row", longest);
       if (longest == 0)
         return;
       std::vector<double> values;
-      for (std::vector<double> &row : of_row)
+      for (std::vector<double> &row : row_numbers)
       {
         row.resize(longest, 0.);
         values.insert(values.end(), row.begin(), row.end());

@@ -24,11 +24,11 @@ namespace tombolo
   /** Fragments of a part in contact. */
   struct FragmentCounts
   {
-    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
+    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, at the last search
     unsigned long n_touching = 0;  ///< particles that others push
   };
 
-  /** The particles of a part on this rank, as contact knows them; in the order of rows. */
+  /** The particles of a part on this rank, as contact uses them, in the order of rows. */
   struct ContactParticles
   {
     std::vector<dealii::types::global_dof_index> nodes; ///< ascending
@@ -51,13 +51,13 @@ namespace tombolo
 
   /**
    * The contact of one part of particles: its law, its particles, and what is kept of them. Forces
-   * and pairs are those of SphereContact, which sees all parts with self-contact.
+   * and pairs are those of SphereContact, which has all parts with self-contact.
    */
   template <int dim>
   class SelfContact
   {
   public:
-    /** Null where the section of the formulation does not want it. Throws InputError. */
+    /** Null where the section of the formulation does not enable it. Throws InputError. */
     static std::unique_ptr<SelfContact> create(const Entries &e)
     {
       if (!e.when(
@@ -113,7 +113,7 @@ namespace tombolo
       result.shrinkage = points.component(points.find_field(shrinkage_name), 0);
       return result;
     }
-    /** How many numbers tell the fragment of a particle. */
+    /** The number of tags that identify the fragment of a particle. */
     unsigned int n_tags() const
     {
       return images_of_part->empty() ? lower_copies : lower_copies + 1;
@@ -121,16 +121,16 @@ namespace tombolo
 
     /** Before anything else, and whenever there are more particles. @p wave_rate is c/h, the same
      * each time. Collective. */
-    void set_particles(ContactParticles of_part, const double wave_rate,
+    void set_particles(ContactParticles new_particles, const double wave_rate,
                        const MPI_Comm communicator)
     {
       // Spheres are those of the whole body.
-      for (std::size_t i = 0; i < of_part.nodes.size(); ++i)
+      for (std::size_t i = 0; i < new_particles.nodes.size(); ++i)
       {
-        of_part.volumes[i] *= of_part.copies[i];
-        of_part.masses[i] *= of_part.copies[i];
+        new_particles.volumes[i] *= new_particles.copies[i];
+        new_particles.masses[i] *= new_particles.copies[i];
       }
-      const ContactParticles before = std::exchange(all_particles, std::move(of_part));
+      const ContactParticles before = std::exchange(all_particles, std::move(new_particles));
       kept.has_grown.assign(all_particles.nodes.size(), false);
       for (std::size_t i = 0; i < all_particles.nodes.size(); ++i)
       {
@@ -143,15 +143,15 @@ namespace tombolo
       }
       law_frequency = std::sqrt(stiffness) * dealii::Utilities::MPI::max(wave_rate, communicator);
       mass = 0;
-      for (const double of_particle : all_particles.masses)
-        mass = std::max(mass, of_particle);
+      for (const double particle_mass : all_particles.masses)
+        mass = std::max(mass, particle_mass);
       mass = dealii::Utilities::MPI::max(mass, communicator);
       ++revision_of_particles;
     }
 
     /** Returns how many fragments the whole body has. Where cells become particles of the part, or
-     * there are several, pairs are looked for from the first step on, otherwise from the first
-     * broken bond on. @p partition as in find_fragments(). Collective. */
+     * there are several fragments, pairs are searched from the first step on, otherwise from the
+     * first broken bond on. @p partition as in find_fragments(). Collective. */
     unsigned long set_start(const bool grows, const Stencils &shape, const NodePartition &partition)
     {
       const std::vector<FragmentOfParticle> fragments =
@@ -161,13 +161,13 @@ namespace tombolo
       for (std::size_t i = 0; i < fragments.size(); ++i)
         if (fragments[i].label == all_particles.ids[i])
           in_whole_body += (1u << images_of_part->all.size()) / fragments[i].n_copies();
-      const unsigned long of_all =
+      const unsigned long n_fragments =
           dealii::Utilities::MPI::sum(in_whole_body, partition.communicator());
-      is_apart_at_start = grows || of_all > 1;
-      return of_all;
+      is_apart_at_start = grows || n_fragments > 1;
+      return n_fragments;
     }
 
-    /** In each step: whether rows have lost neighbours or have other ones, and whether any has
+    /** In each step: whether rows have lost neighbours or have others, and whether any has
      * lost some, on any rank. */
     void set_rows(const bool have_changed, const bool are_torn)
     {
@@ -225,25 +225,26 @@ namespace tombolo
     {
       constexpr double on_free_side = 5., around = 12.;
       const double angle = law_frequency * stable_step;
-      const double of_debris = angle > 0. ? stable_fraction(0., around, angle, law_damping) : 1.;
-      return std::min({1., stable_fraction(4., on_free_side, angle, law_damping), of_debris});
+      const double debris_fraction =
+          angle > 0. ? stable_fraction(0., around, angle, law_damping) : 1.;
+      return std::min({1., stable_fraction(4., on_free_side, angle, law_damping), debris_fraction});
     }
 
     /** The share that is left where others push from @p n_pairs sides with springs of ω = @p
-     * angle over the step; @p of_body is 4 for a particle of a body, 0 for one alone. */
-    static double stable_fraction(const double of_body, const double n_pairs, const double angle,
-                                  const double damping)
+     * angle over the step; @p body_springs is 4 for a particle of a body, 0 for one alone. */
+    static double stable_fraction(const double body_springs, const double n_pairs,
+                                  const double angle, const double damping)
     {
       // Sums over the pairs of a particle by Gershgorin's theorem. Dampers act on the approach
       // alone.
-      constexpr double of_pair = 2.42;
-      const double springs = of_body + of_pair * n_pairs * angle * angle;
-      const double dampers = 0.5 * of_pair * n_pairs * damping * angle;
+      constexpr double pair_springs = 2.42;
+      const double springs = body_springs + pair_springs * n_pairs * angle * angle;
+      const double dampers = 0.5 * pair_springs * n_pairs * damping * angle;
       return (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs;
     }
 
-    /** What springs store, and what has been taken by damping, by spheres that shrink and by the
-     * steps, and by friction: this rank's shares. */
+    /** Adds the energy of springs, and what was dissipated by damping, by spheres that shrink and
+     * by the steps, and by friction: this rank's shares. */
     void account(EnergyAccounts &accounts) const
     {
       accounts.add("self-contact energy", EnergyKind::stored, kept.stored + kept.friction.stored);
@@ -252,7 +253,7 @@ namespace tombolo
         accounts.add("self-contact friction", EnergyKind::dissipated, kept.friction.dissipated);
     }
 
-    /** As last looked for, over this rank. */
+    /** At the last search, over this rank. */
     FragmentCounts counts() const
     {
       return kept.counts;

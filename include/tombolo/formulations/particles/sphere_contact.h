@@ -32,17 +32,17 @@ namespace tombolo
    * A particle on a plane of symmetry has the sphere and the mass that it has in the whole body,
    * and gets its share of the force.
    *
-   * What damping takes is the work of the normal forces, by the mean of those at both ends of each
-   * step, less what their springs store. Each end books its half with its part.
+   * Damping dissipates the work of the normal forces, by the mean of those at both ends of each
+   * step, less the change of the energy of their springs. Each end books its half with its part.
    */
   template <int dim>
   class SphereContact
   {
   public:
     /** Between these @p parts of a mesh, which must outlive this. Collective. */
-    SphereContact(std::vector<typename SpherePairs<dim>::Part> of_parts, const Nodes<dim> &nodes,
+    SphereContact(std::vector<typename SpherePairs<dim>::Part> parts, const Nodes<dim> &nodes,
                   const Bodies<dim> &bodies)
-        : pairing(std::move(of_parts), nodes, bodies), columns(pairing.parts().size())
+        : pairing(std::move(parts), nodes, bodies), columns(pairing.parts().size())
     {
       std::vector<typename FragmentFriction<dim>::Part> that_rub;
       bool any = false;
@@ -59,7 +59,7 @@ namespace tombolo
         friction = std::make_unique<FragmentFriction<dim>>(std::move(that_rub));
     }
 
-    /** Elements have gone: fragments and pairs are to be found again. */
+    /** After elements were removed: fragments and pairs must be found again. */
     void forget_pairs()
     {
       pairing.forget();
@@ -78,33 +78,33 @@ namespace tombolo
       const auto &parts = pairing.parts();
       for (unsigned int p = 0; p < parts.size(); ++p)
         columns[p] = parts[p].contact->columns(parts[p].particles->points());
-      const Motion of_ends = motion_of_ends(input);
+      const Motion ends = motion_of_ends(input);
       const bool are_new = !pairing.is_current();
       if (are_new)
       {
         pairing.find_pairs(*input.position, element_mass, columns);
-        shrink_spheres(*of_ends.position);
+        shrink_spheres(*ends.position);
       }
       if (friction && (are_new || !friction->has_pairs()))
         friction->set_pairs(pairing.partition(), pairing.rows(), pairing.pairs());
       if (friction)
-        begin_friction(input, *of_ends.position, heat);
+        begin_friction(input, *ends.position, heat);
       std::vector<Sums> sums(parts.size());
       const TouchingRows &rows = pairing.rows();
       for (unsigned int i = 0; i < rows.size(); ++i)
       {
-        Sums &of_part = sums[rows.site(i).part];
+        Sums &part_sums = sums[rows.site(i).part];
         dealii::Tensor<1, dim> along;
         const dealii::Tensor<1, dim> force =
             rows.shares[i] *
-            force_on(i, of_ends, input.time_increment, heat, of_part.elastic, along);
-        replace_force(i, force, input.position->node(rows.nodes[i]), of_part.work);
+            force_on(i, ends, input.time_increment, heat, part_sums.elastic, along);
+        replace_force(i, force, input.position->node(rows.nodes[i]), part_sums.work);
         for (unsigned int d = 0; d < dim; ++d)
           loads.node(rows.nodes[i])[d] += force[d] + rows.shares[i] * along[d];
         if (force == dealii::Tensor<1, dim>())
           continue;
         loaded_nodes.push_back(rows.nodes[i]);
-        ++of_part.n_touching;
+        ++part_sums.n_touching;
       }
       for (unsigned int p = 0; p < parts.size(); ++p)
         if (parts[p].acts)
@@ -131,8 +131,9 @@ namespace tombolo
             continue;
           // Springs are 2μ/m times those between two equal masses m.
           constexpr double on_free_side = 5.;
-          const double own = one.contact->largest_mass(), of_other = other.contact->largest_mass();
-          const double ratio = own > 0. ? 2. * of_other / (own + of_other) : 2.;
+          const double own = one.contact->largest_mass(),
+                       other_mass = other.contact->largest_mass();
+          const double ratio = own > 0. ? 2. * other_mass / (own + other_mass) : 2.;
           const double angle =
               std::min(one.contact->frequency(), other.contact->frequency()) * stable_step;
           fraction =
@@ -187,7 +188,7 @@ namespace tombolo
       double frequency, damping;
     };
 
-    /** What the ends of a pair know of each other. */
+    /** The motion of the ends of a pair. */
     struct Motion
     {
       const NodalVector *position, *velocity;
@@ -205,8 +206,7 @@ namespace tombolo
       const auto [part, i] = pairing.rows().site(row);
       return columns[part].shrinkage[i];
     }
-    /** Makes spheres of pairs that were none before as small as it takes for no overlap.
-     * Collective. */
+    /** Shrinks the spheres of new pairs until they do not overlap. Collective. */
     void shrink_spheres(const NodalVector &position)
     {
       const TouchingRows &rows = pairing.rows();
@@ -286,13 +286,13 @@ namespace tombolo
     }
     /** The normal force on the particle of a row in the whole body; that of friction is added to
      * @p along. */
-    dealii::Tensor<1, dim> force_on(const unsigned int row, const Motion &of_ends,
+    dealii::Tensor<1, dim> force_on(const unsigned int row, const Motion &ends,
                                     const double time_step, const FragmentHeat &heat,
                                     double &elastic, dealii::Tensor<1, dim> &along)
     {
       const TouchingRows &rows = pairing.rows();
       const FragmentPairs &pairs = pairing.pairs();
-      const NodalVector &position = *of_ends.position, &velocity = *of_ends.velocity;
+      const NodalVector &position = *ends.position, &velocity = *ends.velocity;
       const unsigned int own = rows.nodes[row], own_law = pairing.spheres().laws[row];
       const double *const x = position.node(own), *const v = velocity.node(own);
       const double *const sphere = spheres.node(own);
@@ -300,8 +300,8 @@ namespace tombolo
       for (std::size_t entry = pairs.start[row]; entry < pairs.start[row + 1]; ++entry)
       {
         const unsigned int other = pairs.partner[entry];
-        const double *const of_other = spheres.node(other);
-        const double reach = sphere[radius] + of_other[radius];
+        const double *const other_sphere = spheres.node(other);
+        const double reach = sphere[radius] + other_sphere[radius];
         const double r = distance(x, position.node(other));
         if (!(r < reach) || r == 0.)
           continue;
@@ -312,9 +312,10 @@ namespace tombolo
           normal[d] = (position.node(other)[d] - x[d]) / r;
           approach -= (velocity.node(other)[d] - v[d]) * normal[d];
         }
-        const auto other_law = static_cast<unsigned int>(of_other[law_of_sphere]);
+        const auto other_law = static_cast<unsigned int>(other_sphere[law_of_sphere]);
         const auto [frequency, damping] = laws[own_law * pairing.parts().size() + other_law];
-        const double reduced = sphere[mass] * of_other[mass] / (sphere[mass] + of_other[mass]);
+        const double reduced =
+            sphere[mass] * other_sphere[mass] / (sphere[mass] + other_sphere[mass]);
         const double spring = reduced * frequency * frequency;
         const double push =
             spring * (reach - r) + 2. * damping * reduced * frequency * std::max(approach, 0.);
@@ -322,24 +323,25 @@ namespace tombolo
           force[d] -= push * normal[d];
         elastic += rows.shares[row] * 0.25 * spring * (reach - r) * (reach - r); // of this end
         if (friction)
-          along += friction->rub({row, entry, own, other, own_law, other_law, normal,
-                                  r * sphere[radius] / reach, r * of_other[radius] / reach, push,
-                                  spring, std::min(sphere[contact_area], of_other[contact_area])},
-                                 time_step, heat);
+          along +=
+              friction->rub({row, entry, own, other, own_law, other_law, normal,
+                             r * sphere[radius] / reach, r * other_sphere[radius] / reach, push,
+                             spring, std::min(sphere[contact_area], other_sphere[contact_area])},
+                            time_step, heat);
       }
       return force;
     }
-    /** The force and the position of now take the place of those of the step before. Adds the
-     * work in between. */
+    /** Replaces the force and the position of the step before by the present ones. Adds the work in
+     * between. */
     void replace_force(const unsigned int row, const dealii::Tensor<1, dim> &force,
                        const double *const position, double &work)
     {
       const TouchingRows &rows = pairing.rows();
-      const auto [part, of_part] = rows.site(row);
+      const auto [part, part_row] = rows.site(row);
       const Columns &before = columns[part];
       for (unsigned int d = 0; d < dim; ++d)
-        work += 0.5 * (before.force[d][of_part] + force[d]) *
-                (position[d] - before.position[d][of_part]);
+        work += 0.5 * (before.force[d][part_row] + force[d]) *
+                (position[d] - before.position[d][part_row]);
       for (std::size_t k = rows.start[row]; k < rows.start[row + 1]; ++k)
         for (unsigned int d = 0; d < dim; ++d)
         {
@@ -352,7 +354,7 @@ namespace tombolo
     std::vector<PairLaw> laws;                       // of all pairs of parts
     std::vector<Columns> columns;                    // by part, in this step
     NodalVector spheres;                             // radius, mass, area, law
-    NodalVector positions, velocities;               // where ranks or images see others
+    NodalVector positions, velocities;               // with ghosts and images, where there are any
     std::unique_ptr<FragmentFriction<dim>> friction; // null: nothing rubs or conducts
   };
 } // namespace tombolo

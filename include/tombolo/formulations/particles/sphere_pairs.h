@@ -45,7 +45,7 @@ namespace tombolo
       SelfContact<dim> *contact;
       ParticleFormulation<dim> *particles;
       bool acts = false; ///< whether its particles can be in pairs
-      // As last seen.
+      // At the last check.
       unsigned long particles_revision = 0, rows_revision = 0;
     };
 
@@ -58,10 +58,11 @@ namespace tombolo
       std::vector<std::uint64_t> parts;    ///< a bit each
     };
 
-    /** Of these @p parts of a mesh, which must outlive this. Collective. */
-    SpherePairs(std::vector<Part> of_parts, const Nodes<dim> &of_mesh, const Bodies<dim> &of_nodes)
-        : all_parts(std::move(of_parts)), nodes(&of_mesh), bodies(&of_nodes), neighbourhoods(skin),
-          tags(all_parts.size()), former_tags(all_parts.size())
+    /** The arguments are of one mesh, and must outlive this. Collective. */
+    SpherePairs(std::vector<Part> mesh_parts, const Nodes<dim> &mesh_nodes,
+                const Bodies<dim> &mesh_bodies)
+        : all_parts(std::move(mesh_parts)), nodes(&mesh_nodes), bodies(&mesh_bodies),
+          neighbourhoods(skin), tags(all_parts.size()), former_tags(all_parts.size())
     {
       const Images &images = *nodes->images();
       neighbourhoods.set_images(nodes->images());
@@ -81,14 +82,13 @@ namespace tombolo
       return is_between_parts;
     }
 
-    /** Fragments and pairs are to be found again. */
+    /** Fragments and pairs must be found again. */
     void forget()
     {
       are_current = false;
     }
 
-    /** Looks for candidates anew where that is due. Returns whether there can be any. Collective.
-     */
+    /** Searches for candidates where that is due. Returns whether there can be any. Collective. */
     bool find_candidates(const NodalVector &position)
     {
       bool has_changed = false, any_acts = false;
@@ -124,8 +124,8 @@ namespace tombolo
       required.add_indices(near.begin(), near.end());
       own_partition = partition_of(*nodes, required, neighbourhoods.images());
       neighbourhoods.set_partition(*own_partition, candidates);
-      sees_ghosts = dealii::Utilities::MPI::max(
-                        own_partition->n_ghosts() + own_partition->n_images(), communicator) > 0;
+      has_any_ghosts = dealii::Utilities::MPI::max(
+                           own_partition->n_ghosts() + own_partition->n_images(), communicator) > 0;
       are_current = false;
       return true;
     }
@@ -221,14 +221,14 @@ namespace tombolo
     /** Whether it has ghosts or images on any rank. */
     bool has_ghosts() const
     {
-      return sees_ghosts;
+      return has_any_ghosts;
     }
 
   private:
-    /** How far the search looks beyond the largest distance of contact, over that distance. */
+    /** How far the search reaches beyond the largest distance of contact, over that distance. */
     static constexpr double skin = 0.5;
 
-    // What ranks tell each other of a particle where there are several parts.
+    // What ranks exchange about a particle where there are several parts.
     enum OwnerTag : unsigned int
     {
       parts_of_node, ///< bits, exact up to 50 of them
@@ -245,9 +245,9 @@ namespace tombolo
       for (unsigned int p = 0; p < all_parts.size(); ++p)
         if (all_parts[p].acts)
         {
-          const auto &of_part = all_parts[p].contact->particles().nodes;
-          for (unsigned int i = 0; i < of_part.size(); ++i)
-            entries.push_back({of_part[i], {p, i}});
+          const auto &part_nodes = all_parts[p].contact->particles().nodes;
+          for (unsigned int i = 0; i < part_nodes.size(); ++i)
+            entries.push_back({part_nodes[i], {p, i}});
           ++n_acting;
         }
       if (n_acting > 1)
@@ -258,17 +258,17 @@ namespace tombolo
       for (const auto &[node, site] : entries)
       {
         const SelfContact<dim> &contact = *all_parts[site.part].contact;
-        const ContactParticles &of_part = contact.particles();
+        const ContactParticles &part_particles = contact.particles();
         if (all_spheres.nodes.empty() || all_spheres.nodes.back() != node)
         {
           add_row(node);
-          all_rows.ids.push_back(of_part.ids[site.row]);
-          all_rows.shares.push_back(1. / of_part.copies[site.row]);
+          all_rows.ids.push_back(part_particles.ids[site.row]);
+          all_rows.shares.push_back(1. / part_particles.copies[site.row]);
           all_spheres.laws.push_back(site.part);
         }
         all_rows.sites.push_back(site);
-        all_spheres.volumes.back() += of_part.volumes[site.row];
-        all_spheres.masses.back() += of_part.masses[site.row];
+        all_spheres.volumes.back() += part_particles.volumes[site.row];
+        all_spheres.masses.back() += part_particles.masses[site.row];
         all_spheres.parts.back() |= std::uint64_t(1) << site.part;
         if (contact.frequency() < all_parts[all_spheres.laws.back()].contact->frequency())
           all_spheres.laws.back() = site.part;
@@ -299,21 +299,21 @@ namespace tombolo
           use(largest[all_rows.sites[k].part]);
       };
       for (unsigned int i = 0; i < all_rows.size(); ++i)
-        for_parts(i, [diameter = std::pow(all_spheres.volumes[i], 1. / dim)](double &of_part)
-                  { of_part = std::max(of_part, diameter); });
+        for_parts(i, [diameter = std::pow(all_spheres.volumes[i], 1. / dim)](double &part_diameter)
+                  { part_diameter = std::max(part_diameter, diameter); });
       dealii::Utilities::MPI::max(largest, nodes->communicator(), largest);
       const double largest_of_all = *std::max_element(largest.begin(), largest.end());
       supports.assign(std::size_t(all_rows.size()) * node_stride, 0.);
       for (unsigned int i = 0; i < all_rows.size(); ++i)
       {
         double own = 0;
-        for_parts(i, [&](const double of_part) { own = std::max(own, of_part); });
+        for_parts(i, [&](const double part_diameter) { own = std::max(own, part_diameter); });
         std::fill_n(supports.begin() + static_cast<std::ptrdiff_t>(std::size_t(i) * node_stride),
                     dim, 0.5 * (own + largest_of_all));
       }
     }
-    /** Gives all rows of one particle the same state. Returns which particles were there, and have
-     * not grown, since pairs were found last. */
+    /** Sets the same state in all rows of one particle. Returns which particles existed when pairs
+     * were found last, and have not grown since. */
     std::vector<bool> unite_rows(const std::vector<Columns> &columns)
     {
       std::vector<bool> were_known;
@@ -344,7 +344,7 @@ namespace tombolo
       return were_known;
     }
     void find_tags(const unsigned int p, const NodalVector &position,
-                   const NodalVector &element_mass, const Columns &of_part)
+                   const NodalVector &element_mass, const Columns &part_columns)
     {
       NodalVector &now = tags[p], &former = former_tags[p];
       for (NodalVector *const vector : {&now, &former})
@@ -355,7 +355,7 @@ namespace tombolo
           find_fragments(shape, contact.particles().ids, *position.partition(), *nodes->images());
       contact.kept.counts.n_fragments = n_labels_here(fragments, contact.particles().ids);
       std::vector<bool> &has_grown = contact.kept.has_grown;
-      const auto &kept = of_part.labels;
+      const auto &kept = part_columns.labels;
       change_owned({&now, &former},
                    [&]
                    {
@@ -387,11 +387,11 @@ namespace tombolo
                              owner[was_known] = were_known[i] ? 1. : 0.;
                            });
     }
-    bool are_apart(const std::vector<NodalVector> &of_parts, const unsigned int own,
+    bool are_apart(const std::vector<NodalVector> &part_tags, const unsigned int own,
                    const unsigned int other, const unsigned int mirrors) const
     {
       if (all_parts.size() == 1)
-        return is_pair(of_parts[0].node(own), of_parts[0].node(other), mirrors);
+        return is_pair(part_tags[0].node(own), part_tags[0].node(other), mirrors);
       const double *const one = owners.node(own), *const two = owners.node(other);
       const std::uint64_t common = static_cast<std::uint64_t>(one[parts_of_node]) &
                                    static_cast<std::uint64_t>(two[parts_of_node]);
@@ -402,7 +402,7 @@ namespace tombolo
                               mirrors));
       for (unsigned int p = 0; p < all_parts.size(); ++p)
         if (((common >> p) & 1u) != 0 &&
-            !is_pair(of_parts[p].node(own), of_parts[p].node(other), mirrors))
+            !is_pair(part_tags[p].node(own), part_tags[p].node(other), mirrors))
           return false;
       return true;
     }
@@ -420,7 +420,7 @@ namespace tombolo
     Neighbourhoods<dim> neighbourhoods;
     Stencils candidates;
     std::shared_ptr<const NodePartition> own_partition;
-    bool sees_ghosts = false;
+    bool has_any_ghosts = false;
 
     bool are_current = false;
     FragmentPairs all_pairs;

@@ -22,9 +22,9 @@
 namespace tombolo
 {
   /**
-   * A stiffness of what alternates from node to node, which nodal gradients hardly see. The
-   * residual of a particle is what φ makes of the positions less its own, zero for any affine
-   * motion, and has the energy of a spring:
+   * A stiffness of what alternates from node to node, to which nodal gradients are nearly
+   * insensitive. The residual of a particle is what φ makes of the positions less its own, zero for
+   * any affine motion, and has the energy of a spring:
    *
    * @verbatim
    *   r_I = Σ_J φ_J(x_I) x_J - x_I,   E = Σ_I ½ k_I |r_I - s_I|²,   k_I = 16 c G V_I / h_I²
@@ -33,8 +33,8 @@ namespace tombolo
    * with the shear modulus G and the square h² of the length of the edges of cells around the
    * particle, in the mean. Where the particle flows, what is above the energy l V σ²/(6 G), with
    * the equivalent stress σ, the larger of those at the ends of the step, decays with the plastic
-   * strain of the step over σ/(10 G): the slip s_I, which turns with the particle, takes it, and
-   * what is lost is artificial.
+   * strain of the step over σ/(10 G): it goes to the slip s_I, which turns with the particle, and
+   * the loss is artificial.
    */
   class ZeroEnergyControl
   {
@@ -59,14 +59,14 @@ namespace tombolo
                                                 : "";
     }
 
-    bool is_wanted() const
+    bool is_requested() const
     {
       return coefficient > 0.;
     }
-    /** Whether reset() and set_material() gave it something to do, on some rank. */
+    /** Whether reset() and set_material() have set a stiffness, on some rank. */
     bool is_on() const
     {
-      return is_wanted() && shear_modulus > 0. && has_particles;
+      return is_requested() && shear_modulus > 0. && has_particles;
     }
 
     /** Of particles with these V_I [L^dim] and h_I² [L^2]. */
@@ -110,7 +110,7 @@ namespace tombolo
       strain_field = points.find_field("effective plastic strain");
     }
 
-    /** Remembers the plastic strains and stresses of the particles @p first, a multiple of n_lanes,
+    /** Stores the plastic strains and stresses of the particles @p first, a multiple of n_lanes,
      * to @p last - 1 before the step. */
     void begin(const MaterialPoints &points, const unsigned int first, const unsigned int last)
     {
@@ -131,25 +131,26 @@ namespace tombolo
       double *const energy_density = points.component(energy_field, 0) + first;
       for (unsigned int p = 0; p < last - first; p += n_lanes)
       {
-        NodeLanes of_nodes[n_lanes];
+        NodeLanes node_residuals[n_lanes];
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          of_nodes[lane] = first + p + lane < last ? load_node(residuals + node_stride * (p + lane))
-                                                   : NodeLanes(0.);
+          node_residuals[lane] = first + p + lane < last
+                                     ? load_node(residuals + node_stride * (p + lane))
+                                     : NodeLanes(0.);
         Lanes elastic[3];
-        nodes_to_lanes(of_nodes, elastic);
+        nodes_to_lanes(node_residuals, elastic);
         const Lanes area = load_lanes(&squared_length[first + p]);
         const Lanes modulus = factor / area;
         if (can_flow)
-          let_slip(points, first, p, spin, elastic);
+          apply_slip(points, first, p, spin, elastic);
         store_lanes(
             0.5 * modulus *
                 (elastic[0] * elastic[0] + elastic[1] * elastic[1] + elastic[2] * elastic[2]),
             energy_density + p);
         for (Lanes &component : elastic)
           component *= modulus * load_lanes(&volume[first + p]);
-        lanes_to_nodes(elastic, of_nodes);
+        lanes_to_nodes(elastic, node_residuals);
         for (unsigned int lane = 0; lane < n_lanes && first + p + lane < last; ++lane)
-          store_node(of_nodes[lane], residuals + node_stride * (p + lane));
+          store_node(node_residuals[lane], residuals + node_stride * (p + lane));
       }
     }
 
@@ -165,8 +166,8 @@ namespace tombolo
       }
     }
 
-    /** Adds to the equations of the row of @p particle, in the block from @p first on, what its
-     * residual adds, with a secant of what is limited and the slip of before the step. */
+    /** Adds the terms of the residual to the equations of the row of @p particle, in the block from
+     * @p first on, with a secant of what is limited and the slip before the step. */
     void add_tangent(const Stencils &shape, const MaterialPoints &points, const unsigned int first,
                      const unsigned int particle, const NodalVector &position,
                      CellEquations &equations) const
@@ -184,11 +185,11 @@ namespace tombolo
       // D = a (I - e e) + b e e, with the direction e of r - s.
       double across = stiffness(particle), along = across;
       const double length = std::sqrt(squared);
-      const Range of_lanes = elastic_range(points, first, 0);
-      const double largest = of_lanes.length[particle - first];
+      const Range range = elastic_range(points, first, 0);
+      const double largest = range.length[particle - first];
       if (length > largest)
       {
-        const double beyond = of_lanes.beyond[particle - first];
+        const double beyond = range.beyond[particle - first];
         across *= (largest + beyond * (length - largest)) / length;
         along *= beyond;
       }
@@ -197,8 +198,8 @@ namespace tombolo
       std::vector<double> weight(n_nodes, 0.);
       const auto add = [&](const unsigned int node, const double value)
       {
-        const auto place = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
-        weight[static_cast<std::size_t>(place - equations.nodes.begin())] += value;
+        const auto found = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
+        weight[static_cast<std::size_t>(found - equations.nodes.begin())] += value;
       };
       for (unsigned int n = 0; n < row.size; ++n)
       {
@@ -257,12 +258,12 @@ namespace tombolo
     }
 
     static void scatter(const Stencils::Row &row, const unsigned int own,
-                        const NodeLanes &of_residual, NodalVector &force)
+                        const NodeLanes &residual_force, NodalVector &force)
     {
       NodeLanes all = 0.;
       for (unsigned int k = 0; k < row.size; ++k)
       {
-        const NodeLanes share = row.value[k] * of_residual;
+        const NodeLanes share = row.value[k] * residual_force;
         double *const at = force.node(row.neighbour[k]);
         store_node(load_node(at) + share, at);
         all += share;
@@ -301,31 +302,32 @@ namespace tombolo
       where(flow > 0., result.beyond) = stress / (stress + 10. * shear_modulus * flow);
       return result;
     }
-    /** Turns the slip of these particles by @p spin, takes it from their residuals, and lets it
-     * take what is beyond their range. */
-    void let_slip(MaterialPoints &points, const unsigned int first, const unsigned int p,
-                  const double *const spin[3], Lanes (&elastic)[3]) const
+    /** Turns the slip of these particles by @p spin, subtracts it from their residuals, and adds to
+     * it what is beyond their range. */
+    void apply_slip(MaterialPoints &points, const unsigned int first, const unsigned int p,
+                    const double *const spin[3], Lanes (&elastic)[3]) const
     {
       double *slip[3];
-      Lanes of_slip[3], squared = 0.;
+      Lanes slip_values[3], squared = 0.;
       for (unsigned int d = 0; d < 3; ++d)
       {
         slip[d] = points.component(slip_field, d) + first + p;
-        of_slip[d] = load_lanes(slip[d]);
+        slip_values[d] = load_lanes(slip[d]);
       }
-      const bool has_slip = any_of(of_slip[0] != 0. || of_slip[1] != 0. || of_slip[2] != 0.);
+      const bool has_slip =
+          any_of(slip_values[0] != 0. || slip_values[1] != 0. || slip_values[2] != 0.);
       if (has_slip)
       {
-        const Lanes of_step[3] = {load_lanes(spin[0] + p), load_lanes(spin[1] + p),
-                                  load_lanes(spin[2] + p)};
-        const Matrix3<Lanes> turn = rotation_of(of_step);
-        const Lanes former[3] = {of_slip[0], of_slip[1], of_slip[2]};
+        const Lanes step_spin[3] = {load_lanes(spin[0] + p), load_lanes(spin[1] + p),
+                                    load_lanes(spin[2] + p)};
+        const Matrix3<Lanes> turn = rotation_of(step_spin);
+        const Lanes former[3] = {slip_values[0], slip_values[1], slip_values[2]};
         for (unsigned int d = 0; d < 3; ++d)
-          of_slip[d] = turn(d, 0) * former[0] + turn(d, 1) * former[1] + turn(d, 2) * former[2];
+          slip_values[d] = turn(d, 0) * former[0] + turn(d, 1) * former[1] + turn(d, 2) * former[2];
       }
       for (unsigned int d = 0; d < 3; ++d)
       {
-        elastic[d] -= of_slip[d];
+        elastic[d] -= slip_values[d];
         squared += elastic[d] * elastic[d];
       }
       const Range range = elastic_range(points, first, p);
@@ -338,7 +340,7 @@ namespace tombolo
         where(is_beyond, share) = kept / length;
         for (unsigned int d = 0; d < 3; ++d)
         {
-          of_slip[d] += (1. - share) * elastic[d];
+          slip_values[d] += (1. - share) * elastic[d];
           elastic[d] *= share;
         }
         // Work is found from the mean of the forces at both ends of a step.
@@ -352,7 +354,7 @@ namespace tombolo
       else if (!has_slip)
         return;
       for (unsigned int d = 0; d < 3; ++d)
-        store_lanes(of_slip[d], slip[d]);
+        store_lanes(slip_values[d], slip[d]);
     }
 
     static constexpr double default_coefficient = 0.9, default_limit = 0.001;

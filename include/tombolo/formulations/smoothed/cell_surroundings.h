@@ -86,7 +86,7 @@ namespace tombolo
     void find_void_nodes(const PartSetup<dim> &setup, const ParticleSet<dim> &own,
                          const std::vector<SmoothedCell<dim>> &cells,
                          const std::vector<dealii::types::global_dof_index> &nodes,
-                         std::vector<bool> &of_nodes)
+                         std::vector<bool> &void_flags)
     {
       if (setup.void_cells == nullptr)
         return;
@@ -98,14 +98,14 @@ namespace tombolo
           *n_full.node(partition->local_index(node)) += cell.is_void ? 0. : 1.;
       n_full.sum_over_ranks();
       for (const dealii::types::global_dof_index node : nodes)
-        of_nodes.push_back(*n_full.node(partition->local_index(node)) == 0.);
+        void_flags.push_back(*n_full.node(partition->local_index(node)) == 0.);
     }
 
     /** Collective. */
     template <int dim>
     void find_bodies(const PartSetup<dim> &setup, const ParticleSet<dim> &own,
                      const std::vector<dealii::types::global_dof_index> &nodes,
-                     std::vector<double> &of_nodes)
+                     std::vector<double> &node_bodies)
     {
       const Bodies<dim> bodies(*setup.nodes);
       if (bodies.n_bodies() == 1)
@@ -115,7 +115,7 @@ namespace tombolo
           scalar_field(partition, [&](const unsigned int i)
                        { return static_cast<double>(bodies.body_of(partition->global_index(i))); });
       for (const dealii::types::global_dof_index node : nodes)
-        of_nodes.push_back(*body.node(partition->local_index(node)));
+        node_bodies.push_back(*body.node(partition->local_index(node)));
     }
 
     /** The two corners of a facet on a face. */
@@ -172,8 +172,8 @@ namespace tombolo
       internal::find_void_nodes(setup, own, cells, node, is_void);
     }
 
-    /** The place of a node that is there. */
-    unsigned int place_of(const dealii::types::global_dof_index number) const
+    /** The index of a node in the cloud. */
+    unsigned int index_of(const dealii::types::global_dof_index number) const
     {
       const auto found = std::lower_bound(node.begin(), node.end(), number);
       Assert(found != node.end() && *found == number, dealii::ExcInternalError());
@@ -306,12 +306,12 @@ namespace tombolo
     NodeCloud<dim> cloud;
     SharedFacets<dim> shared_facets;
 
-    /** The nodes in full cells of the same body whose supports reach a cell: places in the cloud,
+    /** The nodes in full cells of the same body whose supports reach a cell: indices in the cloud,
      * ascending. */
     void find_neighbours(const std::size_t cell, std::vector<std::size_t> &result) const
     {
       const double body =
-          cloud.body.empty() ? 0. : cloud.body[cloud.place_of(cells[cell].nodes.front())];
+          cloud.body.empty() ? 0. : cloud.body[cloud.index_of(cells[cell].nodes.front())];
       result.clear();
       for (std::size_t k = first[cell]; k < first[cell + 1]; ++k)
       {
@@ -322,7 +322,7 @@ namespace tombolo
       }
     }
 
-    /** Whether the support of a node reaches a cell, void ones too; by the place in the cloud. */
+    /** Whether the support of a node reaches a cell, void ones too; by the index in the cloud. */
     std::vector<bool> reaches_cells() const
     {
       std::vector<bool> result(cloud.node.size(), false);
@@ -332,7 +332,7 @@ namespace tombolo
     }
 
   private:
-    std::vector<unsigned int> reaching; // places in the cloud, cell by cell
+    std::vector<unsigned int> reaching; // indices in the cloud, cell by cell
     std::vector<std::size_t> first;     // of each cell
   };
 } // namespace tombolo

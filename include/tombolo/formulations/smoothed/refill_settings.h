@@ -93,7 +93,7 @@ namespace tombolo
       return section.has_value();
     }
 
-    /** The displacement of the mesh to whose places nodes go; nothing if it stays. Throws
+    /** The displacement of the mesh to whose positions nodes go; nothing if it stays. Throws
      * InputError. Collective. */
     std::optional<Expression<dim>> motion() const
     {
@@ -135,7 +135,7 @@ namespace tombolo
 
     double stretch = 0;          ///< largest ratio of principal stretches since the last refill
     unsigned int layers = 0;     ///< of cells around one beyond a limit that are refilled with it
-    unsigned int interval = 1;   ///< cells are looked at every so many steps
+    unsigned int interval = 1;   ///< cells are checked every so many steps
     bool surface_slides = false; ///< nodes of the surface slide on it, and do not stay
     bool fills_cells = false;    ///< refills fill and empty cells: void_cells() has something
 

@@ -21,7 +21,7 @@ namespace tombolo
 {
   /**
    * Which cells of a part are void: cells of the mesh without material, which a refill can fill, as
-   * it can empty others. Known of owned and of ghost cells. Off, all cells are full.
+   * it can empty others. Holds owned and ghost cells. Off, all cells are full.
    */
   template <int dim>
   class VoidCells
@@ -68,13 +68,13 @@ namespace tombolo
     /** Of the owned cells of the part, in the order of active cells. */
     const std::vector<bool> &of_cells() const
     {
-      return of_owned;
+      return owned_flags;
     }
 
-    /** Other ones, in this order. Collective. */
+    /** Sets other void cells, in this order. Collective. */
     void set(const std::vector<bool> &is_void)
     {
-      of_owned = is_void;
+      owned_flags = is_void;
       flags.assign(nodes->dof_handler().get_triangulation().n_active_cells(), false);
       std::size_t c = 0;
       for (const Cell &cell : cells_of_part(*nodes, *part_cells, part))
@@ -86,7 +86,7 @@ namespace tombolo
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     unsigned int part = 0;
-    std::vector<bool> of_owned;
+    std::vector<bool> owned_flags;
     std::vector<bool> flags; // by the index of active cells
   };
 
@@ -102,9 +102,10 @@ namespace tombolo
       return dealii::Utilities::MPI::max(result ? 1 : 0, setup.communicator) != 0;
     }
 
-    /** The place of a full cell at which one of the smaller cells beside it is void. Collective. */
+    /** The centre of a full cell at which one of the smaller cells beside it is void.
+     * Collective. */
     template <int dim>
-    std::string cell_at_smaller_void_ones(const PartSetup<dim> &setup)
+    std::string cell_beside_void_cells(const PartSetup<dim> &setup)
     {
       std::string result;
       for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
@@ -116,14 +117,14 @@ namespace tombolo
             {
               result = as_text("(", cell->center(), ")");
             }
-      for (const std::string &of_rank : texts_of_ranks(setup.communicator, result))
-        if (!of_rank.empty())
-          return of_rank;
+      for (const std::string &rank_text : texts_of_ranks(setup.communicator, result))
+        if (!rank_text.empty())
+          return rank_text;
       return {};
     }
 
     template <int dim>
-    void check_conversion(const PartSetup<dim> &of_part, const RefillSettings<dim> &refill,
+    void check_conversion(const PartSetup<dim> &setup, const RefillSettings<dim> &refill,
                           const ConversionCriterion &conversion)
     {
       if (refill.fills_cells)
@@ -137,53 +138,53 @@ namespace tombolo
       if (refill.is_on() && !refill.is_conservative())
         conversion.refuse("values at new places (`Refill remap`) say nothing of cells that have "
                           "become particles; allowed with it is conservative.");
-      if (has_cells_with_further_nodes(of_part))
+      if (has_cells_with_further_nodes(setup))
         conversion.refuse("the part has cells beside cells of half their size (`Refine where`); "
                           "allowed are parts without such faces.");
     }
   } // namespace internal
 
-  /** @p of_part with void cells: those that its refills begin with, and those that become particles
+  /** @p setup with void cells: those that its refills begin with, and those that become particles
    * by @p conversion. They are kept in @p voids. Throws InputError where a part cannot be refilled,
    * or its cells cannot become particles. Collective. */
   template <int dim>
-  PartSetup<dim> with_void_cells(const PartSetup<dim> &of_part, const RefillSettings<dim> &refill,
+  PartSetup<dim> with_void_cells(const PartSetup<dim> &setup, const RefillSettings<dim> &refill,
                                  const ConversionCriterion &conversion, VoidCells<dim> &voids)
   {
-    PartSetup<dim> result = of_part;
+    PartSetup<dim> result = setup;
     if (conversion.is_on())
     {
-      internal::check_conversion(of_part, refill, conversion);
-      voids.initialize(of_part);
+      internal::check_conversion(setup, refill, conversion);
+      voids.initialize(setup);
       result.void_cells = &voids;
     }
     if (!refill.is_on())
       return result;
-    if (!of_part.has_mechanics)
+    if (!setup.has_mechanics)
       refill.refuse("the scene has no mechanics, since its materials have no stresses; "
                     "nothing is deformed.");
-    if (refill.motion() && internal::has_cells_with_further_nodes(of_part))
+    if (refill.motion() && internal::has_cells_with_further_nodes(setup))
       refill.refuse("the part has cells beside cells of half their size (`Refine where`), "
                     "whose nodes stay; allowed is one of both.",
                     "Refill motion");
     const auto is_void = refill.void_cells();
     if (!is_void)
       return result;
-    if (!of_part.nodes->images()->empty())
+    if (!setup.nodes->images()->empty())
       refill.refuse("the scene has " + Images::words(false) +
                         ", at which cells are neither filled nor emptied; allowed is the "
                         "whole body.",
                     "Refill void cells");
-    voids.initialize(of_part, *is_void);
+    voids.initialize(setup, *is_void);
     result.void_cells = &voids;
-    if (const std::string place = internal::cell_at_smaller_void_ones(result); !place.empty())
-      refill.refuse("smaller cells beside the full cell around " + place +
+    if (const std::string centre = internal::cell_beside_void_cells(result); !centre.empty())
+      refill.refuse("smaller cells beside the full cell around " + centre +
                         " are void; allowed are void cells beside full ones of their own "
                         "size, or of half of it.",
                     "Refill void cells");
     const auto &flags = voids.of_cells();
     const bool has_full = std::find(flags.begin(), flags.end(), false) != flags.end();
-    if (dealii::Utilities::MPI::max(has_full ? 1 : 0, of_part.communicator) == 0)
+    if (dealii::Utilities::MPI::max(has_full ? 1 : 0, setup.communicator) == 0)
       refill.refuse("all cells of the part are void; allowed is a predicate that is false "
                     "at the centre of some.",
                     "Refill void cells");

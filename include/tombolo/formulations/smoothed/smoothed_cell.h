@@ -109,7 +109,7 @@ namespace tombolo
     /** A vertex: the sum of the shares of nodes. */
     struct Vertex
     {
-      dealii::Point<dim> place;
+      dealii::Point<dim> position;
       std::vector<std::pair<dealii::types::global_dof_index, double>> row;
     };
 
@@ -122,37 +122,38 @@ namespace tombolo
     /** Area times normal, from `from` to `to` [L^(dim-1)]. */
     dealii::Tensor<1, dim> area() const
     {
-      std::array<dealii::Point<dim>, dim> places;
+      std::array<dealii::Point<dim>, dim> positions;
       for (unsigned int v = 0; v < dim; ++v)
-        places[v] = vertices[v].place;
-      return SubCells<dim>::area_of(places, orientation);
+        positions[v] = vertices[v].position;
+      return SubCells<dim>::area_of(positions, orientation);
     }
   };
 
   /** The facets of the sub-cells of a cell. Where nodes are not in the middle of their edge, facets
    * are two @p at_edge_nodes of faces without further nodes. Their number and order do not depend
-   * on places. */
+   * on positions. */
   template <int dim>
   std::vector<CellFacet<dim>> facets_of(const SmoothedCell<dim> &cell, bool at_edge_nodes);
 
-  /** The facets of a cell where its nodes are now, in the order of those of its start. @p place_of:
-   * the place of a node by its global number. */
-  template <int dim, typename PlaceOf>
-  std::vector<CellFacet<dim>> present_facets(const SmoothedCell<dim> &cell, const PlaceOf &place_of)
+  /** The facets of a cell where its nodes are now, in the order of those of its start. @p
+   * position_of: the position of a node by its global number. */
+  template <int dim, typename PositionOf>
+  std::vector<CellFacet<dim>> present_facets(const SmoothedCell<dim> &cell,
+                                             const PositionOf &position_of)
   {
     SmoothedCell<dim> present = cell;
     for (unsigned int k = 0; k < present.corners.size(); ++k)
-      present.corners[k] = place_of(cell.nodes[k]);
+      present.corners[k] = position_of(cell.nodes[k]);
     for (FaceNodes<dim> &face : present.face_nodes)
       for (auto &part : face.parts)
         for (unsigned int k = 0; k < part.nodes.size(); ++k)
-          part.points[k] = place_of(part.nodes[k]);
+          part.points[k] = position_of(part.nodes[k]);
     for (EdgeNode<dim> &edge : present.edge_nodes)
-      edge.point = place_of(edge.node);
+      edge.point = position_of(edge.node);
     std::vector<CellFacet<dim>> result = facets_of(present, true);
-    const std::vector<CellFacet<dim>> of_start = facets_of(cell, true);
+    const std::vector<CellFacet<dim>> initial_facets = facets_of(cell, true);
     for (std::size_t f = 0; f < result.size(); ++f)
-      result[f].orientation = of_start[f].orientation;
+      result[f].orientation = initial_facets[f].orientation;
     return result;
   }
 
@@ -162,7 +163,7 @@ namespace tombolo
   volumes_within(const std::vector<CellFacet<dim>> &facets)
   {
     std::array<double, SubCells<dim>::n_sub_cells> result{};
-    const dealii::Point<dim> origin = facets.front().vertices.front().place;
+    const dealii::Point<dim> origin = facets.front().vertices.front().position;
     for (const CellFacet<dim> &facet : facets)
     {
       const double volume = facet.area() * (facet.centroid() - origin) / dim;
@@ -174,10 +175,10 @@ namespace tombolo
   }
 
   /**
-   * What the masses of the further nodes of cells have of these, and what their corners have less:
-   * a cell with nodes on its faces gives its mass to its corners and to these nodes, as the
-   * simplices of its sub-cells lie. The mass of each cell stays, and where its faces are plane its
-   * centre. Without it such a node would have the stiffness of a large cell and none of its mass.
+   * Differences between the lumped masses of cells with and without further nodes: a cell with
+   * nodes on its faces gives its mass to its corners and to these nodes, as the simplices of its
+   * sub-cells lie. The mass of each cell stays, and where its faces are plane its centre. Without
+   * it such a node would have the stiffness of a large cell and none of its mass.
    */
   template <int dim>
   class FurtherMasses
@@ -198,9 +199,9 @@ namespace tombolo
     /** Adds (f - 1) times them, with a factor f for each cell of the part on this rank. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
-    /** Adds what these nodes get, and corners less, of numbers that cells of the part on this rank
-     * give to their nodes by mass. */
-    void add_shares(const std::vector<double> &of_cells, NodalVector &result) const;
+    /** Adds the differences of the same kind for numbers that cells of the part on this rank
+     * distribute to their nodes by mass. */
+    void add_shares(const std::vector<double> &cell_values, NodalVector &result) const;
 
   private:
     struct Entry

@@ -25,11 +25,11 @@ namespace tombolo
 {
   /**
    * An element-free Galerkin part: cells whose functions are those of a convex approximation, with
-   * smoothed gradients (SmoothedGradients). Its nodes are nodes of elements to everybody else:
+   * smoothed gradients (SmoothedGradients). Its nodes are nodes of elements for other parts:
    * masses are lumped as those of linear elements, velocities are not smoothed, loads and contact
    * act at the nodes, and elements beside it share nodes without a bridge. A plane of symmetry is a
-   * boundary: the functions do not see the image of the part. Cells may lie beside cells of half
-   * their size (FaceNodes).
+   * boundary: the functions do not include the image of the part. Cells may lie beside cells of
+   * half their size (FaceNodes).
    */
   template <int dim>
   class SmoothedCells : public LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>
@@ -56,13 +56,13 @@ namespace tombolo
     StepCost step_cost(const Material &material, const double /*box_ratio*/) const override
     {
       constexpr double cost_per_point = 60.; // of an element's, by the time of a step
-      return StepCosts::of_elements(dim, 1, rows.n_points_per_cell(), cost_per_point, material);
+      return StepCosts::element_cost(dim, 1, rows.n_points_per_cell(), cost_per_point, material);
     }
-    void initialize(const PartSetup<dim> &of_part) override
+    void initialize(const PartSetup<dim> &part_setup) override
     {
-      setup = with_void_cells(of_part, refill_settings, criterion, voids);
+      setup = with_void_cells(part_setup, refill_settings, criterion, voids);
       part_points.initialize(setup.material, setup.heat, setup.has_mechanics);
-      cell_points.take_cells(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
+      cell_points.set_cells(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
       further_masses.initialize(setup);
       if (refill().is_on())
         rows.prepare_positions();
@@ -70,12 +70,12 @@ namespace tombolo
       CellBatches<dim> &cells = cell_points.cells();
       if (setup.has_mechanics)
         cell_points.create_points(rows.corner_shares(), void_cells().is_on()
-                                                            ? cells.n_batches_of_places()
+                                                            ? cells.n_batches_of_slots()
                                                             : cells.n_batches());
       if (void_cells().is_on())
       {
         cell_points.remove(void_cells().of_cells(), this->points());
-        take_masses_of_void_cells();
+        remove_masses_of_void_cells();
       }
       integration.create_points();
       criterion.initialize(this->points(), setup.has_mechanics);
@@ -126,17 +126,17 @@ namespace tombolo
       Base::add_extra_mass(inertia, mass);
       further_masses.add_extra_mass(inertia, mass);
     }
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+    void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,
                         const NodalVector &temperature, NodalVector &heat_rate) const override
     {
       rows.add_conduction(cell_points.cells(), part_points.heat()->conductivity(), position,
-                          of_conductivity, temperature, heat_rate);
+                          conductivity_temperature, temperature, heat_rate);
     }
     void add_plastic_heat(NodalVector &to_nodes) override
     {
-      std::vector<double> of_cells;
-      cell_points.add_plastic_heat(part_points, to_nodes, &of_cells);
-      further_masses.add_shares(of_cells, to_nodes);
+      std::vector<double> cell_heat;
+      cell_points.add_plastic_heat(part_points, to_nodes, &cell_heat);
+      further_masses.add_shares(cell_heat, to_nodes);
     }
     bool is_removed(const unsigned int cell) const override
     {
@@ -174,7 +174,7 @@ namespace tombolo
     {
       lost_cells.convert(converted, this->n_cells());
       set_void_cells(lost_cells.flags());
-      take_masses_of_void_cells();
+      remove_masses_of_void_cells();
       // Functions of the cells that are left end where those are that have become particles.
       rows.initialize(setup, reference.partition() != nullptr ? &reference : nullptr);
     }
@@ -184,8 +184,8 @@ namespace tombolo
     }
 
     /** @name Refills
-     * The reference configuration of the functions becomes a later one, with nodes at other places.
-     * Points and masses are given by whoever does it. */
+     * The reference configuration of the functions becomes a later one, with nodes at other
+     * positions. The caller sets points and masses. */
     ///@{
     const RefillSettings<dim> &refill() const
     {
@@ -203,7 +203,7 @@ namespace tombolo
         if (determinant(f) <= smallest_ratio)
           return true;
         const dealii::SymmetricTensor<2, dim> squared = symmetrize(transpose(f) * f);
-        // Gershgorin's bounds of the eigenvalues mostly tell.
+        // Gershgorin's bounds of the eigenvalues mostly suffice.
         double lower = std::numeric_limits<double>::max(), upper = 0;
         for (unsigned int a = 0; a < dim; ++a)
         {
@@ -248,18 +248,19 @@ namespace tombolo
     {
       return cell_points.cells().masses();
     }
-    /** Adds what further nodes have of cells beside them, and corners less (see FurtherMasses). */
+    /** Adds the masses of further nodes from cells beside them, less at their corners (see
+     * FurtherMasses). */
     void add_further_masses(NodalVector &mass) const
     {
       further_masses.add_mass(mass);
     }
-    void set_masses(const std::vector<double> &of_cells)
+    void set_masses(const std::vector<double> &cell_masses)
     {
-      cell_points.cells().set_masses(of_cells);
+      cell_points.cells().set_masses(cell_masses);
     }
 
-    /** Takes these positions as the reference configuration; required_nodes() stay. Rows must not
-     * be used before set_partition(). Throws the InputError of SmoothedGradients::initialize(), and
+    /** Uses these positions as the reference configuration; required_nodes() stay. Rows must not be
+     * used before set_partition(). Throws the InputError of SmoothedGradients::initialize(), and
      * stays as it is. Collective. */
     void renew_reference(const NodalVector &position)
     {
@@ -275,7 +276,7 @@ namespace tombolo
     ///@}
 
   private:
-    void take_masses_of_void_cells()
+    void remove_masses_of_void_cells()
     {
       std::vector<double> masses = masses_of_cells();
       for (unsigned int cell = 0; cell < this->n_cells(); ++cell)

@@ -81,7 +81,7 @@ namespace tombolo
       return point_volumes;
     }
 
-    /** The shares of the corners of its cell (lexicographic) in the place of each point. */
+    /** The shares of the corners of its cell (lexicographic) in the position of each point. */
     const std::vector<std::vector<double>> &corner_shares() const
     {
       return shares_of_points;
@@ -90,7 +90,7 @@ namespace tombolo
     /** Formulation::add_conduction(): -Σ_q V_q k ∇θ · ∇φ with the gradients carried to the present
      * @p position, and k at the mean of the corners of each point. */
     void add_conduction(const CellBatches<dim> &cells, const TemperatureTable &conductivity,
-                        const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &position, const NodalVector &conductivity_temperature,
                         const NodalVector &temperature, NodalVector &heat_rate) const;
 
     /** Formulation::find_couplings(): a cell acts on all neighbours of its points. */

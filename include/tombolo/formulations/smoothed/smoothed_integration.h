@@ -41,12 +41,12 @@ namespace tombolo
     {
       if (!part.has_mechanics())
         return;
-      part.create(points.n_points_of_places());
+      part.create(points.n_points_of_slots());
       const CellBatches<dim> &cells = points.cells();
-      for (unsigned int place = 0; place < cells.n_present_cells(); ++place)
+      for (unsigned int slot = 0; slot < cells.n_present_cells(); ++slot)
         for (unsigned int q = 0; q < points.n_points_per_cell(); ++q)
         {
-          const unsigned int point = points.point_of_place(place, q);
+          const unsigned int point = points.point_of_slot(slot, q);
           part.points().component(MaterialPoints::volume, 0)[point] = rows.volumes()[point];
         }
       part.begin_with_volumes(dim);
@@ -76,11 +76,12 @@ namespace tombolo
               for (unsigned int q = 0; q < n_points; ++q)
                 for (unsigned int i = 0; i < dim; ++i)
                   motion.gradient[q](i, i) -= motion.shared[q];
-              sweep.move_cells(
-                  0, points.cells().n_valid(batch), motion.gradient, motion.volume,
-                  part.is_logarithmic(), increments,
-                  [&](MotionIncrement<Lanes>(&of_points)[n_points])
-                  { MeanDilatation::share<dim>(part.is_logarithmic(), motion.volume, of_points); });
+              sweep.move_cells(0, points.cells().n_valid(batch), motion.gradient, motion.volume,
+                               part.is_logarithmic(), increments,
+                               [&](MotionIncrement<Lanes>(&point_motions)[n_points]) {
+                                 MeanDilatation::share<dim>(part.is_logarithmic(), motion.volume,
+                                                            point_motions);
+                               });
               if (part.heating().is_on())
                 points.interpolate(batch, *input.temperature, sweep.nodal_temperature);
               sweep.update_stress();
@@ -113,7 +114,7 @@ namespace tombolo
           });
     }
     /** See Formulation::find_volumes(). */
-    void take_volumes(const NodalVector &position, const std::vector<bool> &are_new)
+    void set_volumes(const NodalVector &position, const std::vector<bool> &are_new)
     {
       with_points(
           [&](const auto number)
@@ -123,8 +124,8 @@ namespace tombolo
             for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
             {
               find_motion(batch, position, position, motion); // of which the volumes matter
-              MeanDilatation::take_volumes(part.points(), std::size_t(batch) * n_points * n_lanes,
-                                           motion.volume, part.is_logarithmic(), are_new);
+              MeanDilatation::set_volumes(part.points(), std::size_t(batch) * n_points * n_lanes,
+                                          motion.volume, part.is_logarithmic(), are_new);
             }
           });
     }
@@ -162,10 +163,11 @@ namespace tombolo
               stiffness->find(first, gradients, temperature);
               for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
               {
-                std::array<Stencils::Row, n_points> of_cell{};
+                std::array<Stencils::Row, n_points> cell_rows{};
                 for (unsigned int q = 0; q < n_points; ++q)
-                  of_cell[q] = stencils.row(static_cast<unsigned int>(first) + q * n_lanes + lane);
-                stiffness->hand_over(lane, of_cell, take);
+                  cell_rows[q] =
+                      stencils.row(static_cast<unsigned int>(first) + q * n_lanes + lane);
+                stiffness->hand_over(lane, cell_rows, take);
               }
             }
           });

@@ -96,24 +96,25 @@ namespace tombolo
           cell_points.fill_unused_lanes(points, f);
     }
 
-    /** Lets points have the present @p temperature of the nodes (slot 0), raised by the plastic
-     * heat that they hold, without expansion. */
+    /** Sets the temperature of points to the present @p temperature of the nodes (slot 0), raised
+     * by the plastic heat that they hold, without expansion. */
     void settle_temperature(const NodalVector &temperature)
     {
       if (!heating.is_on())
         return;
       const unsigned int n_points = rows.n_points_per_cell();
       const CellBatches<dim> &cells = cell_points.cells();
-      std::vector<double> of_nodes(n_points * n_lanes);
+      std::vector<double> nodal_temperatures(n_points * n_lanes);
       for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
       {
-        cell_points.interpolate(batch, temperature, of_nodes.data());
+        cell_points.interpolate(batch, temperature, nodal_temperatures.data());
         for (unsigned int q = 0; q < n_points; ++q)
           for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
           {
             const unsigned int point = (batch * n_points + q) * n_lanes + lane;
             const double pending = heating.has_plastic_heat() ? heating.pending(points, point) : 0.;
-            heating.settle(points, point, 0., pending, of_nodes[q * n_lanes + lane]);
+            heating.set_pending_heat(points, point, 0., pending,
+                                     nodal_temperatures[q * n_lanes + lane]);
           }
       }
     }

@@ -93,18 +93,18 @@ namespace tombolo
     one_point
   };
 
-  /** The middle of a cell, and the derivative of places by those in the unit cell there, whose
-   * determinant is the volume of the point. */
+  /** The middle of a cell, and the derivative of positions with respect to those in the unit cell
+   * there, whose determinant is the volume of the point. */
   template <int dim>
   struct PointOfCell
   {
     explicit PointOfCell(const typename SubCells<dim>::Corners &corners);
 
-    dealii::Point<dim> place;
+    dealii::Point<dim> position;
     dealii::Tensor<2, dim> jacobian;
   };
 
-  /** Of each point or sub-cell the shares of the corners of its cell in its place. */
+  /** Of each point or sub-cell the shares of the corners of its cell in its position. */
   template <int dim>
   std::vector<std::vector<double>> corner_shares_of_points(SmoothedIntegrationRule rule);
 } // namespace tombolo

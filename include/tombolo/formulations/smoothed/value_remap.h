@@ -15,7 +15,7 @@ namespace tombolo
 
   /**
    * How a refill carries fields over where a plug-in does it, which `Refill remap` names: nodes and
-   * points that have moved get values at their new places. The remap of the library itself,
+   * points that have moved get values at their new positions. The remap of the library itself,
    * `conservative`, keeps sums; of these remaps the refill accounts for what they change, and
    * scales masses so that their sum stays. One object serves one part. All functions are
    * collective.
@@ -26,15 +26,16 @@ namespace tombolo
   public:
     virtual ~ValueRemap() = default;
 
-    /** Gives owned nodes that go from @p before to @p after the values of @p fields at their new
-     * places, and brings ghosts of the fields up to date. Nodes of other parts may be among them.
-     * Fields have node_stride slots each: velocities, and temperatures where there is heat. */
+    /** Sets @p fields of owned nodes that go from @p before to @p after to their values at the new
+     * positions, and updates ghosts of the fields. Nodes of other parts may be among them. Fields
+     * have node_stride slots each: velocities, and temperatures where there is heat. */
     virtual void remap_nodes(const std::vector<RemapCell<dim>> &cells, const NodalVector &before,
                              const NodalVector &after,
                              const std::vector<NodalVector *> &fields) const = 0;
 
-    /** Gives points of cells that have moved the values of @p points at their new places; masses
-     * stay. @p corner_shares: the shares of the corners of its cell in the place of each point. */
+    /** Sets the values of @p points at the new positions of points of cells that have moved; masses
+     * stay. @p corner_shares: the shares of the corners of its cell in the position of each
+     * point. */
     virtual void remap_points(const std::vector<RemapCell<dim>> &cells,
                               const std::shared_ptr<const NodePartition> &partition,
                               const std::vector<std::vector<double>> &corner_shares,
