@@ -28,7 +28,7 @@ namespace tombolo
       return linear > 0. || quadratic > 0.;
     }
 
-    /** What points must hold; none if off. */
+    /** The fields that points need; none if off. */
     std::vector<FieldDescription> variables() const;
 
     /** Finds the fields in @p points, whose volumes are those of the start; does nothing if off. */
@@ -54,7 +54,7 @@ namespace tombolo
       return points.component(tangent_field, 0);
     }
 
-    /** The field of what was dissipated per initial volume. */
+    /** The field of the dissipation per initial volume. */
     static const std::string dissipation_name;
 
   private:

@@ -29,7 +29,7 @@ namespace tombolo
   template <int dim>
   class VoidCells;
 
-  /** What a formulation is given to build itself: a part is cells × formulation × material. */
+  /** The arguments of Formulation::initialize(): a part is cells × formulation × material. */
   template <int dim>
   struct PartSetup
   {
@@ -83,7 +83,7 @@ namespace tombolo
     dealii::Point<3> place; ///< its current position
   };
 
-  /** What update_neighbourhoods() did. */
+  /** The result of update_neighbourhoods(). */
   enum class NeighbourhoodChange
   {
     none,
@@ -91,8 +91,8 @@ namespace tombolo
     neighbours ///< rows have other neighbours; shape functions are rebuilt
   };
 
-  /** What the nodes in the middle of the faces and edges of a cell are, where cells of half its
-   * size lie beside it. */
+  /** The nodes in the middle of the faces and edges of a cell, where cells of half its size lie
+   * beside it. */
   enum class MiddleNodes
   {
     refused,
@@ -110,7 +110,7 @@ namespace tombolo
     const NodalVector *temperature = nullptr;
   };
 
-  /** What a cell adds to the linear equations of a static step. */
+  /** The contribution of a cell to the linear equations of a static step. */
   struct CellEquations
   {
     std::vector<unsigned int> nodes; ///< local numbers
@@ -161,7 +161,7 @@ namespace tombolo
                               const std::vector<bool> & /*are_new*/)
     {}
 
-    /** What a step costs for cells and nodes of the part with points of @p material, in the
+    /** The cost of a step for cells and nodes of the part with points of @p material, in the
      * relative units of StepCosts, where the box along the axes around a cell has @p box_ratio
      * times its volume: supports are such boxes. The mesh is distributed so that all ranks have the
      * same sum of it. Called before initialize(). The default is about that of an element with
@@ -196,7 +196,7 @@ namespace tombolo
      * -Gᵀ(V σ) (eq. 16) to @p force. */
     virtual void add_internal_force(const MechanicalInput &input, NodalVector &force) = 0;
 
-    /** What the time of add_internal_force() is counted as: a literal. */
+    /** The phase that the time of add_internal_force() is counted as: a literal. */
     virtual const char *phase() const
     {
       return "element forces";
@@ -276,7 +276,7 @@ namespace tombolo
       return limit;
     }
 
-    /** Adds, as add_mass() does, what is more than the mass where each cell, in the order of
+    /** Adds, as add_mass() does, the mass beyond the initial one where each cell, in the order of
      * courant_limits(), has its factor among @p inertia times it. Elements only: the masses of
      * particles are those of their rows (Bridge::reinit()). */
     virtual void add_extra_mass(const std::vector<double> & /*inertia*/,
@@ -320,7 +320,8 @@ namespace tombolo
      * collected by the caller), and counts it as given. */
     virtual void add_plastic_heat(NodalVector & /*heat*/) {}
 
-    /** What add_plastic_heat() would add in all now, over this rank's points [M L^2/T^2]. */
+    /** The heat that add_plastic_heat() would add in all now, over this rank's points [M
+     * L^2/T^2]. */
     double pending_plastic_heat() const
     {
       return part_points.heating().pending(points());
@@ -401,7 +402,7 @@ namespace tombolo
      * Collective. */
     virtual void list(Records & /*records*/) {}
 
-    /** Computes what follows from what was read. @p buffer is a vector of positions
+    /** Computes the data that follow from those that were read. @p buffer is a vector of positions
      * with current ghosts, free to be overwritten. Collective. */
     virtual void complete_reading(NodalVector & /*buffer*/) {}
 

@@ -117,9 +117,9 @@ namespace tombolo
           stress[c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
     }
 
-    /** Sets what the points of @p batch, from @p first on, have beside stress, strain and volumes:
-     * the variables of the material, and with heat their temperature, which it advances from that
-     * of the nodes at the points; its change is kept in @p temperature_increment. */
+    /** Sets the data of the points of @p batch, from @p first on, beside stress, strain and
+     * volumes: the variables of the material, and with heat their temperature, which it advances
+     * from that of the nodes at the points; its change is kept in @p temperature_increment. */
     void complete(MaterialBatch &batch, std::size_t first, const double *nodal_temperature,
                   double *temperature_increment);
 

@@ -30,7 +30,7 @@ namespace tombolo
       return properties != nullptr;
     }
 
-    /** What points must hold; none if off. */
+    /** The fields that points need; none if off. */
     std::vector<FieldDescription> variables() const;
 
     /** Finds the fields. */

@@ -28,7 +28,7 @@ namespace tombolo
   class RowStiffness
   {
   public:
-    /** What the rows make of positions and displacements of the step, of n_lanes cells. */
+    /** The gradients of positions and displacements of the step by the rows, of n_lanes cells. */
     struct Gradients
     {
       Matrix3<Lanes> deformation[n_points];  ///< F
@@ -256,7 +256,7 @@ namespace tombolo
             Lanes &u = changed_gradients.displacement[q](k, l);
             const Lanes old_f = f, old_u = u;
             u = old_u + change;
-            const Lanes moved = u - old_u; // what is left of it after round-off
+            const Lanes moved = u - old_u; // the change after round-off
             f = old_f + gradients.is_deformed * moved;
             differentiate(q * n_of_point + k * dim + l, moved);
             f = old_f;

@@ -66,7 +66,7 @@ namespace tombolo
       result[2] = t[4] * a[0] + t[3] * a[1] + t[2] * a[2];
     }
 
-    /** Adds what acts on the neighbours to @p target, and to @p sum. */
+    /** Adds the action on the neighbours to @p target, and to @p sum. */
     template <int dim>
     TOMBOLO_ALWAYS_INLINE void act(const Lanes (&action)[dim], const unsigned int *node,
                                    const unsigned int n, Lanes (&sum)[dim], double *target)
@@ -76,7 +76,7 @@ namespace tombolo
       add_to_nodes(action, node, n, target);
     }
 
-    /** The opposite of what acts on its neighbours acts on a particle. */
+    /** Adds the opposite of the action on its neighbours to a particle. */
     template <int dim>
     TOMBOLO_ALWAYS_INLINE void act_back(const Lanes (&sum)[dim], const unsigned int particle,
                                         double *target)

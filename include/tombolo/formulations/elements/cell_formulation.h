@@ -147,7 +147,7 @@ namespace tombolo
         {
           const Lanes position = x[k][d], velocity = v[k][d];
           x[k][d] = position + change;
-          const Lanes moved = x[k][d] - position; // what is left of it after round-off
+          const Lanes moved = x[k][d] - position; // the change after round-off
           v[k][d] = velocity + moved / input.time_increment;
           find_motion(changed);
           find_force(changed, force);

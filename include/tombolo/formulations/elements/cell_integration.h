@@ -62,8 +62,8 @@ namespace tombolo
   };
 
   /**
-   * The integration of stresses over the cells of one part, for one element type: what the stresses
-   * of PartPoints do at the nodes.
+   * The integration of stresses over the cells of one part, for one element type: the nodal forces
+   * of the stresses of PartPoints.
    *
    * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
    * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by
@@ -388,7 +388,7 @@ namespace tombolo
       element.limit(work, flow_stress, variables_at(first, batch_variables));
     }
 
-    /** Volume times stress, and what acts beside it, at the points of a batch. */
+    /** Volume times stress, with the artificial pressure, at the points of a batch. */
     void integrate_stress(const unsigned int batch, Lanes (&stress)[n_points][6]) const
     {
       for (unsigned int q = 0; q < n_points; ++q)

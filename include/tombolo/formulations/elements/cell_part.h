@@ -245,7 +245,7 @@ namespace tombolo
     return limit;
   }
 
-  /** What all parts have whose points are in their cells; Points are PointsInCells. */
+  /** The common base of parts whose points are in their cells; Points are PointsInCells. */
   template <int dim, typename Points>
   class CellPart : public Formulation<dim>
   {

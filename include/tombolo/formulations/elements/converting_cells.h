@@ -82,8 +82,8 @@ namespace tombolo
       return false;
     }
 
-    /** A checkpoint has these @p cells as particles: what must be known of them before the state of
-     * the part is read. Collective. */
+    /** Sets the @p cells that are particles in a checkpoint, before the state of the part is read.
+     * Collective. */
     virtual void take_converted_cells(const std::vector<unsigned int> & /*cells*/) {}
 
     /** Keeps among the energies of this part what was dissipated in cells that it lost, and that

@@ -66,8 +66,8 @@ namespace tombolo
         lost[cell] = converted[cell] = true;
     }
 
-    /** Keeps of the energies that went with cells what these dissipate, but no account that
-     * particles have alone. */
+    /** Keeps the dissipation of the cells with these energies, but no account that particles have
+     * alone. */
     void keep_dissipated(const EnergyAccounts &cell_energies)
     {
       for (const EnergyAccounts::Account &account : cell_energies.accounts())
@@ -116,8 +116,7 @@ namespace tombolo
     }
 
   private:
-    /** What is dissipated in cells that are lost; particles that cells become have further
-     * accounts. */
+    /** The dissipation of lost cells; particles that cells become have further accounts. */
     static constexpr std::array<std::pair<std::string_view, EnergyKind>, 3> kept = {
         {{"plastic dissipation", EnergyKind::dissipated},
          {"viscous dissipation", EnergyKind::artificial},
@@ -195,8 +194,8 @@ namespace tombolo
     }
   }
 
-  /** What all parts have whose cells can become particles: when they do, and which are lost.
-   * Integration is what their stresses do at the nodes. */
+  /** The common base of parts whose cells can become particles: when they do, and which are lost.
+   * Integration computes the nodal forces of their stresses. */
   template <int dim, typename Points, typename Integration>
   class LosingCells : public CellPart<dim, Points>, public ConvertingCells<dim>
   {

@@ -238,8 +238,8 @@ namespace tombolo
     static constexpr bool limits_forces = true;
 
     /** Hourglass modes bend the cell, and a cell that flows bends at no more than its flow stress:
-     * their energy is at most κ σ²/(6G) V times the square of the limit. What is taken, less the
-     * half of the step's work that the smaller force did not do, is booked as dissipated. */
+     * their energy is at most κ σ²/(6G) V times the square of the limit. The energy removed, less
+     * the half of the step's work that the smaller force did not do, is booked as dissipated. */
     void limit(Work &work, const Lanes (&flow_stress)[1], ElementVariables variables) const
     {
       if (hourglass_limit == 0. || none_of(flow_stress[0] > 0.))

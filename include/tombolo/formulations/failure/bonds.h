@@ -81,7 +81,7 @@ namespace tombolo
       return is_broken_anywhere;
     }
 
-    /** What points must hold; none if off. */
+    /** The fields that points need; none if off. */
     std::vector<FieldDescription> variables() const
     {
       if (!is_on())
@@ -333,7 +333,7 @@ namespace tombolo
       return integral_over_initial_volume(points.points(), dissipation_name);
     }
 
-    /** Lists what is kept from step to step; rows are the particles. */
+    /** Lists the state that is kept from step to step; rows are the particles. */
     void list(Records &records)
     {
       if (!is_on())

@@ -114,7 +114,7 @@ namespace tombolo
    *
    * with sums over all contacts of each end, the smaller h of two parts, and A = V^((dim-1)/dim) of
    * the smaller particle: the exact exchange of one pair, and never past the temperatures of all
-   * that touch, whatever h. What one end gets the other loses, to round-off.
+   * that touch, whatever h. One end loses what the other receives, to round-off.
    */
   template <int dim>
   class FragmentFriction
@@ -403,7 +403,7 @@ namespace tombolo
     {
       return *parts[rows.site(row).part].kept;
     }
-    /** Ends a contact of a row: what the spring stores becomes heat. Half of it is this end's. */
+    /** Ends a contact of a row: the energy of the spring becomes heat. Half of it is this end's. */
     void release(const unsigned int row, RubbingSpring<dim> &spring)
     {
       const double taken = rows.shares[row] * 0.25 * spring.stiffness * spring.slip.norm_square();

@@ -49,7 +49,7 @@ namespace tombolo
   };
 
   /** The pairs of particles of one part: the neighbours of rows, whatever the rows do with them,
-   * and what makes kernel gradients of distances. It points to data of others. */
+   * and the kernel gradient over the distance. It points to data of others. */
   struct PairRows
   {
     const Stencils *shape;
@@ -188,7 +188,7 @@ namespace tombolo
   };
 
   /**
-   * What acts between pairs of particles with radial kernels beyond their stresses
+   * The interactions of pairs of particles with radial kernels beyond their stresses
    * (doc/pair_terms.md), each off unless chosen. With x_ij = x_i - x_j, v_ij = v_i - v_j, the
    * smoothing length h, the speed c of P waves and ∇φ_j = (m_j/ρ_i) ∇_iW_ij at the present
    * distance, whatever the gradients of the rows are corrected to, row i adds
@@ -481,8 +481,8 @@ namespace tombolo
     mutable dealii::AlignedVector<double> nodal_buffer; // node_stride each: a buffer
   };
 
-  /** What particle formulations have whose particles act on each other in pairs, beside what their
-   * rows do: with radial kernels. */
+  /** Particle formulations whose particles also act on each other in pairs, beside their rows: with
+   * radial kernels. */
   template <int dim>
   class PairInteractions
   {

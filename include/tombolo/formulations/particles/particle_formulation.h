@@ -75,7 +75,7 @@ namespace tombolo
       return stencils().particle_node;
     }
 
-    /** What particles do in pairs; null: nothing. */
+    /** The interactions of particles in pairs; null: none. */
     virtual const PairInteractions<dim> *pairs() const
     {
       return nullptr;
@@ -156,7 +156,7 @@ namespace tombolo
      * these gain mass and the mean of both states, by volume. @p position has current ghosts; @p
      * state is that of the new cells. Null when a checkpoint is read: the state follows. @p volumes
      * are the initial ones of all particles at owned nodes [L^dim]; null: those of the mesh.
-     * Afterwards what is needed is other than before, as when update_neighbourhoods() finds other
+     * Afterwards other nodes are needed than before, as when update_neighbourhoods() finds other
      * neighbours. Only where can_add_particles() and PartSetup::source is given. Collective. */
     virtual void add_particles(const CellSelection<dim> & /*is_taken*/,
                                const NodalVector & /*position*/, const StateTransfer * /*state*/,
@@ -187,11 +187,11 @@ namespace tombolo
       return nullptr;
     }
 
-    /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */
+    /** Sets the function that update_neighbourhoods() calls before it changes shape functions, on
+     * all ranks. */
     virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
 
-    /** What the shape functions are, for the audit; empty: the name of the formulation is enough.
-     */
+    /** The shape functions, for the audit; empty: the name of the formulation is enough. */
     virtual std::string shape_functions() const
     {
       return {};

@@ -270,7 +270,7 @@ namespace tombolo
     }
 
   protected:
-    /** The entries of what is shared. */
+    /** The shared entries. */
     static void declare_shared_parameters(const Entries &e,
                                           const std::string &default_configuration)
     {

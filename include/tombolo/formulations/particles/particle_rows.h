@@ -47,7 +47,7 @@ namespace tombolo
     ParticleRows(const ParticleRows &) = delete;
     ParticleRows &operator=(const ParticleRows &) = delete;
 
-    /** @name What rows are filled with */
+    /** @name The functions of the rows */
     ///@{
     /** Fills value and gradient of @p stencils, the rows of @p found, for nodes at @p position with
      * half widths @p support (both with the numbers of the rows, node_stride a node), and lists
@@ -87,12 +87,12 @@ namespace tombolo
     {
       return nullptr;
     }
-    /** What resists modes that hardly change the gradients of the particles; null: nothing. */
+    /** The control of modes that hardly change the gradients of the particles; null: none. */
     virtual ZeroEnergyControl *zero_energy_control()
     {
       return nullptr;
     }
-    /** What the functions are, for the audit. */
+    /** The functions, for the audit. */
     virtual std::string functions() const
     {
       return {};

@@ -50,7 +50,7 @@ namespace tombolo
       return {std::move(friction), std::move(conductance)};
     }
 
-    /** Throws the InputError of @p section of what has no meaning without heat. */
+    /** Throws InputError where @p section has laws that need heat. */
     static void refuse_without_heat(const Section &section)
     {
       const RubbingLaw law = create(section);
@@ -84,7 +84,7 @@ namespace tombolo
     dealii::Tensor<1, dim> slip;
   };
 
-  /** What friction keeps of the particles of one part. */
+  /** The state of the friction of the particles of one part. */
   template <int dim>
   struct FrictionOfPart
   {

@@ -39,7 +39,7 @@ namespace tombolo
     std::vector<double> copies;
   };
 
-  /** What contact keeps of a part from step to step, beside its points. */
+  /** The state of the contact of a part from step to step, beside its points. */
   template <int dim>
   struct ContactOfPart
   {
@@ -50,7 +50,7 @@ namespace tombolo
   };
 
   /**
-   * The contact of one part of particles: its law, its particles, and what is kept of them. Forces
+   * The contact of one part of particles: its law, its particles, and their state. Forces
    * and pairs are those of SphereContact, which has all parts with self-contact.
    */
   template <int dim>
@@ -79,7 +79,7 @@ namespace tombolo
       images_of_part = images;
     }
 
-    /** What points must hold. */
+    /** The fields that points need. */
     std::vector<FieldDescription> variables() const
     {
       return {{force_name, "M L/T^2", FieldLocation::material_point, 3, true},
@@ -187,7 +187,7 @@ namespace tombolo
       return all_particles;
     }
 
-    /** What these count are changes of particles, and of rows as well. The same on all ranks. */
+    /** Counters of the changes of particles, and of rows as well. The same on all ranks. */
     unsigned long particles_revision() const
     {
       return revision_of_particles;

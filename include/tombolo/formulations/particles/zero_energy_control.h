@@ -85,7 +85,7 @@ namespace tombolo
       can_flow = material.remembers("effective plastic strain");
     }
 
-    /** What points must hold; none if off. */
+    /** The fields that points need; none if off. */
     std::vector<FieldDescription> variables() const
     {
       if (!is_on())

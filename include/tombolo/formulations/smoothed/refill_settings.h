@@ -117,8 +117,7 @@ namespace tombolo
       return remap == conservative;
     }
 
-    /** What carries fields over otherwise; null where the remap is conservative. Throws InputError.
-     */
+    /** The plug-in that remaps fields; null where the remap is conservative. Throws InputError. */
     std::unique_ptr<ValueRemap<dim>> value_remap() const
     {
       if (is_conservative())

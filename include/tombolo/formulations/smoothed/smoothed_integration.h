@@ -19,9 +19,9 @@
 namespace tombolo
 {
   /**
-   * What the stresses of a part of smoothed cells do through the rows of SmoothedGradients, which
-   * stay those of the initial configuration: with F_q = Σ x_J ⊗ G_qJ the present gradients are
-   * F_q⁻ᵀ G_qJ, and the volume of a point is det F_q V_q. The points of a cell share their
+   * The nodal forces of the stresses of a part of smoothed cells by the rows of SmoothedGradients,
+   * which stay those of the initial configuration: with F_q = Σ x_J ⊗ G_qJ the present gradients
+   * are F_q⁻ᵀ G_qJ, and the volume of a point is det F_q V_q. The points of a cell share their
    * dilatation (MeanDilatation).
    */
   template <int dim>

@@ -120,7 +120,7 @@ namespace tombolo
     }
 
   private:
-    /** What a field is stored per. */
+    /** The measure that a field is stored per. */
     enum class Measure
     {
       none,
