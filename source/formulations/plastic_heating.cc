@@ -104,7 +104,7 @@ namespace tombolo
     const double *const volume = points.component(MaterialPoints::volume, 0) + first;
     const double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0) + first;
     const double *const work = points.component(work_field, 0) + first;
-    const double *const given = points.component(given_field, 0) + first;
+    const double *const given_heat = points.component(given_field, 0) + first;
     const bool is_linear = properties->capacity().is_constant();
     const double inverse_density = 1. / density, share = fraction;
 #pragma GCC ivdep
@@ -115,7 +115,8 @@ namespace tombolo
       const double initial_volume = volume[i] / volume_ratio[i];
       const bool is_used = initial_volume > 0.;
       const double inverse_volume = is_used ? 1. / initial_volume : 0.;
-      increment[i] = is_used ? inverse_density * (share * work[i] - inverse_volume * given[i]) : 0.;
+      increment[i] =
+          is_used ? inverse_density * (share * work[i] - inverse_volume * given_heat[i]) : 0.;
     }
     const double inverse_capacity = is_linear ? 1. / properties->capacity().largest() : 0.;
     for (unsigned int i = 0; i < n; ++i)

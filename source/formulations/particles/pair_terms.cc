@@ -241,7 +241,7 @@ namespace tombolo
       spread_node(velocity, particle, own_velocity);
       for (unsigned int k = 0; is_tensile && k < n_of_tensor; ++k)
         own_tensor[k] = tensile[k / 3][std::size_t(particle) * node_stride + k % 3];
-      Lanes action[dim], viscous[dim] = {}, stress_action[dim] = {}, taken = 0.;
+      Lanes action[dim], viscous[dim] = {}, stress_action[dim] = {}, dissipated_power = 0.;
       for_pairs_of_row<dim>(
           rows, row, position,
           [&](const RowPairs<dim> &pairs) TOMBOLO_INLINE_LAMBDA
@@ -258,7 +258,7 @@ namespace tombolo
               act(action, pairs.node, pairs.n, viscous, viscous_force);
               if (power != nullptr)
               {
-                taken -= strength * pairs.row_slope * approach;
+                dissipated_power -= strength * pairs.row_slope * approach;
                 const Lanes other_power = strength * pairs.other_slope * approach;
                 for (unsigned int lane = 0; lane < pairs.n; ++lane)
                   power[pairs.node[lane]] -= other_power[lane];
@@ -286,7 +286,7 @@ namespace tombolo
       if (is_tensile)
         act_back(stress_action, particle, stress_force);
       if (power != nullptr)
-        power[particle] += reduce(taken);
+        power[particle] += reduce(dissipated_power);
     }
   }
 

@@ -170,11 +170,13 @@ namespace tombolo
           for (unsigned int lane = 0; lane < batches.n_valid(batch); ++lane)
           {
             const unsigned int slot = batch * n_lanes + lane;
-            const double given = points.heating().give(points.points(), point_of_slot(slot, q));
+            const double point_heat =
+                points.heating().give(points.points(), point_of_slot(slot, q));
             if (cell_heat != nullptr)
-              (*cell_heat)[batches.cell_at(slot)] += given;
+              (*cell_heat)[batches.cell_at(slot)] += point_heat;
             for (unsigned int k = 0; k < shape_values[q].size(); ++k)
-              *heat.node(batches.nodes(batch)[k * n_lanes + lane]) += shape_values[q][k] * given;
+              *heat.node(batches.nodes(batch)[k * n_lanes + lane]) +=
+                  shape_values[q][k] * point_heat;
           }
     }
 

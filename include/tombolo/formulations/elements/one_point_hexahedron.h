@@ -255,9 +255,9 @@ namespace tombolo
       where(flow_stress[0] > 0. && energy > most, share) = most / energy;
       double *const dissipated = variables[3 * n_hourglass_modes + 1];
       const Lanes factor = square_root(share);
-      Lanes taken = 0.;
-      where(share < 1., taken) = energy - most - 0.5 * (1. - factor) * work.work_of_step;
-      store_lanes(load_lanes(dissipated) + taken, dissipated);
+      Lanes removed_energy = 0.;
+      where(share < 1., removed_energy) = energy - most - 0.5 * (1. - factor) * work.work_of_step;
+      store_lanes(load_lanes(dissipated) + removed_energy, dissipated);
       for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         for (unsigned int i = 0; i < dim; ++i)
         {

@@ -264,12 +264,12 @@ namespace tombolo
 
       const double work =
           0.5 * (before.stiffness * before.slip + spring.stiffness * spring.slip) * slide;
-      const double taken = share * 0.5 *
-                           (work - 0.5 * spring.stiffness * spring.slip.norm_square() +
-                            0.5 * before.stiffness * before.slip.norm_square());
-      kept_of(touch.row).dissipated += taken;
+      const double friction_heat = share * 0.5 *
+                                   (work - 0.5 * spring.stiffness * spring.slip.norm_square() +
+                                    0.5 * before.stiffness * before.slip.norm_square());
+      kept_of(touch.row).dissipated += friction_heat;
       if (heat.given != nullptr)
-        heat.given->add(touch.own, taken);
+        heat.given->add(touch.own, friction_heat);
       const dealii::Tensor<1, dim> force = spring.stiffness * spring.slip;
       if (inverse_deformation[touch.row] != dealii::Tensor<2, dim>())
         couple[touch.row] +=
@@ -406,9 +406,10 @@ namespace tombolo
     /** Ends a contact of a row: the energy of the spring becomes heat. Half of it is this end's. */
     void release(const unsigned int row, RubbingSpring<dim> &spring)
     {
-      const double taken = rows.shares[row] * 0.25 * spring.stiffness * spring.slip.norm_square();
-      kept_of(row).dissipated += taken;
-      released_heat[row] += taken;
+      const double spring_energy =
+          rows.shares[row] * 0.25 * spring.stiffness * spring.slip.norm_square();
+      kept_of(row).dissipated += spring_energy;
+      released_heat[row] += spring_energy;
       spring = {};
     }
     /** Values of a particle in contact: axial vector of W, temperature. */

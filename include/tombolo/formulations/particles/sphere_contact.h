@@ -44,19 +44,19 @@ namespace tombolo
                   const Bodies<dim> &bodies)
         : pairing(std::move(parts), nodes, bodies), columns(pairing.parts().size())
     {
-      std::vector<typename FragmentFriction<dim>::Part> that_rub;
+      std::vector<typename FragmentFriction<dim>::Part> rubbing_parts;
       bool any = false;
       for (const auto &part : pairing.parts())
       {
         any = any || part.contact->rubs();
-        that_rub.push_back(
+        rubbing_parts.push_back(
             {&part.contact->rubbing(), &part.contact->kept.friction, &part.particles->stencils()});
         for (const auto &other : pairing.parts())
           laws.push_back({std::min(part.contact->frequency(), other.contact->frequency()),
                           0.5 * (part.contact->damping() + other.contact->damping())});
       }
       if (any)
-        friction = std::make_unique<FragmentFriction<dim>>(std::move(that_rub));
+        friction = std::make_unique<FragmentFriction<dim>>(std::move(rubbing_parts));
     }
 
     /** After elements were removed: fragments and pairs must be found again. */
