@@ -63,9 +63,9 @@ namespace tombolo
       records.group("heat of the part").sums("conducted", conducted);
     else if (partner.has_temperature())
     {
-      Records &of_tool = records.group("heat of the tool");
-      of_tool.value("temperature", tool_temperature);
-      of_tool.sums("conducted", conducted);
+      Records &tool_records = records.group("heat of the tool");
+      tool_records.value("temperature", tool_temperature);
+      tool_records.sums("conducted", conducted);
     }
   }
 
@@ -81,14 +81,14 @@ namespace tombolo
   }
 
   template <int dim>
-  double ContactHeat<dim>::at_place(const std::size_t candidate,
-                                    const std::vector<double> &of_nodes,
+  double ContactHeat<dim>::value_at(const std::size_t candidate,
+                                    const std::vector<double> &node_values,
                                     const unsigned int stride) const
   {
-    const auto &place = surface->place(candidate);
+    const auto &contact_point = surface->contact_point(candidate);
     double result = 0;
-    for (unsigned int c = 0; c < place.weights.size(); ++c)
-      result += place.weights[c] * of_nodes[stride * surface->cell(place)[c]];
+    for (unsigned int c = 0; c < contact_point.weights.size(); ++c)
+      result += contact_point.weights[c] * node_values[stride * surface->cell(contact_point)[c]];
     return result;
   }
 
@@ -109,13 +109,14 @@ namespace tombolo
   {
     if (!settings.splits_by_effusivity)
       return settings.heat_fraction;
-    const double of_node = nodal_heat.temperature_of(candidates[candidate]);
-    const double of_body = nodal_heat.enthalpy->effusivity(candidates[candidate], of_node);
-    const double of_other = surface != nullptr
-                                ? at_place(candidate, effusivities)
-                                : settings.tool_effusivity.value(
-                                      partner.has_temperature() ? tool_temperature : of_node);
-    return of_body / (of_body + of_other);
+    const double node_temperature = nodal_heat.temperature_of(candidates[candidate]);
+    const double body_effusivity =
+        nodal_heat.enthalpy->effusivity(candidates[candidate], node_temperature);
+    const double other_effusivity =
+        surface != nullptr ? value_at(candidate, effusivities)
+                           : settings.tool_effusivity.value(
+                                 partner.has_temperature() ? tool_temperature : node_temperature);
+    return body_effusivity / (body_effusivity + other_effusivity);
   }
 
   template <int dim>
@@ -141,37 +142,39 @@ namespace tombolo
                                          const std::vector<double> &temperatures,
                                          std::vector<double> &capacities)
   {
-    const NodalEnthalpy &of_nodes = *nodal_heat.enthalpy;
-    std::vector<double> of_part;
+    const NodalEnthalpy &enthalpy = *nodal_heat.enthalpy;
+    std::vector<double> part_values;
     if (surface != nullptr)
-      of_part = gather(nodal_heat, 2,
-                       [&](const unsigned int node, const double temperature, double *const values)
-                       {
-                         values[0] = temperature;
-                         values[1] = of_nodes.capacity(node, temperature);
-                       });
+      part_values =
+          gather(nodal_heat, 2,
+                 [&](const unsigned int node, const double temperature, double *const values)
+                 {
+                   values[0] = temperature;
+                   values[1] = enthalpy.capacity(node, temperature);
+                 });
     below.assign(touches.size(), tool_temperature);
     for (std::size_t i = 0; i < touches.size(); ++i)
     {
       const unsigned int node = touches[i].node;
       if (surface != nullptr)
-        below[i] = at_place(touches[i].candidate, of_part, 2);
-      const double mean = (of_nodes.enthalpy(node, below[i]) - nodal_heat.enthalpy_of(node)) /
+        below[i] = value_at(touches[i].candidate, part_values, 2);
+      const double mean = (enthalpy.enthalpy(node, below[i]) - nodal_heat.enthalpy_of(node)) /
                           (below[i] - temperatures[i]);
       // The mean is all round-off where the temperatures are alike.
-      capacities.push_back(!of_nodes.is_linear() && mean > 0. && std::isfinite(mean)
+      capacities.push_back(!enthalpy.is_linear() && mean > 0. && std::isfinite(mean)
                                ? mean
-                               : of_nodes.capacity(node, temperatures[i]));
+                               : enthalpy.capacity(node, temperatures[i]));
     }
     if (surface == nullptr)
       return;
-    std::vector<double> of_nodes_of_part;
-    for (std::size_t a = 1; a < of_part.size(); a += 2)
-      of_nodes_of_part.push_back(of_part[a]);
-    std::vector<const typename PartSurface<dim>::Place *> places;
+    std::vector<double> part_capacities;
+    for (std::size_t a = 1; a < part_values.size(); a += 2)
+      part_capacities.push_back(part_values[a]);
+    std::vector<const typename PartSurface<dim>::ContactPoint *> contact_points;
     for (const Touch &touch : touches)
-      places.push_back(&surface->place(touch.candidate));
-    const std::vector<double> crowding = surface->crowding(places, capacities, of_nodes_of_part);
+      contact_points.push_back(&surface->contact_point(touch.candidate));
+    const std::vector<double> crowding =
+        surface->crowding(contact_points, capacities, part_capacities);
     for (std::size_t i = 0; i < touches.size(); ++i)
       capacities[i] /= 1. + crowding[i];
   }

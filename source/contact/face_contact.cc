@@ -141,10 +141,10 @@ namespace tombolo
     {
       SpringContact<dim>::place_nodes(state, before, clock);
       last_position.fill(
-          [&](const unsigned int i, double *const place)
+          [&](const unsigned int i, double *const value)
           {
             for (unsigned int d = 0; d < dim; ++d)
-              place[d] += state.position.node(i)[d] - before.node(i)[d];
+              value[d] += state.position.node(i)[d] - before.node(i)[d];
           });
     }
 
@@ -203,16 +203,16 @@ namespace tombolo
         stiffness.node = this->candidates[k];
         stiffness.direction = vector_of<dim>(normals.node(stiffness.node));
         stiffness.direction /= stiffness.direction.norm();
-        const double *const of_node = sums.node(stiffness.node);
+        const double *const node_sums = sums.node(stiffness.node);
         stiffness.entries = rows.row(state.partition()->global_index(stiffness.node));
         // So that the change of the depth is that of the force over its share of the node.
         for (auto &entry : stiffness.entries)
-          entry.normal *= of_node[pressed] / of_node[area];
-        add_spring(spring, 1. / (of_node[pressed] * of_node[pressed]), stiffness);
+          entry.normal *= node_sums[pressed] / node_sums[area];
+        add_spring(spring, 1. / (node_sums[pressed] * node_sums[pressed]), stiffness);
         // The points have the pressure, and the more of the friction the deeper they are.
         stiffness.normal = 0.;
-        stiffness.slip +=
-            spring.stiffness * of_node[area] / std::pow(of_node[pressed], 3) * spring.elastic_slip;
+        stiffness.slip += spring.stiffness * node_sums[area] / std::pow(node_sums[pressed], 3) *
+                          spring.elastic_slip;
         stiffness.keep(kept.node(stiffness.node));
         result.push_back(std::move(stiffness));
       }
@@ -246,13 +246,13 @@ namespace tombolo
     void find_points(const NodalVector &position, const Clock &clock)
     {
       const double begin = clock.time - clock.previous_step;
-      std::vector<Tensor<1, dim>> places;
+      std::vector<Tensor<1, dim>> gap_points;
       std::vector<double> sizes, gaps;
       const auto find_gaps = [&]
       {
-        std::vector<unsigned int> numbers(places.size());
+        std::vector<unsigned int> numbers(gap_points.size());
         std::iota(numbers.begin(), numbers.end(), 0u);
-        this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers, clock.time, gaps);
+        this->surface->evaluate_gaps(places_as_nodes<dim>(gap_points), numbers, clock.time, gaps);
       };
       // Faces that are farther from the surface than their size have no point behind it.
       for (const auto &face : faces.faces())
@@ -264,12 +264,12 @@ namespace tombolo
         double size = 0;
         for (const auto &corner : corners)
           size = std::max(size, (corner - middle).norm());
-        places.push_back(middle);
+        gap_points.push_back(middle);
         sizes.push_back(size);
       }
       find_gaps();
       points.clear();
-      places.clear();
+      gap_points.clear();
       for (unsigned int f = 0; f < faces.faces().size(); ++f)
       {
         const FaceCorners<dim> corners = faces.corners(faces.faces()[f], position);
@@ -282,11 +282,11 @@ namespace tombolo
             sums.node(faces.faces()[f].nodes[k])[area] += weight * shapes.value(q, k);
           if (gaps[f] > sizes[f])
             continue;
-          Tensor<1, dim> place;
+          Tensor<1, dim> x;
           for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-            place += shapes.value(q, k) * corners[k];
+            x += shapes.value(q, k) * corners[k];
           points.push_back({f, q, weight, 0., weight, {}, {}});
-          places.push_back(place);
+          gap_points.push_back(x);
         }
       }
       find_gaps();
@@ -300,21 +300,22 @@ namespace tombolo
         point.depth = std::max(0., -gaps[p]);
         if (is_static())
           point.rubbing *= point.depth + this->touch_distance;
-        Tensor<1, dim> last_place;
+        Tensor<1, dim> last_x;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          last_place += shapes.value(point.q, k) *
-                        vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
-        point.motion = places[p] - this->surface->motion(places[p], begin, clock.time) - last_place;
+          last_x += shapes.value(point.q, k) *
+                    vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
+        point.motion =
+            gap_points[p] - this->surface->motion(gap_points[p], begin, clock.time) - last_x;
         if (!is_behind && !(gaps[p] < point.motion.norm()))
           continue;
-        point.normal = this->surface->normal(places[p], clock.time);
+        point.normal = this->surface->normal(gap_points[p], clock.time);
         const double approach = -(point.motion * point.normal);
         if (is_behind)
           point.approach = approach;
         else
           point.rubbing = 0.;
         if (gaps[p] + approach < 0.)
-          point.past_approach = -(point.motion * this->surface->normal(last_place, begin));
+          point.past_approach = -(point.motion * this->surface->normal(last_x, begin));
         points[n_kept++] = point;
       }
       points.resize(n_kept);
@@ -370,29 +371,29 @@ namespace tombolo
     {
       const unsigned int node = this->candidates[k];
       const ContactSpring<dim> &spring = this->springs[k];
-      const double *const of_node = sums.node(node);
+      const double *const node_sums = sums.node(node);
       Tensor<1, dim> normal = vector_of<dim>(normals.node(node));
       *pressures.node(node) = 0.;
       std::fill_n(tangentials.node(node), node_stride, 0.);
-      if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
+      if (!(node_sums[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
       {
         ContactMotion<dim> move(0., Tensor<1, dim>(), Tensor<1, dim>());
-        if (mass > 0. && of_node[area] > 0.)
-          move.past_approach = motions.node(node)[approach] / of_node[area];
+        if (mass > 0. && node_sums[area] > 0.)
+          move.past_approach = motions.node(node)[approach] / node_sums[area];
         if (spring.is_closed())
           this->release(k, move, nodal_heat);
         return;
       }
       normal /= normal.norm();
       // In explicit steps over the whole area, as the depth: forces act on the pressed share of it.
-      const double whole = is_static() ? of_node[pressed] : of_node[area];
-      ContactMotion<dim> move(of_node[depth] / of_node[area],
+      const double whole = is_static() ? node_sums[pressed] : node_sums[area];
+      ContactMotion<dim> move(node_sums[depth] / node_sums[area],
                               vector_of<dim>(motions.node(node)) / whole, normal);
-      move.approach = normals.node(node)[approach] / of_node[area];
-      move.past_approach = motions.node(node)[approach] / of_node[area];
-      this->press(k, move, mass, of_node[pressed] / whole, clock, nodal_heat);
+      move.approach = normals.node(node)[approach] / node_sums[area];
+      move.past_approach = motions.node(node)[approach] / node_sums[area];
+      this->press(k, move, mass, node_sums[pressed] / whole, clock, nodal_heat);
       *pressures.node(node) =
-          (is_static() ? spring.stiffness : spring.normal_force()) / of_node[area];
+          (is_static() ? spring.stiffness : spring.normal_force()) / node_sums[area];
       for (unsigned int d = 0; d < dim; ++d)
         tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / whole;
     }
@@ -424,24 +425,24 @@ namespace tombolo
       return this->touch_distance > 0.;
     }
 
-    /** How the pressure at a point changes with its depth, turns with the surface, and takes
-     * friction with it. @p pressing: the area with which the depth of the point counts. */
+    /** How the pressure at a point changes with its depth, turns with the surface, and changes
+     * friction. @p pressing: the area with which the depth of the point counts. */
     void add_pressure(const Point &point, const double pressing, const NodalState &state,
                       const double time, std::vector<ContactStiffness<dim>> &result) const
     {
       const auto &face = faces.faces()[point.face];
-      Tensor<1, dim> place;
+      Tensor<1, dim> x;
       ContactStiffness<dim> stiffness;
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
       {
         const double value = shapes.value(point.q, k);
         stiffness.normal += pressing * value * *pressures.node(face.nodes[k]);
         stiffness.slip += pressing * value * vector_of<dim>(tangentials.node(face.nodes[k]));
-        place += value * vector_of<dim>(state.position.node(face.nodes[k]));
+        x += value * vector_of<dim>(state.position.node(face.nodes[k]));
         stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
       }
-      stiffness.along = curvature_stiffness(*this->surface, place, stiffness.normal * point.depth,
-                                            time, this->way_along_surface());
+      stiffness.along = curvature_stiffness(*this->surface, x, stiffness.normal * point.depth, time,
+                                            this->way_along_surface());
       stiffness.node = face.nodes[0];
       result.push_back(std::move(stiffness));
     }
@@ -452,11 +453,11 @@ namespace tombolo
       // In static steps the depths of the points of a node differ from its mean.
       for (std::size_t k = 0; k < this->springs.size() && is_static(); ++k)
       {
-        const double *const of_node = sums.node(this->candidates[k]);
+        const double *const node_sums = sums.node(this->candidates[k]);
         const double mean_depth = this->springs[k].depth;
-        if (this->springs[k].is_closed() && of_node[area] > 0.)
+        if (this->springs[k].is_closed() && node_sums[area] > 0.)
           shares.elastic += 0.5 * this->springs[k].stiffness *
-                            (of_node[squares] / of_node[area] - mean_depth * mean_depth);
+                            (node_sums[squares] / node_sums[area] - mean_depth * mean_depth);
       }
     }
 

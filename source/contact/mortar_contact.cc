@@ -87,16 +87,16 @@ namespace tombolo
                                       const std::vector<unsigned int> &master_nodes,
                                       const MPI_Comm communicator)
     {
-      std::vector<Tensor<1, dim>> places;
+      std::vector<Tensor<1, dim>> master_points;
       for (const unsigned int node : master_nodes)
-        places.push_back(vector_of<dim>(state.initial_position.node(node)));
+        master_points.push_back(vector_of<dim>(state.initial_position.node(node)));
       double least = std::numeric_limits<double>::max();
       std::string where;
-      for (const Tensor<1, dim> &place : of_all_ranks(places, communicator))
+      for (const Tensor<1, dim> &master_point : of_all_ranks(master_points, communicator))
         for (const unsigned int node : slave_nodes)
         {
           const auto x = vector_of<dim>(state.initial_position.node(node));
-          if (const double distance = (x - place).norm(); distance < least)
+          if (const double distance = (x - master_point).norm(); distance < least)
           {
             least = distance;
             where = place_text(x);
@@ -115,11 +115,11 @@ namespace tombolo
 
   template <int dim>
   MortarContact<dim>::MortarContact(const Section &section,
-                                    std::unique_ptr<const Pairing<dim>> of_faces,
+                                    std::unique_ptr<const Pairing<dim>> face_pairing,
                                     const bool has_heat, const Nodes<dim> &nodes,
                                     const NodalState &state, const Selector &is_slave,
                                     const Selector &is_master)
-      : communicator(nodes.communicator()), pairing(std::move(of_faces)),
+      : communicator(nodes.communicator()), pairing(std::move(face_pairing)),
         settings(section, pairing->is_tied(), has_heat), contact_name(section.name()),
         slaves(nodes, is_slave), masters(nodes, is_master),
         segments(slaves, masters, *pairing, communicator)
@@ -215,10 +215,12 @@ namespace tombolo
       if (settings.splits_by_effusivity)
         thermal.node(node)[Segments::effusivity] = nodal_heat.enthalpy->effusivity(node, theta);
     };
-    for (std::size_t k = 0; k < stiffness.of_slaves().size(); ++k)
-      fill(slaves.owned_nodes()[k], Segments::of_slave, stiffness.of_slaves()[k]);
-    for (std::size_t k = 0; k < stiffness.of_masters().size(); ++k)
-      fill(masters.owned_nodes()[k], Segments::of_master, stiffness.of_masters()[k]);
+    for (std::size_t k = 0; k < stiffness.areas_of_slaves().size(); ++k)
+      fill(slaves.owned_nodes()[k], Segments::slave_inverse_capacity,
+           stiffness.areas_of_slaves()[k]);
+    for (std::size_t k = 0; k < stiffness.areas_of_masters().size(); ++k)
+      fill(masters.owned_nodes()[k], Segments::master_inverse_capacity,
+           stiffness.areas_of_masters()[k]);
     thermal.update_ghosts();
     return &thermal;
   }
@@ -295,7 +297,7 @@ namespace tombolo
       history.area = area;
       return;
     }
-    // What comes into contact, or leaves it, at a depth that others have.
+    // Area that comes into contact, or leaves it, at the depth of the rest.
     if (spring.is_closed())
       totals.damping -= (area - history.area) * spring.elastic_energy();
     history.area = area;

@@ -17,7 +17,7 @@ namespace tombolo
     /** The rule of degree 4 (Dunavant, Int. J. Numer. Meth. Eng. 21, 1985): weight and barycentric
      * coordinate, which two corners have, of three points each. Products of two bilinear functions
      * have this degree where faces are parallelograms: then weights do not jump where faces slide
-     * over each other and the polygon gets another corner. */
+     * over each other and the polygon has another corner. */
     constexpr std::array<std::pair<double, double>, 2> rule_of_triangles{
         {{0.22338158967801146570, 0.44594849091596488632},
          {0.10995174365532186764, 0.09157621350977074346}}};
@@ -92,7 +92,7 @@ namespace tombolo
         return result;
       }
 
-      /** What is left of the line from @p begin to @p end. */
+      /** The part to the left of the line from @p begin to @p end. */
       Polygon clipped(const PlanePoint &begin, const PlanePoint &end) const
       {
         Polygon result;
@@ -223,12 +223,12 @@ namespace tombolo
       const auto sum = [&](const unsigned int a)
       { return (*corners[0])[a] + (*corners[1])[a] + (*corners[2])[a]; };
       const double sum_x = sum(0), sum_y = sum(1);
-      for (const auto &[share, place] : rule_of_triangles)
+      for (const auto &[share, coordinate] : rule_of_triangles)
         for (const PlanePoint *const corner : corners)
         {
           weight[n] = share * area;
-          x[n] = place * sum_x + (1. - 3. * place) * (*corner)[0];
-          y[n] = place * sum_y + (1. - 3. * place) * (*corner)[1];
+          x[n] = coordinate * sum_x + (1. - 3. * coordinate) * (*corner)[0];
+          y[n] = coordinate * sum_y + (1. - 3. * coordinate) * (*corner)[1];
           ++n;
         }
     }
@@ -261,8 +261,8 @@ namespace tombolo
     const double half_width = 0.5 / std::sqrt(3.); // of the Gauss points, in the unit interval
     for (unsigned int q = 0; q < max_points; ++q)
     {
-      const double place = q == 0 ? 0.5 - half_width : 0.5 + half_width;
-      const double s = low + place * (high - low);
+      const double fraction = q == 0 ? 0.5 - half_width : 0.5 + half_width;
+      const double s = low + fraction * (high - low);
       weight[q] = q < 2 ? 0.5 * (high - low) : 0.;
       slave_shape[1][q] = s / length;
       master_shape[1][q] = (s - begin) / (end - begin);
@@ -313,15 +313,15 @@ namespace tombolo
         if (master.area * normal > largest_cosine * master.area.norm())
           continue;
         const double distance = this->reach() * std::min(slave.thickness, master.thickness);
-        double of_master[n_corners];
-        if (!heights.find(master.corners, distance, of_master))
+        double master_heights[n_corners];
+        if (!heights.find(master.corners, distance, master_heights))
           continue;
         overlap.find(master.corners);
         if (overlap.n_points() == 0)
           continue;
         pairs.emplace_back(slave, master);
         pairs.back().set_normal(normal);
-        if (!integrate(heights, of_master, distance, overlap, pairs.back()))
+        if (!integrate(heights, master_heights, distance, overlap, pairs.back()))
           pairs.pop_back();
       }
     }
@@ -333,34 +333,35 @@ namespace tombolo
     struct Heights
     {
       Heights(const FaceCorners<dim> &slave, const Tensor<1, dim> &normal)
-          : place(slave[0]), normal(normal)
+          : origin(slave[0]), normal(normal)
       {
         for (unsigned int k = 0; k < n_corners; ++k)
         {
-          of_slave[k] = (slave[k] - place) * normal;
-          middle += of_slave[k] / n_corners;
+          slave_heights[k] = (slave[k] - origin) * normal;
+          middle += slave_heights[k] / n_corners;
         }
-        for (const double height : of_slave)
+        for (const double height : slave_heights)
           warp = std::max(warp, std::abs(height - middle));
       }
 
       /** Those of the corners of a master. Returns whether it can be within the @p distance. */
       bool find(const FaceCorners<dim> &master, const double distance,
-                double (&of_master)[n_corners]) const
+                double (&master_heights)[n_corners]) const
       {
         for (unsigned int k = 0; k < n_corners; ++k)
-          of_master[k] = (master[k] - place) * normal;
-        const auto [nearest, farthest] = std::minmax_element(of_master, of_master + n_corners);
+          master_heights[k] = (master[k] - origin) * normal;
+        const auto [nearest, farthest] =
+            std::minmax_element(master_heights, master_heights + n_corners);
         return !(*nearest - middle > distance + warp || *farthest - middle < -distance - warp);
       }
 
-      Tensor<1, dim> place, normal;
-      double of_slave[n_corners];
+      Tensor<1, dim> origin, normal;
+      double slave_heights[n_corners];
       double middle = 0, warp = 0;
     };
 
     /** Returns whether there is a common part within the @p distance. */
-    static bool integrate(const Heights &heights, const double (&of_master)[n_corners],
+    static bool integrate(const Heights &heights, const double (&master_heights)[n_corners],
                           const double distance, const FaceOverlap<dim> &overlap,
                           FacePair<dim> &pair)
     {
@@ -376,7 +377,7 @@ namespace tombolo
         {
           slave_shape[k] = load_lanes(overlap.of_slave(k) + q);
           master_shape[k] = load_lanes(overlap.of_master(k) + q);
-          gap += master_shape[k] * of_master[k] - slave_shape[k] * heights.of_slave[k];
+          gap += master_shape[k] * master_heights[k] - slave_shape[k] * heights.slave_heights[k];
         }
         Lanes weight = load_lanes(overlap.weights() + q);
         where(!(abs(gap) <= distance), weight) = 0.;

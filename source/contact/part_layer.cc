@@ -14,21 +14,21 @@ namespace tombolo
 {
   namespace
   {
-    /** As of_all_ranks(), in every step. @p n_of_rank are the lengths on all ranks. */
-    std::vector<double> gather_numbers(const std::vector<double> &of_rank,
-                                       const std::vector<int> &n_of_rank,
+    /** As of_all_ranks(), in every step. @p rank_lengths are the lengths on all ranks. */
+    std::vector<double> gather_numbers(const std::vector<double> &rank_values,
+                                       const std::vector<int> &rank_lengths,
                                        const MPI_Comm communicator)
     {
-      std::vector<int> begin(n_of_rank.size() + 1, 0);
-      std::partial_sum(n_of_rank.begin(), n_of_rank.end(), begin.begin() + 1);
+      std::vector<int> begin(rank_lengths.size() + 1, 0);
+      std::partial_sum(rank_lengths.begin(), rank_lengths.end(), begin.begin() + 1);
       std::vector<double> result(static_cast<std::size_t>(begin.back()));
-      MPI_Allgatherv(of_rank.data(), static_cast<int>(of_rank.size()), MPI_DOUBLE, result.data(),
-                     n_of_rank.data(), begin.data(), MPI_DOUBLE, communicator);
+      MPI_Allgatherv(rank_values.data(), static_cast<int>(rank_values.size()), MPI_DOUBLE,
+                     result.data(), rank_lengths.data(), begin.data(), MPI_DOUBLE, communicator);
       return result;
     }
 
-    /** Whether the part ends at a face of one of its cells, as far as this rank knows: beyond ghost
-     * cells it does not. */
+    /** Whether the part ends at a face of one of its cells, as far as this rank has cells: beyond
+     * ghost cells it does not. */
     template <int dim>
     bool is_end(const Nodes<dim> &nodes, const typename Nodes<dim>::Cell &cell,
                 const unsigned int face, const typename PartLayer<dim>::Selector &is_of_part)
@@ -53,27 +53,27 @@ namespace tombolo
     {
       if (cell->is_artificial() || !is_of_part(cell))
         continue;
-      SurveyCell of_cell{{}, 0, cell->minimum_vertex_distance()};
+      SurveyCell survey_cell{{}, 0, cell->minimum_vertex_distance()};
       for (const unsigned int f : cell->face_indices())
         if (is_end<dim>(nodes, cell, f, is_of_part))
-          of_cell.mask |= 1u << f;
-      if (of_cell.mask == 0)
+          survey_cell.mask |= 1u << f;
+      if (survey_cell.mask == 0)
         continue;
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, points);
       for (unsigned int k = 0; k < n_corners; ++k)
         if (nodes.owned().is_element(cell_nodes[k]))
           owned_points[cell_nodes[k]] = points[k];
-      std::copy_n(cell_nodes.begin(), n_corners, of_cell.nodes.begin());
+      std::copy_n(cell_nodes.begin(), n_corners, survey_cell.nodes.begin());
       if (cell->is_locally_owned())
-        survey_cells.push_back(of_cell);
+        survey_cells.push_back(survey_cell);
     }
     for (const auto &[node, point] : owned_points)
     {
       survey_nodes.push_back(
           {node, nodes.persistent_ids()[nodes.owned().index_within_set(node)], point});
     }
-    take_survey(of_all_ranks(survey_nodes, communicator), of_all_ranks(survey_cells, communicator));
+    read_survey(of_all_ranks(survey_nodes, communicator), of_all_ranks(survey_cells, communicator));
     std::vector<unsigned int> numbers_of_owned;
     for (unsigned int number = 0; number < global_numbers.size(); ++number)
       if (nodes.owned().is_element(global_numbers[number]))
@@ -186,7 +186,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartLayer<dim>::take_survey(const std::vector<SurveyNode> &nodes,
+  void PartLayer<dim>::read_survey(const std::vector<SurveyNode> &nodes,
                                    std::vector<SurveyCell> cells)
   {
     std::map<std::uint64_t, const SurveyNode *> by_global_number, by_id;
@@ -196,9 +196,9 @@ namespace tombolo
     for (SurveyCell &cell : cells)
       for (std::uint64_t &node : cell.nodes)
       {
-        const SurveyNode *const of_node = by_global_number.at(node);
-        by_id[of_node->id] = of_node;
-        node = of_node->id;
+        const SurveyNode *const survey_node = by_global_number.at(node);
+        by_id[survey_node->id] = survey_node;
+        node = survey_node->id;
       }
     std::sort(cells.begin(), cells.end(),
               [](const SurveyCell &a, const SurveyCell &b) { return a.nodes < b.nodes; });
@@ -209,13 +209,13 @@ namespace tombolo
       global_numbers.push_back(static_cast<types::global_dof_index>(node->global_number));
       initial_positions.push_back(node->position);
     }
-    for (const SurveyCell &of_cell : cells)
+    for (const SurveyCell &survey_cell : cells)
     {
       layer_cells.emplace_back();
       for (unsigned int k = 0; k < n_corners; ++k)
-        layer_cells.back()[k] = number_by_id.at(of_cell.nodes[k]);
-      sizes.push_back(of_cell.size);
-      masks.push_back(of_cell.mask);
+        layer_cells.back()[k] = number_by_id.at(survey_cell.nodes[k]);
+      sizes.push_back(survey_cell.size);
+      masks.push_back(survey_cell.mask);
     }
   }
 
@@ -285,16 +285,16 @@ namespace tombolo
   PartLayer<dim>::gather(const unsigned int n_values, const Quantity kind,
                          const std::function<void(unsigned int, double *)> &fill) const
   {
-    std::vector<double> of_rank(n_values * owned_nodes.size());
+    std::vector<double> rank_values(n_values * owned_nodes.size());
     for (std::size_t k = 0; k < owned_nodes.size(); ++k)
-      fill(owned_nodes[k].node, &of_rank[n_values * k]);
+      fill(owned_nodes[k].node, &rank_values[n_values * k]);
     std::vector<int> lengths = n_owned_of_rank;
     for (int &length : lengths)
       length *= static_cast<int>(n_values);
-    const std::vector<double> of_ranks = gather_numbers(of_rank, lengths, communicator);
+    const std::vector<double> all_values = gather_numbers(rank_values, lengths, communicator);
     std::vector<double> result(n_values * n_nodes());
     for (std::size_t k = 0; k < received.size(); ++k)
-      std::copy_n(&of_ranks[n_values * k], n_values, &result[n_values * received[k]]);
+      std::copy_n(&all_values[n_values * k], n_values, &result[n_values * received[k]]);
     fill_images(n_values, kind, result);
     return result;
   }
@@ -312,26 +312,26 @@ namespace tombolo
             kind == Quantity::vector ? images[i].map.sign[v] * value : value;
         value = 0.;
       }
-    // Few nodes have anything to give: each is sent with its number.
-    std::vector<double> given;
+    // Few nodes have values other than zero: each is sent with its number.
+    std::vector<double> sent;
     for (std::size_t number = 0; number < n_nodes(); ++number)
     {
       const auto begin = values.begin() + static_cast<std::ptrdiff_t>(n_values * number);
       if (std::all_of(begin, begin + n_values, [](const double value) { return value == 0.; }))
         continue;
-      given.push_back(static_cast<double>(number));
-      given.insert(given.end(), begin, begin + n_values);
+      sent.push_back(static_cast<double>(number));
+      sent.insert(sent.end(), begin, begin + n_values);
     }
-    const int length = static_cast<int>(given.size());
+    const int length = static_cast<int>(sent.size());
     std::vector<int> lengths(n_owned_of_rank.size());
     MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, communicator);
-    const std::vector<double> of_ranks = gather_numbers(given, lengths, communicator);
+    const std::vector<double> all_values = gather_numbers(sent, lengths, communicator);
     std::fill(values.begin(), values.end(), 0.);
-    for (std::size_t k = 0; k < of_ranks.size(); k += n_values + 1)
+    for (std::size_t k = 0; k < all_values.size(); k += n_values + 1)
     {
-      const auto number = static_cast<std::size_t>(of_ranks[k]);
+      const auto number = static_cast<std::size_t>(all_values[k]);
       for (unsigned int v = 0; v < n_values; ++v)
-        values[n_values * number + v] += of_ranks[k + 1 + v];
+        values[n_values * number + v] += all_values[k + 1 + v];
     }
     fill_images(n_values, kind, values);
   }

@@ -15,26 +15,25 @@ namespace tombolo
 {
   namespace
   {
-    constexpr unsigned int no_place = static_cast<unsigned int>(-1);
+    constexpr unsigned int no_point = static_cast<unsigned int>(-1);
     /** How deep behind a side that it faces a node may be where it begins to touch, over the size
      * of the cell there. */
     constexpr double depth_of_onset = 0.1;
 
-    /** The number in @p given of each vertex of the @p surface that was made of it. Throws
-     * std::invalid_argument where two of them are at one place. */
+    /** The number in @p list of each vertex of the @p surface that was made of it. Throws
+     * std::invalid_argument where two of them are at one point. */
     template <int dim>
-    std::vector<unsigned int> numbers_of_vertices(const FacetList<dim> &given,
+    std::vector<unsigned int> numbers_of_vertices(const FacetList<dim> &list,
                                                   const ClosedSurface<dim> &surface)
     {
       std::vector<unsigned int> result(surface.vertices.size());
-      for (std::size_t f = 0; f < given.facets.size(); ++f)
+      for (std::size_t f = 0; f < list.facets.size(); ++f)
         for (const unsigned int v : surface.facets[f].vertex)
         {
-          const auto &numbers = given.facets[f].vertex;
+          const auto &numbers = list.facets[f].vertex;
           const auto found = std::find_if(std::begin(numbers), std::end(numbers),
-                                          [&](const unsigned int number) {
-                                            return given.vertices[number] == surface.vertices[v];
-                                          });
+                                          [&](const unsigned int number)
+                                          { return list.vertices[number] == surface.vertices[v]; });
           if (found == std::end(numbers))
             throw std::invalid_argument("it has two nodes at " + place_text(surface.vertices[v]));
           result[v] = *found;
@@ -52,7 +51,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartSurface<dim>::take(MasterPart<dim> part, const NodalState &state)
+  void PartSurface<dim>::set_part(MasterPart<dim> part, const NodalState &state)
   {
     layer = std::move(part.layer);
     is_driven = part.is_driven;
@@ -182,59 +181,61 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartSurface<dim>::find_places(const NodalState &state,
-                                     const std::vector<unsigned int> &nodes,
-                                     const std::vector<std::size_t> &candidates)
+  void PartSurface<dim>::find_contact_points(const NodalState &state,
+                                             const std::vector<unsigned int> &nodes,
+                                             const std::vector<std::size_t> &candidates)
   {
-    place_of_candidate.resize(nodes.size(), no_place);
-    for (const Place &place : places)
-      place_of_candidate[place.candidate] = no_place;
-    places.clear();
+    point_of_candidate.resize(nodes.size(), no_point);
+    for (const ContactPoint &point : contact_points)
+      point_of_candidate[point.candidate] = no_point;
+    contact_points.clear();
     for (const std::size_t k : candidates)
     {
       const auto x = vector_of<dim>(state.position.node(nodes[k]));
       const SurfaceGap<dim> found = gap_of_node(x, nodes[k]);
-      Place place;
-      place.candidate = k;
-      place.normal = found.normal;
-      place.cell = layer->cell_of_facet()[found.facet];
-      place.weights = layer->weights(x, place.cell, positions);
-      place.motion = motion_of(place.cell, place.weights);
-      place.crowding = 0.;
-      place_of_candidate[k] = static_cast<unsigned int>(places.size());
-      places.push_back(place);
+      ContactPoint point;
+      point.candidate = k;
+      point.normal = found.normal;
+      point.cell = layer->cell_of_facet()[found.facet];
+      point.weights = layer->weights(x, point.cell, positions);
+      point.motion = motion_of(point.cell, point.weights);
+      point.crowding = 0.;
+      point_of_candidate[k] = static_cast<unsigned int>(contact_points.size());
+      contact_points.push_back(point);
     }
     if (is_driven)
       return;
-    std::vector<const Place *> all;
-    std::vector<double> of_place;
-    for (const Place &place : places)
+    std::vector<const ContactPoint *> all;
+    std::vector<double> point_values;
+    for (const ContactPoint &point : contact_points)
     {
-      all.push_back(&place);
-      of_place.push_back(*state.mass.node(nodes[place.candidate]));
+      all.push_back(&point);
+      point_values.push_back(*state.mass.node(nodes[point.candidate]));
     }
-    const std::vector<double> found = crowding(all, of_place, masses);
-    for (std::size_t i = 0; i < places.size(); ++i)
-      places[i].crowding = found[i];
+    const std::vector<double> found = crowding(all, point_values, masses);
+    for (std::size_t i = 0; i < contact_points.size(); ++i)
+      contact_points[i].crowding = found[i];
   }
 
   template <int dim>
-  std::vector<double> PartSurface<dim>::crowding(const std::vector<const Place *> &places,
-                                                 const std::vector<double> &of_place,
-                                                 const std::vector<double> &of_nodes) const
+  std::vector<double>
+  PartSurface<dim>::crowding(const std::vector<const ContactPoint *> &contact_points,
+                             const std::vector<double> &point_values,
+                             const std::vector<double> &node_values) const
   {
     std::vector<double> sums(layer->n_nodes(), 0.);
-    for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t i = 0; i < contact_points.size(); ++i)
       for (unsigned int c = 0; c < n_corners; ++c)
-        sums[cell(*places[i])[c]] += std::abs(places[i]->weights[c]) * of_place[i];
+        sums[cell(*contact_points[i])[c]] +=
+            std::abs(contact_points[i]->weights[c]) * point_values[i];
     layer->sum(1, Quantity::scalar, sums);
     std::vector<double> result;
-    for (const Place *const place : places)
+    for (const ContactPoint *const point : contact_points)
     {
       double largest = 0;
       for (unsigned int c = 0; c < n_corners; ++c)
-        if (const unsigned int a = cell(*place)[c]; sums[a] > 0.)
-          largest = std::max(largest, sums[a] / of_nodes[a]);
+        if (const unsigned int a = cell(*point)[c]; sums[a] > 0.)
+          largest = std::max(largest, sums[a] / node_values[a]);
       result.push_back(largest);
     }
     return result;

@@ -101,10 +101,10 @@ namespace tombolo
   void SpringContact<dim>::close_springs(const NodalState &state, StateArchive &archive)
   {
     // Where there was no spring, there was none of the mean.
-    NodalVector of_springs, slips, before;
-    of_springs.reinit(state.partition(), Quantity::scalars);
+    NodalVector spring_scalars, slips, before;
+    spring_scalars.reinit(state.partition(), Quantity::scalars);
     slips.reinit(state.partition());
-    archive.nodal(scalars_of_springs, 3, of_springs);
+    archive.nodal(scalars_of_springs, 3, spring_scalars);
     archive.nodal(slips_of_springs, 3, slips);
     before.reinit(state.partition(), Quantity::position);
     before.copy_from(state.position);
@@ -120,7 +120,7 @@ namespace tombolo
     for (std::size_t k = 0; k < springs.size(); ++k)
     {
       const unsigned int node = this->candidates[k];
-      const double stiffness = *of_springs.node(node);
+      const double stiffness = *spring_scalars.node(node);
       const double mass_before = *archive.division()->mass.node(node);
       // The stiffness over the area stays: it is as m^(1-1/dim).
       const double ratio = mass_before > 0. ? *state.mass.node(node) / mass_before : 1.;
@@ -138,7 +138,7 @@ namespace tombolo
           stiffness > 0. ? stiffness * std::pow(ratio, 1. - 1. / dim)
                          : std::min(mean, this->settings.law.stiffness(*state.mass.node(node),
                                                                        clock.previous_step));
-      if (!springs[k].is_closed()) // what hangs between others has no mass
+      if (!springs[k].is_closed()) // hanging nodes have no mass
       {
         springs[k] = ContactSpring<dim>();
         continue;
@@ -155,11 +155,11 @@ namespace tombolo
 
   /**
    * Contact by penalty springs: each candidate node behind the surface has a spring of ContactLaw,
-   * with its mass m̂ and the stable time step Δt, not the one taken, so that the safety factor does
-   * not change the stiffness. Against a surface with a mass m_t, m̂ / (1 + M/m_t) replaces m̂, with
-   * the mass M of all nodes in contact: then the frequency of the springs is that of contact with a
-   * surface of prescribed motion. Against a part it is m̂ / (1 + R), see PartSurface, which gets the
-   * reactions.
+   * with its mass m̂ and the stable time step Δt, not the present one, so that the safety factor
+   * does not change the stiffness. Against a surface with a mass m_t, m̂ / (1 + M/m_t) replaces m̂,
+   * with the mass M of all nodes in contact: then the frequency of the springs is that of contact
+   * with a surface of prescribed motion. Against a part it is m̂ / (1 + R), see PartSurface, on
+   * which the reactions act.
    */
   template <int dim>
   class PenaltyContact : public SpringContact<dim>
@@ -194,7 +194,7 @@ namespace tombolo
       this->find_areas(state, &touching_nodes);
       const double ratio = this->mass_ratio(mass_behind);
       if (this->part)
-        this->part->find_places(state, candidates, in_contact);
+        this->part->find_contact_points(state, candidates, in_contact);
       auto &springs = this->springs;
       for (const std::size_t k : in_contact)
       {
@@ -205,8 +205,8 @@ namespace tombolo
         if (has_eroded && !springs[k].is_closed())
           continue;
         const Below below = this->below(k, x, clock, ratio);
-        const Tensor<1, dim> &of_surface = below.motion, &normal = below.normal;
-        const Tensor<1, dim> motion = x - history.position - of_surface;
+        const Tensor<1, dim> &surface_motion = below.motion, &normal = below.normal;
+        const Tensor<1, dim> motion = x - history.position - surface_motion;
         const bool touches = is_behind && !has_eroded;
         ContactMotion<dim> move(std::max(0., -this->gap[k]), motion, normal);
         // Along the normal that the surface had below the node.
@@ -217,15 +217,15 @@ namespace tombolo
         if (touches)
         {
           const double mass = *state.mass.node(candidates[k]) / below.mass_ratio;
-          // What only touches is not deep: no spring pulls.
+          // Nodes that only touch have no depth: no spring pulls.
           this->press(k, move, mass, 1., clock, nodal_heat);
           force = springs[k].force(normal);
         }
         else
           this->release(k, move, nodal_heat);
-        this->set_force(k, x, force, of_surface, touches, loads, loaded_nodes);
+        this->set_force(k, x, force, surface_motion, touches, loads, loaded_nodes);
         if (touches && this->part)
-          this->part->add_reaction(this->part->place(k), force);
+          this->part->add_reaction(this->part->contact_point(k), force);
       }
       if (this->part)
         this->part->collect_reactions(loads, loaded_nodes);
@@ -259,7 +259,7 @@ namespace tombolo
   private:
     using typename SurfaceContact<dim>::NodeHistory;
 
-    /** What a node in contact sees of the surface. */
+    /** The surface at a node in contact. */
     struct Below
     {
       Tensor<1, dim> normal, motion; ///< motion over the last step [L]
@@ -271,8 +271,8 @@ namespace tombolo
     {
       if (this->part)
       {
-        const auto &place = this->part->place(candidate);
-        return {place.normal, place.motion, 1. + place.crowding};
+        const auto &contact_point = this->part->contact_point(candidate);
+        return {contact_point.normal, contact_point.motion, 1. + contact_point.crowding};
       }
       const double begin = clock.time - clock.previous_step;
       return {this->surface->normal(x, clock.time), this->surface->motion(x, begin, clock.time),
@@ -283,8 +283,8 @@ namespace tombolo
     {
       std::vector<double> result;
       this->find_gaps(position, this->candidates, clock.time, result);
-      for (double &of_node : result)
-        of_node = -of_node;
+      for (double &depth : result)
+        depth = -depth;
       return result;
     }
 

@@ -16,9 +16,9 @@ namespace tombolo
     const Section &section = scene.section;
     const NodalState &state = scene.state;
     surface->load(communicator);
-    part = surface->of_part();
+    part = surface->part_surface();
     if (part)
-      part->take(std::move(scene.master), state);
+      part->set_part(std::move(scene.master), state);
     totals.position = surface->reference_point(0.);
     const auto boundaries = scene.boundaries();
     candidates = scene.candidates(boundaries);
@@ -78,9 +78,9 @@ namespace tombolo
   bool SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock,
                                          const NodalHeat &nodal_heat)
   {
-    const RigidTranslation<dim> &of_surface = surface->translation();
-    translation = of_surface.displacement(clock.time) -
-                  of_surface.displacement(clock.time - clock.previous_step);
+    const RigidTranslation<dim> &surface_translation = surface->translation();
+    translation = surface_translation.displacement(clock.time) -
+                  surface_translation.displacement(clock.time - clock.previous_step);
     totals.begin_forces(surface->reference_point(clock.time));
     friction_before = totals.friction;
     if (heat)
@@ -95,11 +95,11 @@ namespace tombolo
 
   template <int dim>
   void SurfaceContact<dim>::set_force(const std::size_t candidate, const Tensor<1, dim> &x,
-                                      const Tensor<1, dim> &force, const Tensor<1, dim> &of_surface,
-                                      const bool touches, NodalVector &loads,
-                                      std::vector<unsigned int> &loaded_nodes)
+                                      const Tensor<1, dim> &force,
+                                      const Tensor<1, dim> &surface_motion, const bool touches,
+                                      NodalVector &loads, std::vector<unsigned int> &loaded_nodes)
   {
-    totals.add_work(histories[candidate].force + force, of_surface, translation);
+    totals.add_work(histories[candidate].force + force, surface_motion, translation);
     histories[candidate] = {force, x};
     if (!touches)
       return;
@@ -131,19 +131,19 @@ namespace tombolo
     if (heat)
       heat->add_shares(result);
     result.sum_over_ranks(communicator);
-    const RigidTranslation<dim> &of_surface = surface->translation();
-    result.external_work = of_surface.has_mass()
-                               ? result.work - result.external_work + of_surface.work_of_force()
+    const RigidTranslation<dim> &surface_translation = surface->translation();
+    result.external_work = surface_translation.has_mass() ? result.work - result.external_work +
+                                                                surface_translation.work_of_force()
                            : part ? 0. // one body does it on another
                                   : result.work;
-    result.tool_kinetic = of_surface.kinetic_energy();
+    result.tool_kinetic = surface_translation.kinetic_energy();
     for (unsigned int d = 0; d < dim; ++d)
     {
       result.position[d] = totals.position[d];
-      if (of_surface.has_mass())
+      if (surface_translation.has_mass())
       {
-        result.velocity[d] = of_surface.velocity()[d];
-        result.tool_momentum[d] = of_surface.mass() * result.velocity[d];
+        result.velocity[d] = surface_translation.velocity()[d];
+        result.tool_momentum[d] = surface_translation.mass() * result.velocity[d];
       }
     }
     if (heat)

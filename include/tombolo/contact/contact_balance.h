@@ -39,10 +39,10 @@ namespace tombolo
   inline std::array<double, 2> mean_and_largest(const NodalVector &values,
                                                 const std::vector<unsigned int> &nodes)
   {
-    std::vector<double> of_nodes;
+    std::vector<double> node_values;
     for (const unsigned int node : nodes)
-      of_nodes.push_back(*values.node(node));
-    return mean_and_largest(of_nodes, values.partition()->communicator());
+      node_values.push_back(*values.node(node));
+    return mean_and_largest(node_values, values.partition()->communicator());
   }
 
   /** Forces, impulses and energies of a contact at one time. Impulses are those of its force, and
@@ -53,14 +53,14 @@ namespace tombolo
     std::array<double, 3> force{}; ///< of the surface on the bodies, at t_n [M L/T^2]
     double elastic = 0;            ///< stored in the penalty springs [M L^2/T^2]
     double friction = 0;           ///< turned into heat by sliding
-    double damping = 0;            ///< taken by damping and by changes of the stiffness
-    /** Put in from outside: `work` of a surface that moves by functions of time; that of the given
-     * force and of the turning of one that has a mass. */
+    double damping = 0;            ///< dissipated by damping and by changes of the stiffness
+    /** From outside: `work` of a surface that moves by functions of time; that of the given force
+     * and of the turning of one that has a mass. */
     double external_work = 0;
-    double conducted = 0;          ///< heat that the bodies have got by conduction
+    double conducted = 0;          ///< heat received by the bodies by conduction
     double friction_of_bodies = 0; ///< their share of `friction`; zero without heat
     double heat_of_bodies = 0;     ///< that, and their share of `friction`; zero without heat
-    double heat_of_tool = 0;       ///< what the tool has got, or with a heat capacity what it holds
+    double heat_of_tool = 0; ///< heat received by the tool, or its content where it has a capacity
     double tool_temperature = 0;
     std::array<double, 3> position{};      ///< of the surface's reference point, at t_n [L]
     std::array<double, 3> velocity{};      ///< of a surface with a mass, at t_{n-1/2} [L/T]
@@ -70,11 +70,12 @@ namespace tombolo
     double area = 0;                       ///< likewise, where areas are known [L^(dim-1)]
     double penetration = 0;                ///< the largest [L]
 
-    /** Adds those of another contact, but for what is of one surface alone: place, temperature. */
+    /** Adds those of another contact, but for what is of one surface alone: position,
+     * temperature. */
     void add(const ContactBalance &other)
     {
-      ContactBalance of_other = other;
-      const std::vector<double *> values = sums(), added = of_other.sums();
+      ContactBalance other_shares = other;
+      const std::vector<double *> values = sums(), added = other_shares.sums();
       for (std::size_t k = 0; k < values.size(); ++k)
         *values[k] += *added[k];
       penetration = std::max(penetration, other.penetration);
@@ -128,11 +129,11 @@ namespace tombolo
     dealii::Tensor<1, dim> impulse;        ///< since the start [M L/T]
     dealii::Tensor<1, 3> angular_impulse;  ///< likewise
     double friction = 0;                   ///< heat of friction, likewise [M L^2/T^2]
-    double damping = 0;                    ///< taken by damping, likewise
+    double damping = 0;                    ///< dissipated by damping, likewise
     double conducted = 0;                  ///< heat into the slave, likewise
-    double work = 0, translation_work = 0; ///< of the surface, and what a mass loses of it
+    double work = 0, translation_work = 0; ///< of the surface; of its translation
 
-    /** Forgets the forces of the step before. */
+    /** Clears the forces of the step before. */
     void begin_forces(const dealii::Tensor<1, dim> &reference_point)
     {
       position = reference_point;
@@ -142,19 +143,19 @@ namespace tombolo
     }
 
     /** Adds the force on a node at @p x. */
-    void add_force(const dealii::Tensor<1, dim> &of_node, const dealii::Tensor<1, dim> &x)
+    void add_force(const dealii::Tensor<1, dim> &node_force, const dealii::Tensor<1, dim> &x)
     {
-      force += of_node;
-      torque_of_force += torque<dim>(x - position, of_node);
+      force += node_force;
+      torque_of_force += torque<dim>(x - position, node_force);
     }
 
-    /** Adds the work of the motion of the surface over the last step, @p of_surface at a node and
-     * @p translation of the surface as a whole, with the mean of the forces before and now. */
+    /** Adds the work of the motion of the surface over the last step, @p surface_motion at a node
+     * and @p translation of the surface as a whole, with the mean of the forces before and now. */
     void add_work(const dealii::Tensor<1, dim> &sum_of_forces,
-                  const dealii::Tensor<1, dim> &of_surface,
+                  const dealii::Tensor<1, dim> &surface_motion,
                   const dealii::Tensor<1, dim> &translation)
     {
-      work += 0.5 * sum_of_forces * of_surface;
+      work += 0.5 * sum_of_forces * surface_motion;
       translation_work += 0.5 * sum_of_forces * translation;
     }
 
@@ -165,7 +166,7 @@ namespace tombolo
       angular_impulse += velocity_step * torque_of_force;
     }
 
-    /** Puts them among the @p shares of this rank; translation_work is the external work. */
+    /** Copies them to the @p shares of this rank; translation_work is the external work. */
     void add_to(ContactBalance &shares) const
     {
       shares.friction = friction;

@@ -90,7 +90,7 @@ namespace tombolo
     using Selector = std::function<bool(const Cell &, unsigned int face)>;
     using IsGone = std::function<bool(const Cell &)>; ///< of owned and ghost cells
 
-    /** Takes the faces that @p selects. */
+    /** Has the faces that @p selects. */
     ContactFaces(const Nodes<dim> &nodes, const Selector &selects, const IsGone &is_gone = {})
     {
       const auto is_exposed = [&](const Cell &cell, const unsigned int f)
@@ -107,13 +107,13 @@ namespace tombolo
         {
           if (!(nodes.is_outer_face(cell, f) || is_exposed(cell, f)) || !selects(cell, f))
             continue;
-          const std::vector<unsigned int> &places = nodes.face_places(f);
+          const std::vector<unsigned int> &indices = nodes.face_places(f);
           Face face;
           FaceCorners<dim> corners;
           for (unsigned int k = 0; k < n_corners; ++k)
           {
-            face.global_nodes[k] = cell_nodes[places[k]];
-            corners[k] = points[places[k]];
+            face.global_nodes[k] = cell_nodes[indices[k]];
+            corners[k] = points[indices[k]];
           }
           const dealii::Tensor<1, dim> area = area_vector<dim>(corners);
           face.orientation = area * (cell->face(f)->center() - cell->center()) > 0. ? 1. : -1.;
@@ -216,7 +216,7 @@ namespace tombolo
       unsigned int slave, master;
     };
 
-    /** What this rank knows of a master face beside the values of its corners. */
+    /** Data of a master face on this rank, beside the values of its corners. */
     struct Master
     {
       std::array<dealii::types::global_dof_index, n_corners> nodes; ///< global numbers
@@ -292,14 +292,14 @@ namespace tombolo
       return sent;
     }
 
-    /** Takes @p n_values for each of sent_faces() to those of masters(). Collective. */
+    /** Sends @p n_values for each of sent_faces() to masters(). Collective. */
     void send(const unsigned int n_values, const std::vector<double> &at_sent,
               std::vector<double> &at_masters) const
     {
       exchange_items(n_values, n_sent, n_received, at_sent, at_masters, communicator);
     }
 
-    /** Takes @p n_values for each of masters() back to sent_faces(). Collective. */
+    /** Sends @p n_values for each of masters() back to sent_faces(). Collective. */
     void send_back(const unsigned int n_values, const std::vector<double> &at_masters,
                    std::vector<double> &at_sent) const
     {
@@ -350,20 +350,20 @@ namespace tombolo
           around[dim + d] = std::max(around[dim + d], box.upper_bound(d));
         }
       }
-      const auto of_ranks = items_of_ranks(around, communicator);
+      const auto rank_boxes = items_of_ranks(around, communicator);
       std::vector<dealii::BoundingBox<dim>> boxes;
       for (const auto &face : masters.faces())
         boxes.push_back(box_around<dim>(masters.corners(face, position), 0.));
       sent.clear();
-      for (std::size_t rank = 0; rank < of_ranks.size(); ++rank)
+      for (std::size_t rank = 0; rank < rank_boxes.size(); ++rank)
       {
         const std::size_t before = sent.size();
         for (std::size_t f = 0; f < boxes.size(); ++f)
         {
           bool meets = true;
           for (unsigned int d = 0; d < dim; ++d)
-            meets = meets && boxes[f].lower_bound(d) <= of_ranks[rank][dim + d] &&
-                    boxes[f].upper_bound(d) >= of_ranks[rank][d];
+            meets = meets && boxes[f].lower_bound(d) <= rank_boxes[rank][dim + d] &&
+                    boxes[f].upper_bound(d) >= rank_boxes[rank][d];
           if (meets)
             sent.push_back(static_cast<unsigned int>(f));
         }

@@ -19,21 +19,21 @@
 
 namespace tombolo
 {
-  /** What contacts see of the heat of a scene, and where they put heat: pointers that are null
-   * without heat. */
+  /** The heat of a scene as contacts read it, and the sources that they add to: pointers that are
+   * null without heat. */
   struct NodalHeat
   {
     const NodalVector *temperature = nullptr; ///< at the present time, slot 0 of owned nodes
     const NodalEnthalpy *enthalpy = nullptr;
-    /** Of owned nodes (scalar), what they have got since the thermal step began. */
+    /** The heat received by owned nodes (scalar) since the thermal step began. */
     const NodalVector *pending = nullptr;
     /** Likewise h A Δt of all contacts in this step [M L^2/(T^2 K)]; null where there is no other
      * contact. */
     const NodalVector *exposure = nullptr;
-    NodalSource *friction = nullptr;   ///< gets the heat of friction of bodies
-    NodalSource *conduction = nullptr; ///< gets what is conducted into bodies
+    NodalSource *friction = nullptr;   ///< receives the heat of friction of bodies
+    NodalSource *conduction = nullptr; ///< receives what is conducted into bodies
 
-    /** The enthalpy of an owned node with what it has got. */
+    /** The enthalpy of an owned node with the heat received. */
     double enthalpy_of(const unsigned int node) const
     {
       return enthalpy->enthalpy(node, *temperature->node(node)) + *pending->node(node);
@@ -44,15 +44,15 @@ namespace tombolo
       return enthalpy->temperature(node, enthalpy_of(node));
     }
 
-    /** The same, and exactly that of the thermal step where the node has got nothing. */
+    /** The same, and exactly that of the thermal step where the node has received nothing. */
     double present_temperature(const unsigned int node) const
     {
       return *pending->node(node) != 0. ? temperature_of(node) : *temperature->node(node);
     }
   };
 
-  /** With what the nodes of a contact exchange heat, as its section says: the entries
-   * `Conductance`, `Tool temperature` and `Heat capacity`. */
+  /** The partner of nodes in the exchange of heat, by the entries `Conductance`, `Tool temperature`
+   * and `Heat capacity` of the contact. */
   struct HeatPartner
   {
     /** That of a rigid tool, or of a part, which has temperatures of its own. Throws InputError. */
@@ -70,8 +70,8 @@ namespace tombolo
     }
 
     bool is_part;
-    TemperatureTable conductance;   ///< h over the pressure [M/(T^3 K)]
-    double capacity = 0;            ///< of a tool; zero: its temperature is given [M L^2/(T^2 K)]
+    TemperatureTable conductance; ///< h over the pressure [M/(T^3 K)]
+    double capacity = 0; ///< of a tool; zero: its temperature is prescribed [M L^2/(T^2 K)]
     double initial_temperature = 0; ///< of a tool
   };
 
@@ -81,19 +81,18 @@ namespace tombolo
    *
    * In a step a node i exchanges a_i (T_s - T_i) with a_i = C_i (1 - exp(-h A Δt / C_i)), the exact
    * exchange with a surface of constant temperature T_s, where C_i is the mean heat capacity of the
-   * node between the two temperatures: however good the conductance, the node does not get past the
-   * surface. Of several surfaces at one node, each has its share h A Δt / E of
-   * C_i (1 - exp(-E / C_i)), with the sum E of all h A Δt: the node does not get out of their
-   * temperatures and its own, and their order does not matter. The step of no solver is limited by
-   * any of this.
+   * node between the two temperatures: however good the conductance, T_i does not pass T_s. Of
+   * several surfaces at one node, each has its share h A Δt / E of C_i (1 - exp(-E / C_i)), with
+   * the sum E of all h A Δt: T_i stays between its former value and theirs, and their order does
+   * not matter. The step of no solver is limited by any of this.
    *
-   * A tool has one temperature, which is given or that of a lumped heat capacity: then it takes the
-   * temperature T' at the end of the step at which
+   * A tool has one temperature, which is prescribed or that of a lumped heat capacity: then it has
+   * the temperature T' at the end of the step at which
    *
    *   C_tool (T' - T_tool) = friction heat of the tool - Σ a_i (T' - T_i),
    *
-   * so that it does not get past the nodes either, and the heat of tool and nodes together is kept
-   * to round-off.
+   * so that it does not pass the T_i either, and the heat of tool and nodes together is kept to
+   * round-off.
    *
    * The surface of a part has the mean T_s = Σ N_a T_a of the nodes a of the cell there, and
    * C_i / (1 + R_i) replaces C_i, with R_i of PartSurface for heat capacities. What a node receives
@@ -119,7 +118,7 @@ namespace tombolo
       return surface == nullptr && partner.has_temperature();
     }
 
-    /** Begins a step: nothing touches. Collective. */
+    /** Begins a step, without contacts. Collective. */
     void begin_step(const NodalHeat &nodal_heat);
 
     /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
@@ -139,7 +138,7 @@ namespace tombolo
         *exposure.node(touch.node) += touch.exposure;
     }
 
-    /** Splits the heat of friction at a candidate. Returns what the body gets. */
+    /** Splits the heat of friction at a candidate. Returns what the body receives. */
     double add_friction(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
 
     /** The body's share of the heat of friction at a candidate. */
@@ -152,7 +151,7 @@ namespace tombolo
         friction_of_tool = (1. - settings.heat_fraction) * heat;
     }
 
-    /** Ends the step: gives each node what it has received. Collective. */
+    /** Ends the step: adds to each node what it has received. Collective. */
     void exchange(const NodalHeat &nodal_heat, MPI_Comm communicator);
 
     /** This rank's shares of heat. */
@@ -162,7 +161,7 @@ namespace tombolo
       shares.friction_of_bodies = friction_of_bodies;
     }
 
-    /** What follows for @p sums over ranks. */
+    /** Sets the values that follow from @p sums over ranks. */
     void complete(ContactBalance &sums) const;
 
     /** Mean and largest T_s of a part in the last step; zero where nothing touches. Collective. */
@@ -182,19 +181,19 @@ namespace tombolo
       double exposure; ///< h A Δt [M L^2/(T^2 K)]
     };
 
-    /** Values of nodes of the part, which @p write gives by the number and the temperature of owned
-     * ones, with the heat that they have not got yet. Collective. */
+    /** Values of nodes of the part, which @p write sets from the number and the temperature of
+     * owned nodes, with the pending heat. Collective. */
     std::vector<double>
     gather(const NodalHeat &nodal_heat, unsigned int n_values,
            const std::function<void(unsigned int node, double temperature, double *)> &write) const;
-    /** The mean of every @p stride -th value at the place of a candidate. */
-    double at_place(std::size_t candidate, const std::vector<double> &of_nodes,
+    /** The mean of every @p stride -th value at the contact point of a candidate. */
+    double value_at(std::size_t candidate, const std::vector<double> &node_values,
                     unsigned int stride = 1) const;
     void add_to_part(const std::size_t candidate, const double heat)
     {
-      const auto &place = surface->place(candidate);
-      for (unsigned int c = 0; c < place.weights.size(); ++c)
-        incoming[surface->cell(place)[c]] += place.weights[c] * heat;
+      const auto &contact_point = surface->contact_point(candidate);
+      for (unsigned int c = 0; c < contact_point.weights.size(); ++c)
+        incoming[surface->cell(contact_point)[c]] += contact_point.weights[c] * heat;
     }
     /** The temperature T_s below touches, and of touches the heat capacity in the exchange. */
     void find_capacities(const NodalHeat &nodal_heat, const std::vector<double> &temperatures,

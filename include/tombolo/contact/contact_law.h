@@ -66,7 +66,7 @@ namespace tombolo
   /**
    * The penalty law of contact with friction (doc/method.md, section 11; after Fraser et al.,
    * Hybrid thermo-mechanical contact algorithm for 3D SPH-FEM multi-physics simulations, eqs 7-13):
-   * a mass m with the penetration δ along the unit normal n gets the force
+   * a mass m with the penetration δ along the unit normal n has the force
    *
    *   f = ⟨k δ + c δ̇⟩ n - k s,  k = α m/Δt²,  c = 2 ζ √(k m),  |k s| <= μ ⟨k δ + c δ̇⟩,
    *
@@ -78,8 +78,8 @@ namespace tombolo
    *
    * Dissipated energies are computed from the motion over a step with the mean of the forces at
    * both of its ends, so that stored and dissipated energies sum to the work of the forces. Without
-   * dampers the normal force takes and gives back on average: what begins within a step takes, and
-   * what ends gives.
+   * dampers the work of the normal force is zero on average: a contact that begins within a step
+   * dissipates, and one that ends returns energy.
    */
   class ContactLaw
   {
@@ -93,7 +93,8 @@ namespace tombolo
     {}
 
     /** The same springs, without dampers, for the increments of static steps: these have no rates,
-     * and what the normal force takes in them is the error of their integration, not counted. */
+     * and what the normal force dissipates in them is the error of their integration, not
+     * counted. */
     ContactLaw without_rates() const
     {
       ContactLaw law(stiffness_factor, 0.);
@@ -119,8 +120,8 @@ namespace tombolo
     }
 
     /** Moves @p spring after the motion @p move over @p time_step, which is zero at the start of a
-     * run. Adds to @p dissipated what the normal force and a decrease of the stiffness take. Leaves
-     * the elastic slip to slide(). */
+     * run. Adds to @p dissipated what the normal force and a decrease of the stiffness dissipate.
+     * Leaves the elastic slip to slide(). */
     template <int dim>
     void press(const ContactMotion<dim> &move, const double mass, const double stable_step,
                const double time_step, ContactSpring<dim> &spring, double &dissipated) const
@@ -157,8 +158,8 @@ namespace tombolo
     }
 
     /** Ends a contact after the motion @p move. Adds to @p dissipated what the normal force has
-     * taken. Returns the heat of friction: what the spring along the surface stored, less what it
-     * gave back on the way. */
+     * dissipated. Returns the heat of friction: what the spring along the surface stored, less what
+     * it returned on the way. */
     template <int dim>
     double release(const ContactMotion<dim> &move, ContactSpring<dim> &spring,
                    double &dissipated) const

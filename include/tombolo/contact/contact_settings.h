@@ -12,8 +12,8 @@ namespace tombolo
   /** The surface of a contact that is the boundary of a part. */
   constexpr const char *surface_of_part = "part";
 
-  /** What the section of a contact, with a surface or between bodies, says of friction and of its
-   * heat. */
+  /** Friction and its heat, as the section of a contact with a surface or between bodies sets
+   * them. */
   struct FrictionSettings
   {
     TemperatureTable friction; ///< Coulomb's coefficient, over the temperature
@@ -31,7 +31,7 @@ namespace tombolo
     void read_heat_fraction(const Entries &e, const std::string &documentation);
   };
 
-  /** The law of a contact with its coefficients, as the section of the contact gives them. */
+  /** The law of a contact with its coefficients, as the section of the contact sets them. */
   struct ContactSettings : FrictionSettings
   {
     /** Throws InputError. */

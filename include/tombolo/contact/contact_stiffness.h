@@ -13,8 +13,8 @@
 namespace tombolo
 {
   /**
-   * How the forces f of a contact change with positions x, for one of its places: the sum over
-   * pairs of nodes J, K of
+   * How the forces f of a contact change with positions x, at one contact point: the sum over pairs
+   * of nodes J, K of
    *
    * @verbatim
    *   -∂f_J/∂x_K = k c_J ⊗ (c_K + s_K) + w_J T (w_K + D_K) + w_J q ⊗ (c_K + s_K)
@@ -39,7 +39,7 @@ namespace tombolo
     };
     using Entries = std::vector<Entry>;
 
-    unsigned int node; ///< local number of the node that has the place
+    unsigned int node; ///< local number of the node of the contact point
     Entries entries;
     dealii::Tensor<1, dim> direction; ///< the unit normal there; zero where nothing is pressed
     double normal = 0;                ///< k
@@ -47,7 +47,7 @@ namespace tombolo
     dealii::Tensor<1, dim> slip;      ///< q
     bool is_tied = false;             ///< whether it holds in all directions, also in tension
 
-    /** Takes out of T and q the components that @p kept, one or zero each, does not keep: across
+    /** Removes from T and q the components that @p kept, one or zero each, does not keep: across
      * planes of symmetry, where motions and forces of both halves add up to zero. The normal lies
      * in the planes. */
     void keep(const double *const kept)
@@ -90,7 +90,7 @@ namespace tombolo
       stiffness.slip -= k * slip / spring.depth * along;
   }
 
-  /** Rows of entries by the node that has the place, of which ranks have pieces. */
+  /** Rows of entries by the node of the contact point, of which ranks have pieces. */
   template <int dim>
   class ContactRows
   {
@@ -98,26 +98,26 @@ namespace tombolo
     using Entry = typename ContactStiffness<dim>::Entry;
     using Entries = typename ContactStiffness<dim>::Entries;
 
-    /** Adds to the entry of @p node in the row of @p place, both by global numbers. */
-    void add(const dealii::types::global_dof_index place,
+    /** Adds to the entry of @p node in the row of @p row_node, both by global numbers. */
+    void add(const dealii::types::global_dof_index row_node,
              const dealii::types::global_dof_index node, const dealii::Tensor<1, dim> &normal,
              const double weight, const dealii::Tensor<1, dim> &shift = {},
              const dealii::Tensor<2, dim> &shares = {})
     {
-      Entry &entry = rows[place].try_emplace(node, Entry{node, {}, 0.}).first->second;
+      Entry &entry = rows[row_node].try_emplace(node, Entry{node, {}, 0.}).first->second;
       entry.normal += normal;
       entry.weight += weight;
       entry.shift += shift;
       entry.shares += shares;
     }
 
-    /** Brings the pieces to the owners of the rows. Collective. */
+    /** Sends the pieces to the owners of the rows. Collective. */
     void collect(const NodePartition &partition)
     {
       // Pieces that others own are few: those of nodes at the border of two ranks.
       struct Piece
       {
-        dealii::types::global_dof_index place;
+        dealii::types::global_dof_index row_node;
         Entry entry;
       };
       std::vector<Piece> pieces;
@@ -132,16 +132,16 @@ namespace tombolo
           pieces.push_back({row->first, entry});
         row = rows.erase(row);
       }
-      for (const auto &[place, entry] : of_all_ranks(pieces, partition.communicator()))
-        if (partition.owned().is_element(place))
-          add(place, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
+      for (const auto &[row_node, entry] : of_all_ranks(pieces, partition.communicator()))
+        if (partition.owned().is_element(row_node))
+          add(row_node, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
     }
 
     /** Of an owned node, after collect(), ascending. */
-    Entries row(const dealii::types::global_dof_index place) const
+    Entries row(const dealii::types::global_dof_index row_node) const
     {
       Entries result;
-      const auto found = rows.find(place);
+      const auto found = rows.find(row_node);
       if (found != rows.end())
         for (const auto &[node, entry] : found->second)
           result.push_back(entry);

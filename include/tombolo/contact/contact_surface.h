@@ -31,7 +31,7 @@ namespace tombolo
      * every rank. Collective. */
     virtual void load(MPI_Comm) {}
 
-    /** What the audit says about the surface; nothing if its entries say it all. */
+    /** The text about the surface in the audit; empty if its entries are enough. */
     virtual std::string description() const
     {
       return "";
@@ -61,11 +61,11 @@ namespace tombolo
     virtual dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                           double to) const = 0;
 
-    /** What torques of the surface are about at @p time [L]. */
+    /** The reference point of torques of the surface at @p time [L]. */
     virtual dealii::Tensor<1, dim> reference_point(double time) const = 0;
 
-    /** The surface at @p time, for pictures; of one without end the part next to the box from @p
-     * low to @p high, in which the bodies are. Nothing where a surface cannot be drawn. */
+    /** The surface at @p time, for pictures; of one without end the part next to the box from
+     * @p low to @p high, in which the bodies are. Empty where a surface cannot be drawn. */
     virtual FacetList<dim> picture(double /*time*/, const dealii::Tensor<1, dim> & /*low*/,
                                    const dealii::Tensor<1, dim> & /*high*/) const
     {
@@ -106,23 +106,23 @@ namespace tombolo
       }
     }
 
-    /** What moves the surface as a whole: a contact advances it where it has a mass, and
+    /** The translation of the surface as a whole: a contact advances it where it has a mass, and
      * evaluate_gaps() and the others must follow its displacement. */
     virtual RigidTranslation<dim> &translation() = 0;
 
     /** The same surface where it is the boundary of a part of the scene; null where it is rigid and
      * no part of it. */
-    virtual PartSurface<dim> *of_part()
+    virtual PartSurface<dim> *part_surface()
     {
       return nullptr;
     }
   };
 
-  /** -∂f/∂x of a force f along the normal of @p surface at @p place, where the normal turns with
-   * the place: by differences over @p way. */
+  /** -∂f/∂x of a force f along the normal of @p surface at @p point, where the normal turns with
+   * the point: by differences over @p way. */
   template <int dim>
   dealii::Tensor<2, dim>
-  curvature_stiffness(const ContactSurface<dim> &surface, const dealii::Tensor<1, dim> &place,
+  curvature_stiffness(const ContactSurface<dim> &surface, const dealii::Tensor<1, dim> &point,
                       const double force, const double time, const double way)
   {
     dealii::Tensor<2, dim> result;
@@ -131,7 +131,7 @@ namespace tombolo
       dealii::Tensor<1, dim> step;
       step[b] = way;
       const dealii::Tensor<1, dim> difference =
-          surface.normal(place + step, time) - surface.normal(place - step, time);
+          surface.normal(point + step, time) - surface.normal(point - step, time);
       for (unsigned int a = 0; a < dim; ++a)
         result[a][b] = -force * difference[a] / (2. * way);
     }

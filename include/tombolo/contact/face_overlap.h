@@ -15,9 +15,9 @@ namespace tombolo
    * plane through the centre of the slave face with the direction of its area (in two dimensions
    * onto its line). The projected master face is clipped by the edges of the slave face (Sutherland
    * and Hodgman), the polygon divided into triangles from its corner farthest from the centre of
-   * its area, and each gets 6 points of the rule of degree 4, so that the numbering of corners does
+   * its area, and each has 6 points of the rule of degree 4, so that the numbering of corners does
    * not matter, and weights are exact where both faces are parallelograms; in two dimensions an
-   * interval gets 2 Gauss points. Both faces have their shape functions at the same points, so that
+   * interval has 2 Gauss points. Both faces have their shape functions at the same points, so that
    * Σ_J w^s_IJ = Σ_L w^m_IL for the weights of a mortar. Weights are areas on the plane.
    */
   template <int dim>

@@ -20,29 +20,30 @@ namespace tombolo
     constexpr unsigned int most_iterations = 60;
     constexpr double tolerance = 1e-12;
     const auto excess = [&](const double c) { return friction.value(heated(c)) - c; };
-    const double start = friction.value(before), of_start = excess(start);
-    if (of_start == 0. || friction.is_constant())
+    const double start = friction.value(before), start_excess = excess(start);
+    if (start_excess == 0. || friction.is_constant())
       return start;
     // The excess is positive at the lower bound, negative at the upper one.
-    double low = of_start > 0. ? start : 0., of_low = of_start > 0. ? of_start : start;
-    double high = of_start > 0. ? friction.largest() : start;
-    double of_high = of_start > 0. ? excess(high) : of_start;
-    if (!(of_low > 0.) || !(of_high < 0.))
-      return of_high < 0. ? low : high;
+    double low = start_excess > 0. ? start : 0.,
+           low_excess = start_excess > 0. ? start_excess : start;
+    double high = start_excess > 0. ? friction.largest() : start;
+    double high_excess = start_excess > 0. ? excess(high) : start_excess;
+    if (!(low_excess > 0.) || !(high_excess < 0.))
+      return high_excess < 0. ? low : high;
     double result = low;
     int last_side = 0;
     for (unsigned int n = 0; n < most_iterations && high - low > tolerance * friction.largest();
          ++n)
     {
-      result = (low * of_high - high * of_low) / (of_high - of_low);
+      result = (low * high_excess - high * low_excess) / (high_excess - low_excess);
       const double value = excess(result);
       if (value == 0.)
         break;
       const int side = value > 0. ? 1 : -1;
       (side > 0 ? low : high) = result;
-      (side > 0 ? of_low : of_high) = value;
+      (side > 0 ? low_excess : high_excess) = value;
       if (side == last_side) // the bound that stays holds the secant back
-        (side > 0 ? of_high : of_low) *= 0.5;
+        (side > 0 ? high_excess : low_excess) *= 0.5;
       last_side = side;
       if (std::abs(value) <= tolerance * friction.largest())
         break;
@@ -71,13 +72,13 @@ namespace tombolo
     NodalVector unit_heat;
     bool is_outdated = true; ///< a thermal step has ended
 
-    /** At an owned node. Once it got much more heat in the thermal step than was expected, the
-     * coefficient is at most that of the temperature @p present(), which the node has with it. */
+    /** At an owned node. Once it has received much more heat in the thermal step than was expected,
+     * the coefficient is at most that of the temperature @p present(), which includes this heat. */
     template <typename Present>
     double at(const unsigned int node, const TemperatureTable &friction,
               const Present &present) const
     {
-      constexpr double much = 4.; // some of what the node is given goes to others
+      constexpr double much = 4.; // some of the heat of the node flows to others
       const double by_receivers = *coefficient.node(node);
       if (*heat.node(node) <= much * *weight.node(node) * *unit_heat.node(node))
         return by_receivers;

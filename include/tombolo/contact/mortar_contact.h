@@ -69,31 +69,32 @@ namespace tombolo
     }
 
     /** Areas of owned nodes of each side. */
-    const std::vector<double> &of_slaves() const
+    const std::vector<double> &areas_of_slaves() const
     {
       return slave_areas;
     }
-    const std::vector<double> &of_masters() const
+    const std::vector<double> &areas_of_masters() const
     {
       return master_areas;
     }
 
-    /** Lists what is kept from step to step, of nodes of these faces, which are referred to; @p
-     * continues: a run that starts from the end of another takes the stiffness from there. */
+    /** Lists what is kept from step to step, of nodes of these faces, which are referred to;
+     * @p continues: a run that starts from the end of another starts with the stiffness from
+     * there. */
     void list(Records &records, const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
               const bool continues)
     {
       const auto number = [](double &value) -> double & { return value; };
       records.value("mass per area", mass_per_area);
-      auto &of_springs = records.value("stiffness", stiffness);
+      auto &stiffness_record = records.value("stiffness", stiffness);
       if (continues)
-        of_springs.continues();
+        stiffness_record.continues();
       records.at_nodes(slaves.owned_nodes(), slave_areas).numbers("areas of the slave", number);
       records.at_nodes(masters.owned_nodes(), master_areas).numbers("areas of the master", number);
     }
 
-    /** Lets the next find() take the masses anew. */
-    void forget_masses()
+    /** The next find() computes the masses anew. */
+    void reset_masses()
     {
       mass_per_area = 0.;
     }
@@ -114,11 +115,11 @@ namespace tombolo
     }
 
     std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
-    double mass_per_area = 0;                      ///< 1/(1/μ_s + 1/μ_m); zero before it is known
+    double mass_per_area = 0; ///< 1/(1/μ_s + 1/μ_m); zero before it is computed
     double stiffness = 0;
   };
 
-  /** What a slave node of a contact between bodies keeps from step to step. The normal is out of
+  /** The data of a slave node of a contact between bodies from step to step. The normal is out of
    * the master. */
   template <int dim>
   struct MortarHistory
@@ -132,7 +133,7 @@ namespace tombolo
     bool is_bonded = false;
 
     /** Lists those of these owned nodes; @p continue_them: a run that starts from the end of
-     * another takes them from there. */
+     * another starts with those from there. */
     static void list(Records &records, const std::vector<unsigned int> &nodes,
                      std::vector<MortarHistory> &histories, const bool continue_them)
     {
@@ -174,9 +175,9 @@ namespace tombolo
       return cut;
     }
 
-    /** Where bodies have come from positions @p before to others without a motion: springs are as
-     * much deeper as the gap is smaller, and what comes to overlap has no force. Positions have
-     * current ghosts. Collective. */
+    /** After a change from positions @p before without a motion: springs are deeper by as much as
+     * the gap is smaller, and new overlaps have no force. Positions have current ghosts.
+     * Collective. */
     static void place(const NodalVector &before, const NodalVector &position,
                       const std::vector<unsigned int> &nodes, MortarSegments<dim> &segments,
                       std::vector<MortarHistory<dim>> &histories)
@@ -215,9 +216,9 @@ namespace tombolo
       }
     }
 
-    /** Mean and largest of the temperatures of slave @p nodes in contact, which are in slot 0 of @p
-     * of_slave, or where that is null of the master below them. Collective. */
-    static std::array<double, 2> temperatures(const NodalVector *const of_slave,
+    /** Mean and largest of the temperatures of slave @p nodes in contact, which are in slot 0 of
+     * @p slave_temperature, or where that is null of the master below them. Collective. */
+    static std::array<double, 2> temperatures(const NodalVector *const slave_temperature,
                                               const std::vector<unsigned int> &nodes,
                                               const std::vector<MortarHistory<dim>> &histories,
                                               const MortarSegments<dim> &segments,
@@ -230,8 +231,8 @@ namespace tombolo
         if (!histories[k].spring.is_closed())
           continue;
         const double *const sums = segments.sums().scalars.node(nodes[k]);
-        if (of_slave != nullptr)
-          values.push_back(*of_slave->node(nodes[k]));
+        if (slave_temperature != nullptr)
+          values.push_back(*slave_temperature->node(nodes[k]));
         else if (sums[Segments::area] > 0.)
           values.push_back(
               (sums[Segments::mean_temperature] + 0.5 * sums[Segments::temperature_difference]) /
@@ -254,12 +255,12 @@ namespace tombolo
         const double *const x = position.node(slave_nodes[k]);
         if (histories[k].area > 0.)
           ++n_tied;
-        else if (const std::vector<double> place(x, x + dim); first.empty() || place < first)
-          first = place;
+        else if (const std::vector<double> point(x, x + dim); first.empty() || point < first)
+          first = point;
       }
-      for (const std::vector<double> &of_rank : items_of_ranks(first, communicator))
-        if (!of_rank.empty() && (first.empty() || of_rank < first))
-          first = of_rank;
+      for (const std::vector<double> &rank_first : items_of_ranks(first, communicator))
+        if (!rank_first.empty() && (first.empty() || rank_first < first))
+          first = rank_first;
       n_tied = Utilities::MPI::sum(n_tied, communicator);
       const unsigned long n_nodes = Utilities::MPI::sum(slave_nodes.size(), communicator);
       const std::string text =
@@ -328,7 +329,7 @@ namespace tombolo
     using Selector = typename ContactFaces<dim>::Selector;
     using IsGone = typename ContactFaces<dim>::IsGone;
 
-    /** Takes the faces that the selectors choose. Throws InputError where a side has none, or where
+    /** Has the faces that the selectors choose. Throws InputError where a side has none, or where
      * the bodies overlap at the start, or tied ones are apart. Collective. */
     MortarContact(const Section &section, std::unique_ptr<const Pairing<dim>> pairing,
                   bool has_heat, const Nodes<dim> &nodes, const NodalState &state,
@@ -337,15 +338,15 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
-    /** Takes the faces of the cells that are left, and cuts the springs of nodes that have none any
-     * more. Not of tied surfaces. */
+    /** Finds the faces of the cells that are left, and removes the springs of nodes without faces.
+     * Not of tied surfaces. */
     void renew_faces(const Nodes<dim> &nodes, const Selector &is_slave, const Selector &is_master,
                      const IsGone &is_gone)
     {
       const std::vector<unsigned int> former_nodes = slaves.owned_nodes();
       slaves = ContactFaces<dim>(nodes, is_slave, is_gone);
       masters = ContactFaces<dim>(nodes, is_master, is_gone);
-      stiffness.forget_masses();
+      stiffness.reset_masses();
       set_partition(std::shared_ptr<const NodePartition>(traction.partition()));
       totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
     }
@@ -363,7 +364,7 @@ namespace tombolo
     void add_forces(const NodalState &state, const NodalVector &last_position, const Clock &clock,
                     const NodalHeat &nodal_heat, NodalVector &loads, NodalVector *heat);
 
-    /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them. */
+    /** Adds the impulse of the forces at t_n over Δt_n, which is determined only after them. */
     void complete_step(const Clock &clock)
     {
       totals.add_impulse(clock.velocity_step());
@@ -409,12 +410,12 @@ namespace tombolo
       return settings.has_heat && settings.needs_temperature();
     }
 
-    /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of @p
-     * of_slave, or where that is null of the master below them in the last step; zero without such.
-     * Collective. */
-    std::array<double, 2> temperatures_in_contact(const NodalVector *of_slave) const
+    /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of
+     * @p slave_temperature, or where that is null of the master below them in the last step; zero
+     * without such. Collective. */
+    std::array<double, 2> temperatures_in_contact(const NodalVector *slave_temperature) const
     {
-      return NodeHistory::temperatures(of_slave, slaves.owned_nodes(), histories, segments,
+      return NodeHistory::temperatures(slave_temperature, slaves.owned_nodes(), histories, segments,
                                        communicator);
     }
 
@@ -448,14 +449,14 @@ namespace tombolo
       return masters;
     }
 
-    /** What it keeps from step to step. A run that starts from the end of another begins with the
+    /** The data kept from step to step. A run that starts from the end of another begins with the
      * springs that the contact of this name had there. */
     Records records;
 
   private:
     using NodeHistory = MortarHistory<dim>;
 
-    /** What a step asks of each node. */
+    /** Data of a step for all nodes. */
     struct Step
     {
       double time_step;
@@ -463,7 +464,7 @@ namespace tombolo
       double mass; ///< per area, that of a spring κ at the stable step [M/L^(dim-1)]
     };
 
-    /** Finds the gaps at the start and refuses or takes them. Collective. */
+    /** Finds the gaps at the start, and refuses or accepts them. Collective. */
     void start(const Section &section, const Nodes<dim> &nodes, const NodalState &state);
     /** Null where no temperature is needed. Collective. */
     const NodalVector *find_thermal(const NodalHeat &nodal_heat);
@@ -487,7 +488,7 @@ namespace tombolo
         *heat->node(node) += friction;
     }
     void conduct(const NodeHistory &history, unsigned int node, double time_step);
-    /** The share of the heat of friction at a slave node that the slave gets. */
+    /** The share of the slave in the heat of friction at a slave node. */
     double heat_fraction(const unsigned int node) const
     {
       if (!settings.splits_by_effusivity)

@@ -49,13 +49,13 @@ namespace tombolo
       mean_temperature        ///< the mean of Σ_L w^m_IL θ_L and Σ_J w^s_IJ θ_J
     };
 
-    /** Slots of what nodes have of heat: the temperature, and 1/γ, the area over the capacity, as
-     * nodes of slave and of master. */
+    /** Thermal slots of nodes: the temperature, and 1/γ, the area over the heat capacity, as nodes
+     * of slave and of master. */
     enum Thermal : unsigned int
     {
       temperature,
-      of_slave,
-      of_master,
+      slave_inverse_capacity,
+      master_inverse_capacity,
       effusivity
     };
 
@@ -149,11 +149,11 @@ namespace tombolo
       return true;
     }
 
-    /** Adds the forces Σ_I w^s_IJ t_I on slave nodes and -Σ_I w^m_IL t_I on master nodes to @p
-     * loads, for the @p traction t per area at slave nodes, with current ghosts; ghosts of the
-     * results are not collected. With @p heat_flow, whose slots are what a slave node gets of
-     * conduction, what friction heats, both per area, and the share of the latter that the slave
-     * gets, adds what both sides get to @p heat (scalar). Collective. */
+    /** Adds the forces Σ_I w^s_IJ t_I on slave nodes and -Σ_I w^m_IL t_I on master nodes to
+     * @p loads, for the @p traction t per area at slave nodes, with current ghosts; ghosts of the
+     * results are not collected. With @p heat_flow, whose slots are the heat of a slave node by
+     * conduction, that of friction, both per area, and the share of the slave in the latter, adds
+     * the heat of both sides to @p heat (scalar). Collective. */
     void scatter(const NodalVector &traction, const NodalVector *const heat_flow,
                  NodalVector &loads, NodalVector *const heat)
     {
@@ -163,16 +163,16 @@ namespace tombolo
       {
         const auto &face = slaves.faces()[segment.slave];
         double *const at_master = values.data() + segment.master * n_corners * n_sums;
-        NodeLanes of_corner[n_corners];
+        NodeLanes corner_traction[n_corners];
         for (unsigned int i = 0; i < n_corners; ++i)
-          of_corner[i] = load_node(traction.node(face.nodes[i]));
+          corner_traction[i] = load_node(traction.node(face.nodes[i]));
         for (unsigned int j = 0; j < n_corners; ++j)
         {
           NodeLanes to_slave = 0., to_master = 0.;
           for (unsigned int i = 0; i < n_corners; ++i)
           {
-            to_slave += segment.of_slave[i][j] * of_corner[i];
-            to_master += segment.of_master[i][j] * of_corner[i];
+            to_slave += segment.of_slave[i][j] * corner_traction[i];
+            to_master += segment.of_master[i][j] * corner_traction[i];
           }
           double *const load = loads.node(face.nodes[j]);
           store_node(load_node(load) + to_slave, load);
@@ -212,9 +212,10 @@ namespace tombolo
           const auto n = vector_of<dim>(normal.node(slave.nodes[i]));
           for (unsigned int j = 0; j < n_corners; ++j)
           {
-            const double of_slave = segment.of_slave[i][j], of_master = -segment.of_master[i][j];
-            rows.add(slave.global_nodes[i], slave.global_nodes[j], of_slave * n, of_slave);
-            rows.add(slave.global_nodes[i], master.nodes[j], of_master * n, of_master);
+            const double slave_weight = segment.of_slave[i][j],
+                         master_weight = -segment.of_master[i][j];
+            rows.add(slave.global_nodes[i], slave.global_nodes[j], slave_weight * n, slave_weight);
+            rows.add(slave.global_nodes[i], master.nodes[j], master_weight * n, master_weight);
           }
         }
       }
@@ -236,7 +237,7 @@ namespace tombolo
       for (const Segment &segment : segments)
       {
         const auto &face = slaves.faces()[segment.slave];
-        const auto &of_master = exchange.masters()[segment.master];
+        const auto &master_face_data = exchange.masters()[segment.master];
         std::array<dealii::Tensor<1, dim>, n_corners> normals;
         std::array<double, n_corners> depths;
         bool is_pressed = false;
@@ -252,15 +253,15 @@ namespace tombolo
         PairedFace<dim> slave = slave_face(segment.slave, position);
         std::vector<PairedFace<dim>> master{master_face(segment.master, received, dim)};
         const std::array<PairedFace<dim> *, 2> sides{{&slave, master.data()}};
-        const dealii::Tensor<1, dim> place = slave.corners[0];
+        const dealii::Tensor<1, dim> origin = slave.corners[0];
         for (PairedFace<dim> *const side : sides)
           for (dealii::Tensor<1, dim> &corner : side->corners)
-            corner -= place;
+            corner -= origin;
         const double step = relative_step * std::pow(slave.area.norm(), 1. / (dim - 1));
         const auto integrals = [&]
         {
           slave.area = face.orientation * area_vector<dim>(slave.corners);
-          master[0].area = of_master.orientation * area_vector<dim>(master[0].corners);
+          master[0].area = master_face_data.orientation * area_vector<dim>(master[0].corners);
           moved.clear();
           pairing.find(slave, master, moved);
           std::array<double, n_corners> result{};
@@ -290,15 +291,15 @@ namespace tombolo
             for (unsigned int i = 0; i < n_corners; ++i)
             {
               const double weight = side == 0 ? segment.of_slave[i][k] : -segment.of_master[i][k];
-              rows.add(face.global_nodes[i], side == 0 ? face.global_nodes[k] : of_master.nodes[k],
-                       {}, 0., shifts[i] - weight * normals[i]);
+              rows.add(face.global_nodes[i],
+                       side == 0 ? face.global_nodes[k] : master_face_data.nodes[k], {}, 0.,
+                       shifts[i] - weight * normals[i]);
             }
           }
       }
     }
 
-    /** Pairs of faces that were looked at in the last step, and of which a part is common, on this
-     * rank. */
+    /** Candidate pairs of faces in the last step, on this rank. */
     std::size_t n_pairs() const
     {
       return exchange.pairs().size();
@@ -342,8 +343,8 @@ namespace tombolo
           for (unsigned int d = 0; d < dim; ++d)
             sent_values.push_back(position.node(node)[d] - last_position.node(node)[d]);
           if (thermal != nullptr)
-            sent_values.insert(sent_values.end(),
-                               {thermal->node(node)[temperature], thermal->node(node)[of_master]});
+            sent_values.insert(sent_values.end(), {thermal->node(node)[temperature],
+                                                   thermal->node(node)[master_inverse_capacity]});
           if (n_thermal == 3)
             sent_values.push_back(thermal->node(node)[effusivity]);
         }
@@ -381,15 +382,16 @@ namespace tombolo
       return {number, face.thickness, corners, face.orientation * area_vector<dim>(corners)};
     }
 
-    /** With @p n_of_corner values for each corner of a master, the first of which are positions. */
-    PairedFace<dim> master_face(const unsigned int number, const std::vector<double> &of_corners,
-                                const unsigned int n_of_corner) const
+    /** With @p n_corner_values values for each corner of a master, the first of which are
+     * positions. */
+    PairedFace<dim> master_face(const unsigned int number, const std::vector<double> &corner_values,
+                                const unsigned int n_corner_values) const
     {
       const auto &face = exchange.masters()[number];
       PairedFace<dim> result{number, face.thickness, {}, {}};
       for (unsigned int k = 0; k < n_corners; ++k)
         result.corners[k] =
-            vector_of<dim>(of_corners.data() + (number * n_corners + k) * n_of_corner);
+            vector_of<dim>(corner_values.data() + (number * n_corners + k) * n_corner_values);
       result.area = face.orientation * area_vector<dim>(result.corners);
       return result;
     }
@@ -399,49 +401,50 @@ namespace tombolo
     {
       const auto &face = slaves.faces()[segment.slave];
       const double *const master = values.data() + segment.master * n_corners * n_values;
-      // Differences to a place near by: both sums of weights are equal only to round-off.
-      const double *const place = position.node(face.nodes[0]);
+      // Differences to a point near by: both sums of weights are equal only to round-off.
+      const double *const origin = position.node(face.nodes[0]);
       NodeLanes offset[2][n_corners], motion[2][n_corners]; // of the slave, of the master
       for (unsigned int j = 0; j < n_corners; ++j)
       {
-        alignas(32) double of_slave[2][node_stride] = {}, of_other[2][node_stride] = {};
+        alignas(32) double slave_values[2][node_stride] = {}, master_values[2][node_stride] = {};
         const double *const x = position.node(face.nodes[j]);
         const double *const last_x = last_position.node(face.nodes[j]);
         const double *const at_master = master + j * n_values;
         for (unsigned int d = 0; d < dim; ++d)
         {
-          of_slave[0][d] = x[d] - place[d];
-          of_slave[1][d] = x[d] - last_x[d];
-          of_other[0][d] = at_master[d] - place[d];
-          of_other[1][d] = at_master[dim + d];
+          slave_values[0][d] = x[d] - origin[d];
+          slave_values[1][d] = x[d] - last_x[d];
+          master_values[0][d] = at_master[d] - origin[d];
+          master_values[1][d] = at_master[dim + d];
         }
-        offset[0][j] = load_node(of_slave[0]);
-        motion[0][j] = load_node(of_slave[1]);
-        offset[1][j] = load_node(of_other[0]);
-        motion[1][j] = load_node(of_other[1]);
+        offset[0][j] = load_node(slave_values[0]);
+        motion[0][j] = load_node(slave_values[1]);
+        offset[1][j] = load_node(master_values[0]);
+        motion[1][j] = load_node(master_values[1]);
       }
       for (unsigned int i = 0; i < n_corners; ++i)
       {
         NodeLanes gap = 0., moved = 0.;
-        double of_area = 0;
+        double corner_area = 0;
         for (unsigned int j = 0; j < n_corners; ++j)
         {
-          const double of_slave = segment.of_slave[i][j], of_other = segment.of_master[i][j];
-          gap += of_other * offset[1][j] - of_slave * offset[0][j];
-          moved += of_slave * motion[0][j] - of_other * motion[1][j];
-          of_area += of_slave;
+          const double slave_weight = segment.of_slave[i][j],
+                       master_weight = segment.of_master[i][j];
+          gap += master_weight * offset[1][j] - slave_weight * offset[0][j];
+          moved += slave_weight * motion[0][j] - master_weight * motion[1][j];
+          corner_area += slave_weight;
         }
         const unsigned int node = face.nodes[i];
         const auto add = [&](NodalVector &sum, const NodeLanes &value)
         { store_node(load_node(sum.node(node)) + value, sum.node(node)); };
         alignas(32) double normal[node_stride] = {};
         for (unsigned int d = 0; d < dim; ++d)
-          normal[d] = of_area * segment.normals[i][d];
+          normal[d] = corner_area * segment.normals[i][d];
         const NodeLanes weighted_normal = load_node(normal);
         add(at_slaves.gap, gap - pairing.radius() * weighted_normal);
         add(at_slaves.motion, moved);
         add(at_slaves.normal, weighted_normal);
-        at_slaves.scalars.node(node)[area] += of_area;
+        at_slaves.scalars.node(node)[area] += corner_area;
         if (thermal != nullptr)
           add_thermal(segment, i, *thermal);
       }
@@ -455,18 +458,20 @@ namespace tombolo
       double *const scalars = at_slaves.scalars.node(face.nodes[i]);
       for (unsigned int j = 0; j < n_corners; ++j)
       {
-        const double of_slave = segment.of_slave[i][j], of_other = segment.of_master[i][j];
+        const double slave_weight = segment.of_slave[i][j], master_weight = segment.of_master[i][j];
         const double *const at_slave = thermal.node(face.nodes[j]);
         const double *const at_master = master + j * n_values + 2 * dim;
-        const double theta = of_slave * at_slave[temperature], other = of_other * at_master[0];
+        const double theta = slave_weight * at_slave[temperature],
+                     other = master_weight * at_master[0];
         scalars[temperature_difference] += other - theta;
         scalars[mean_temperature] += 0.5 * (other + theta);
         scalars[inverse_capacity] +=
-            of_slave * at_slave[MortarSegments::of_slave] + of_other * at_master[1];
+            slave_weight * at_slave[MortarSegments::slave_inverse_capacity] +
+            master_weight * at_master[1];
         if (!sums_effusivity)
           continue;
-        at_slaves.effusivity.node(face.nodes[i])[0] += of_slave * at_slave[effusivity];
-        at_slaves.effusivity.node(face.nodes[i])[1] += of_other * at_master[2];
+        at_slaves.effusivity.node(face.nodes[i])[0] += slave_weight * at_slave[effusivity];
+        at_slaves.effusivity.node(face.nodes[i])[1] += master_weight * at_master[2];
       }
     }
 

@@ -32,7 +32,7 @@ namespace tombolo
       return cross_product_3d(arm, force);
   }
 
-  /** The vector @p tangent, across the unit vector @p before, in the shortest rotation that takes
+  /** The vector @p tangent, across the unit vector @p before, in the shortest rotation from
    * @p before to @p now. */
   template <int dim>
   dealii::Tensor<1, dim> rotated_tangent(const dealii::Tensor<1, dim> &tangent,
@@ -59,16 +59,16 @@ namespace tombolo
     return result / result.norm();
   }
 
-  /** Positions that belong to no node, as ContactSurface::evaluate_gaps() takes them. */
+  /** Positions that belong to no node, as ContactSurface::evaluate_gaps() needs them. */
   template <int dim>
-  NodalVector places_as_nodes(const std::vector<dealii::Tensor<1, dim>> &places)
+  NodalVector places_as_nodes(const std::vector<dealii::Tensor<1, dim>> &positions)
   {
-    const auto n = static_cast<dealii::types::global_dof_index>(places.size());
+    const auto n = static_cast<dealii::types::global_dof_index>(positions.size());
     NodalVector result(std::make_shared<const NodePartition>(dealii::complete_index_set(n),
                                                              dealii::IndexSet(n), MPI_COMM_SELF));
     for (unsigned int i = 0; i < n; ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        result.node(i)[d] = places[i][d];
+        result.node(i)[d] = positions[i][d];
     return result;
   }
 } // namespace tombolo

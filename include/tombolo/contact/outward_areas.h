@@ -21,14 +21,14 @@ namespace tombolo
 {
   /**
    * The areas of nodes on the boundary of the mesh with their directions: S_k = ∫ N_k n dA over
-   * outer faces (Nodes::is_outer_face), n out of the body, in given positions. What a node at an
-   * edge of the body has on one of its sides is the part of S_k along the normal of that side.
+   * outer faces (Nodes::is_outer_face), n out of the body, in given positions. The area of a node
+   * at an edge of the body on one of its sides is the part of S_k along the normal of that side.
    */
   template <int dim>
   class OutwardAreas
   {
   public:
-    /** Takes the faces with these ids, or all if there are none. */
+    /** Selects the faces with these ids, or all if there are none. */
     OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries)
         : boundaries(boundaries), shapes(nodes.degree(), nodes.degree() + 1)
     {
@@ -37,8 +37,8 @@ namespace tombolo
 
     using IsVoid = std::function<bool(const typename Nodes<dim>::Cell &)>;
 
-    /** Takes the faces that bound the cells that are not void; towards void cells only if there are
-     * no ids. set_partition() must follow. */
+    /** Selects the faces that bound the cells that are not void; towards void cells only if there
+     * are no ids. set_partition() must follow. */
     void take_faces(const Nodes<dim> &nodes, const IsVoid &is_void)
     {
       faces.clear();
@@ -66,14 +66,14 @@ namespace tombolo
             nodes.cell_nodes(cell, cell_nodes);
             nodes.cell_points(cell, cell_points);
           }
-          const std::vector<unsigned int> &places = nodes.face_places(f);
+          const std::vector<unsigned int> &indices = nodes.face_places(f);
           Face face;
-          for (const unsigned int k : places)
+          for (const unsigned int k : indices)
             face.global_nodes.push_back(cell_nodes[k]);
           dealii::Tensor<1, dim> normal;
           for (unsigned int q = 0; q < shapes.weights.size(); ++q)
             normal += shapes.weights[q] * shapes.normal(q, [&](const unsigned int k)
-                                                        { return cell_points[places[k]]; });
+                                                        { return cell_points[indices[k]]; });
           const dealii::Tensor<1, dim> outward = cell->face(f)->center() - cell->center();
           face.orientation = normal * outward > 0. ? 1. : -1.;
           faces.push_back(face);
@@ -95,8 +95,8 @@ namespace tombolo
       find_nodes_on_faces();
     }
 
-    /** Faces with a node that has come off its body count no more. @p nodes are all such owned
-     * nodes. Collective. */
+    /** Faces with a node that is separated from its body do not count any more. @p nodes are all
+     * such owned nodes. Collective. */
     void set_isolated_nodes(const std::vector<unsigned int> &nodes)
     {
       const NodalVector isolated =
@@ -109,11 +109,11 @@ namespace tombolo
       find_nodes_on_faces();
     }
 
-    /** Finds the areas in these positions (ghosts current), if @p nodes are given only those of
-     * these owned nodes. Collective. */
+    /** Finds the areas in these positions (ghosts current), with @p nodes only those of these owned
+     * nodes. Collective. */
     void update(const NodalVector &position, const std::vector<unsigned int> *const nodes = nullptr)
     {
-      // Whether a ghost is needed its owner knows.
+      // The owner determines whether a ghost is needed.
       is_needed.assign(position.partition()->n_local(), 1);
       std::fill_n(is_needed.begin(), nodes == nullptr ? 0 : position.partition()->n_owned(), 0);
       for (std::size_t k = 0; nodes != nullptr && k < nodes->size(); ++k)
@@ -199,7 +199,7 @@ namespace tombolo
     {
       std::vector<dealii::types::global_dof_index> global_nodes;
       std::vector<unsigned int> nodes; ///< local
-      double orientation;              ///< 1 where the tangents give the normal out of the body
+      double orientation;              ///< 1 where the normal of the tangents is out of the body
       bool counts = true;              ///< whether no node of it is isolated
     };
 

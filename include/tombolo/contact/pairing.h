@@ -22,8 +22,8 @@ namespace tombolo
     dealii::Tensor<1, dim> area; ///< ∫ n dA, out of the body [L^(dim-1)]
   };
 
-  /** What a slave face and a master face have to do with each other: for each corner I of the slave
-   * face the weights w^s_IJ of its corners J and w^m_IL of those of the master face, with
+  /** The common part of a slave face and a master face: for each corner I of the slave face the
+   * weights w^s_IJ of its corners J and w^m_IL of those of the master face, with
    * Σ_J w^s_IJ = Σ_L w^m_IL, the area on which I touches. */
   template <int dim>
   struct FacePair
@@ -73,7 +73,7 @@ namespace tombolo
       return false;
     }
 
-    /** The largest distance at which faces see each other, over the thickness of the slave. */
+    /** The largest distance of paired faces, over the thickness of the slave. */
     virtual double reach() const
     {
       return 0.75;

@@ -24,14 +24,14 @@
 namespace tombolo
 {
   /**
-   * The outermost layer of cells of a part, of degree 1, with their nodes: all ranks know it as a
-   * whole. Its facets are the faces where the part ends, at the boundary of the mesh or at another
+   * The outermost layer of cells of a part, of degree 1, with their nodes: stored as a whole on all
+   * ranks. Its facets are the faces where the part ends, at the boundary of the mesh or at another
    * part, in three dimensions as two triangles each; so they enclose the part. Nodes of the layer
    * are numbered in an order that does not depend on the number of ranks. Where the part touches a
    * mirror (Images), images of its nodes and cells follow: with them the facets enclose the part
    * and its images, and are not in the mirror.
    *
-   * Values at these nodes are gathered from their owners, and sums are given back to them. Every
+   * Values at these nodes are gathered from their owners, and sums are sent back to them. Every
    * rank takes part in each exchange, also one without cells of the part.
    */
   template <int dim>
@@ -52,7 +52,7 @@ namespace tombolo
       unsigned int node;   ///< local
     };
 
-    /** Takes the cells that @p is_of_part selects. Collective. */
+    /** Has the cells that @p is_of_part selects. Collective. */
     PartLayer(const Nodes<dim> &nodes, const Selector &is_of_part);
 
     /** Translates node numbers to those of @p partition. */
@@ -99,7 +99,7 @@ namespace tombolo
                     const std::vector<dealii::Tensor<1, dim>> &positions) const;
 
     /** @p n_values of each node, by number in the layer: @p fill writes those of a local node that
-     * this rank owns. Images have those of their sources, @p kind says how. Collective. */
+     * this rank owns. Images have those of their sources, by @p kind. Collective. */
     std::vector<double> gather(unsigned int n_values, Quantity kind,
                                const std::function<void(unsigned int node, double *)> &fill) const;
 
@@ -108,8 +108,7 @@ namespace tombolo
     void sum(unsigned int n_values, Quantity kind, std::vector<double> &values) const;
 
   private:
-    /** What the ranks tell each other at the start: owners of nodes of these, owners of cells of
-     * these. */
+    /** What ranks exchange at the start: nodes from their owners, and cells from theirs. */
     struct SurveyNode
     {
       std::uint64_t global_number, id; ///< the latter is the persistent one
@@ -121,7 +120,7 @@ namespace tombolo
       unsigned int mask;                          ///< a bit for each face that is one of the part's
       double size;
     };
-    void take_survey(const std::vector<SurveyNode> &nodes, std::vector<SurveyCell> cells);
+    void read_survey(const std::vector<SurveyNode> &nodes, std::vector<SurveyCell> cells);
     void add_facets(const Nodes<dim> &nodes);
     /** Of nodes, cells and facets in the mirrors that the part touches. */
     void add_images(const Nodes<dim> &nodes);
@@ -161,7 +160,7 @@ namespace tombolo
   /**
    * The boundary of a part of the scene as the surface of a contact: `Surface = part`. In each step
    * all ranks gather the positions of the nodes of its outermost cells. A node that touches is at a
-   * place of the cell behind the facet next to it, with the shape functions N_a of that cell: Σ N_a
+   * point of the cell behind the facet next to it, with the shape functions N_a of that cell: Σ N_a
    * = 1 and Σ N_a x_a = x, also a little outside of the cell. So a reaction -N_a f of the nodes
    * keeps momentum and angular momentum to round-off, with friction too, and the motion of the
    * surface there, Σ N_a Δx_a, is zero relative to a node that turns with the part.
@@ -175,13 +174,13 @@ namespace tombolo
    * them add at most α/Δt² to the square of any frequency. For one pair of nodes m_i / (1 + R_i) is
    * the reduced mass.
    *
-   * The force of a spring has a potential where its gap depends on places continuously. So near a
-   * convex edge a node of the mesh belongs to the sides that its own faces face, from the step in
-   * which it gets behind them near by until it is in front of them again: its gap is that of the
-   * plane of the nearest of these sides, which goes on beyond the edge and there falls off slowly,
-   * so that a node that slides over the edge is released where its gap is zero. All other nodes
-   * have the distance to the surface. So bodies with a common side touch up to their edges, and
-   * what passes an edge without having touched does not touch.
+   * The force of a spring has a potential where its gap depends on positions continuously. So near
+   * a convex edge a node of the mesh belongs to the sides that its own faces face, from the step in
+   * which it is first behind them near by until it is in front of them again: its gap is that of
+   * the plane of the nearest of these sides, which goes on beyond the edge and there falls off
+   * slowly, so that a node that slides over the edge is released where its gap is zero. All other
+   * nodes have the distance to the surface. So bodies with a common side touch up to their edges,
+   * and what passes an edge without having touched does not touch.
    */
   template <int dim>
   class PartSurface : public ContactSurface<dim>
@@ -191,7 +190,7 @@ namespace tombolo
     using Weights = typename PartLayer<dim>::Weights;
 
     /** Where a node touches. */
-    struct Place
+    struct ContactPoint
     {
       std::size_t candidate;
       dealii::Tensor<1, dim> normal, motion; ///< motion over the last step [L]
@@ -202,8 +201,8 @@ namespace tombolo
 
     explicit PartSurface(const Entries &e);
 
-    /** Takes the part. Throws InputError where its boundary cannot be used. Collective. */
-    void take(MasterPart<dim> part, const NodalState &state);
+    /** Sets the part. Throws InputError where its boundary cannot be used. Collective. */
+    void set_part(MasterPart<dim> part, const NodalState &state);
 
     void set_partition(const NodePartition &partition)
     {
@@ -211,28 +210,29 @@ namespace tombolo
       layer->set_partition(partition);
     }
 
-    /** Takes the nodes of the part off the owned @p candidates of a contact. Throws InputError
-     * where no other ones are left. Collective. */
+    /** Removes the nodes of the part from the owned @p candidates of a contact. Throws InputError
+     * where no others are left. Collective. */
     void drop_own_nodes(const Section &contact, std::vector<unsigned int> &candidates) const;
 
-    /** Takes what owned nodes have of faces, to tell sides of edges; must outlive the surface. */
+    /** Sets the outward areas of owned nodes, by which sides of edges differ; must outlive the
+     * surface. */
     void set_areas(const OutwardAreas<dim> &areas)
     {
       this->areas = &areas;
     }
 
-    /** Finds which of the owned @p candidates have got behind the sides that they face, and which
-     * are in front of them again. Once in each step, after follow(). */
+    /** Finds which of the owned @p candidates are behind the sides that they face, and which are in
+     * front of them again. Once in each step, after follow(). */
     void find_sides(const NodalVector &position, const std::vector<unsigned int> &candidates);
 
-    /** Nodes are where they are: none has moved over the last step. Collective. */
+    /** Sets the motion over the last step to zero. Collective. */
     void forget_motion(const NodalState &state)
     {
       positions = last_positions = gather_positions(state.position);
       refit();
     }
 
-    /** The positions of the state, and masses; those that were known are the ones before.
+    /** The positions of the state, and masses; the former positions become the last ones.
      * Collective. */
     void follow(const NodalState &state)
     {
@@ -245,21 +245,21 @@ namespace tombolo
       refit();
     }
 
-    /** Finds the places of these candidates, of which @p nodes has the owned nodes, until the next
-     * call. Collective. */
-    void find_places(const NodalState &state, const std::vector<unsigned int> &nodes,
-                     const std::vector<std::size_t> &candidates);
-    const Place &place(const std::size_t candidate) const
+    /** Finds the contact points of these candidates, whose owned nodes are in @p nodes, until the
+     * next call. Collective. */
+    void find_contact_points(const NodalState &state, const std::vector<unsigned int> &nodes,
+                             const std::vector<std::size_t> &candidates);
+    const ContactPoint &contact_point(const std::size_t candidate) const
     {
-      return places[place_of_candidate[candidate]];
+      return contact_points[point_of_candidate[candidate]];
     }
 
     /** Adds minus the @p force on a candidate to the nodes of the part. */
-    void add_reaction(const Place &place, const dealii::Tensor<1, dim> &force)
+    void add_reaction(const ContactPoint &point, const dealii::Tensor<1, dim> &force)
     {
       for (unsigned int c = 0; c < n_corners; ++c)
         for (unsigned int d = 0; d < dim; ++d)
-          reactions[dim * cell(place)[c] + d] -= place.weights[c] * force[d];
+          reactions[dim * cell(point)[c] + d] -= point.weights[c] * force[d];
     }
     /** Adds the reactions of all ranks to the owned nodes of @p loads and appends these to
      * @p loaded_nodes. Collective. */
@@ -269,16 +269,16 @@ namespace tombolo
     {
       return *layer;
     }
-    const typename PartLayer<dim>::Cell &cell(const Place &place) const
+    const typename PartLayer<dim>::Cell &cell(const ContactPoint &point) const
     {
-      return layer->cells()[place.cell];
+      return layer->cells()[point.cell];
     }
 
-    /** R of each place for what the nodes that touch have, @p of_place in the order of places, and
-     * what nodes of the part have. Collective. */
-    std::vector<double> crowding(const std::vector<const Place *> &places,
-                                 const std::vector<double> &of_place,
-                                 const std::vector<double> &of_nodes) const;
+    /** R of each contact point, @p point_values by point and @p node_values of nodes of the part:
+     * masses or heat capacities. Collective. */
+    std::vector<double> crowding(const std::vector<const ContactPoint *> &contact_points,
+                                 const std::vector<double> &point_values,
+                                 const std::vector<double> &node_values) const;
 
     /** Lists where nodes of the part were, and the sides of @p candidates, which is referred to. */
     void list(Records &records, const std::vector<unsigned int> &candidates);
@@ -320,7 +320,7 @@ namespace tombolo
     {
       return no_translation;
     }
-    PartSurface *of_part() override
+    PartSurface *part_surface() override
     {
       return this;
     }
@@ -344,7 +344,7 @@ namespace tombolo
     };
 
     SurfaceGap<dim> gap_of_node(const dealii::Tensor<1, dim> &point, unsigned int node) const;
-    /** Nothing where it has no faces, or faces nothing. */
+    /** Empty where it has no faces, or no side is faced. */
     std::optional<FacedSides<dim>> faced_by(const dealii::Tensor<1, dim> &point,
                                             unsigned int node) const;
     dealii::Tensor<1, dim> motion_of(unsigned int cell, const Weights &weights) const;
@@ -358,8 +358,8 @@ namespace tombolo
     std::vector<Side> sides;                                       ///< of owned nodes
     std::vector<dealii::Tensor<1, dim>> positions, last_positions; ///< of nodes of the layer [L]
     std::vector<double> masses;                                    ///< likewise [M]
-    std::vector<Place> places;
-    std::vector<unsigned int> place_of_candidate;
+    std::vector<ContactPoint> contact_points;
+    std::vector<unsigned int> point_of_candidate;
     std::vector<double> reactions; ///< of this rank, dim of each node of the layer
     RigidTranslation<dim> no_translation;
     double reach = 0;        ///< outside of the box around the part

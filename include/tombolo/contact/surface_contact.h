@@ -36,14 +36,14 @@ namespace tombolo
     /** Declares the section "Contact: NAME" of a contact with a rigid surface. */
     static void declare(const Entries &e);
 
-    /** Reads the section and refuses what can be seen to be wrong without a mesh. */
+    /** Reads the section, and refuses what is wrong without regard to the mesh. */
     static void validate(const Section &section, bool has_heat);
 
     /** The surface that the section names. Throws InputError. */
     static std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section);
 
     /** Throws an InputError where these owned nodes are deeper in something than round-off, each by
-     * its entry of @p depths [L]: what @p message says of the depth of the deepest node of all
+     * its entry of @p depths [L]: the text of @p message about the depth of the deepest node of all
      * ranks and of the node, "the node with the number 3 at (1, 2)". Collective. */
     static void
     refuse_depth(const Nodes<dim> &nodes, const NodalState &state,
@@ -57,7 +57,7 @@ namespace tombolo
     const NodalState &state;
     /** An entry per owned node: particles, and nodes of cells that erode or become particles. */
     std::vector<bool> can_be_exposed;
-    bool has_heat = false; ///< contacts give it to nodes (NodalHeat)
+    bool has_heat = false; ///< contacts add it to nodes (NodalHeat)
     /** The initial one of each owned node, where areas are needed: for heat, for a limit of shear
      * and where the surface is that of a part. */
     std::vector<double> volume;
@@ -153,9 +153,9 @@ namespace tombolo
       return settings.shears_at_yield;
     }
     /** The yield stress at owned nodes that can touch, for the steps to come: it is referred to. */
-    void set_yield_stress(const std::vector<double> &of_nodes)
+    void set_yield_stress(const std::vector<double> &nodal_stress)
     {
-      yield_stress = &of_nodes;
+      yield_stress = &nodal_stress;
     }
 
     /** See ModelSignals::trials. */
@@ -165,7 +165,7 @@ namespace tombolo
       touch_distance = tolerance;
     }
 
-    /** Nodes are where they are: none has moved over the last step. Collective. */
+    /** Sets the motion over the last step to zero. Collective. */
     virtual void forget_motion(const NodalState &state)
     {
       for (std::size_t k = 0; k < candidates.size(); ++k)
@@ -194,7 +194,7 @@ namespace tombolo
         heat->exchange(nodal_heat, communicator);
     }
 
-    /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them, and
+    /** Adds the impulse of the forces at t_n over Δt_n, which is determined only after them, and
      * accelerates a surface with a mass by it. Collective. */
     void complete_step(const Clock &clock);
 
@@ -231,7 +231,7 @@ namespace tombolo
     {
       return part->nodes_of_part();
     }
-    /** Whether areas of nodes are known, of those in contact and of debris. */
+    /** Whether nodes have areas, those in contact and debris. */
     bool has_areas() const
     {
       return areas != nullptr;
@@ -245,7 +245,7 @@ namespace tombolo
       return surface->translation().has_mass();
     }
 
-    /** What it keeps from step to step. */
+    /** The data kept from step to step. */
     Records records;
 
     /** Owned nodes on which it acted at t_n. */
@@ -281,8 +281,8 @@ namespace tombolo
                    const double time, std::vector<double> &gaps) const
     {
       surface->evaluate_gaps(position, nodes, time, gaps);
-      for (double &of_node : gaps)
-        of_node -= settings.radius;
+      for (double &node_gap : gaps)
+        node_gap -= settings.radius;
     }
 
     /** Gaps up to this distance [L] are needed, beside those of the contact. */
@@ -305,8 +305,8 @@ namespace tombolo
     {
       return settings.friction;
     }
-    /** From now on the heat of friction goes to nodes around those that touch: the result is to be
-     * kept up to date (HeatedFriction). */
+    /** From now on the heat of friction is distributed to nodes around those that touch: the result
+     * is to be kept up to date (HeatedFriction). */
     SpreadFriction &spread_friction()
     {
       spread = std::make_unique<SpreadFriction>();
@@ -348,17 +348,19 @@ namespace tombolo
      */
     virtual void add_node_sums(ContactBalance &shares) const = 0;
 
-    /** Forgets the sums over the forces of the step before. Returns whether there is one: at the
-     * very start nothing touches yet. Collective. */
+    /** Clears the sums over the forces of the step before. Returns whether there is one: at the
+     * start there is no contact. Collective. */
     bool begin_forces(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat);
-    /** The present @p force on a candidate at @p x, where the surface has moved by @p of_surface in
-     * the last step: books works and, where it @p touches, puts the force on the node. */
+    /** The present @p force on a candidate at @p x, where the surface has moved by
+     * @p surface_motion in the last step: records works and, where it @p touches, puts the force on
+     * the node. */
     void set_force(std::size_t candidate, const dealii::Tensor<1, dim> &x,
-                   const dealii::Tensor<1, dim> &force, const dealii::Tensor<1, dim> &of_surface,
-                   bool touches, NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
-    /** The area on which a candidate touches across @p normal out of the tool: what it has of the
-     * outer faces across the normal, and inside of the body, or once it has come off,
-     * V^((dim-1)/dim) of its initial volume; zero where areas are not needed [L^(dim-1)]. */
+                   const dealii::Tensor<1, dim> &force,
+                   const dealii::Tensor<1, dim> &surface_motion, bool touches, NodalVector &loads,
+                   std::vector<unsigned int> &loaded_nodes);
+    /** The area on which a candidate touches across @p normal out of the tool: its outward area
+     * along the normal, and inside of the body, or once it is separated, V^((dim-1)/dim) of its
+     * initial volume; zero where areas are not needed [L^(dim-1)]. */
     double area(const std::size_t candidate, const dealii::Tensor<1, dim> &normal) const
     {
       const unsigned int node = candidates[candidate];
@@ -382,8 +384,8 @@ namespace tombolo
       return settings.limits_shear() ? settings.shear_limit * std::max(area, 0.)
                                      : settings.shear_limit;
     }
-    /** Finds areas in these positions before begin_forces(), where they limit forces or tell sides,
-     * and where a part is. Collective. */
+    /** Finds areas in these positions before begin_forces(), where they limit forces or determine
+     * sides, and where a part is. Collective. */
     void find_surroundings(const NodalState &state)
     {
       if (settings.limits_shear() || part)
@@ -394,14 +396,14 @@ namespace tombolo
         part->find_sides(state.position, candidates);
       }
     }
-    /** Finds areas after begin_forces(), if @p nodes are given only those of these owned nodes.
+    /** Finds areas after begin_forces(), with @p nodes only those of these owned nodes.
      * Collective. */
     void find_areas(const NodalState &state, const std::vector<unsigned int> *const nodes = nullptr)
     {
       if (areas && !part)
         areas->update(state.position, nodes);
     }
-    /** Coulomb's coefficient at a candidate, with the heat that it has got. */
+    /** Coulomb's coefficient at a candidate, with the heat received. */
     double friction_coefficient(const std::size_t candidate, const NodalHeat &nodal_heat) const
     {
       if (settings.friction.is_constant() || !(settings.friction.largest() > 0.))
@@ -418,16 +420,16 @@ namespace tombolo
     {
       return 1e5 * touch_distance;
     }
-    void add_friction_heat(const std::size_t candidate, const double of_sliding,
+    void add_friction_heat(const std::size_t candidate, const double sliding_heat,
                            const NodalHeat &nodal_heat)
     {
-      totals.friction += of_sliding;
-      const double of_body = heat ? heat->add_friction(candidate, of_sliding, nodal_heat) : 0.;
+      totals.friction += sliding_heat;
+      const double body_heat = heat ? heat->add_friction(candidate, sliding_heat, nodal_heat) : 0.;
       if (spread)
-        *spread->heat.node(candidates[candidate]) += of_body;
+        *spread->heat.node(candidates[candidate]) += body_heat;
     }
 
-    /** Gives the surface its share of the heat of friction since begin_forces(). */
+    /** Adds to the surface its share of the heat of friction since begin_forces(). */
     void end_forces()
     {
       if (heat)

@@ -80,12 +80,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void ClosedSurface<dim>::move_vertices(const std::vector<Tensor<1, dim>> &places)
+  void ClosedSurface<dim>::move_vertices(const std::vector<Tensor<1, dim>> &positions)
   {
-    vertices = places;
-    low = high = places[0];
-    for (const Tensor<1, dim> &place : places)
-      widen_box(low, high, place);
+    vertices = positions;
+    low = high = positions[0];
+    for (const Tensor<1, dim> &position : positions)
+      widen_box(low, high, position);
     set_normals();
   }
 
@@ -132,25 +132,25 @@ namespace tombolo
                                   "resolve it, from " +
                                   place_text(low) + " to " + place_text(high));
 
-    const std::vector<Point<dim>> places(list.vertices.begin(), list.vertices.end());
-    const auto tree = pack_rtree_of_indices(places);
+    const std::vector<Point<dim>> points(list.vertices.begin(), list.vertices.end());
+    const auto tree = pack_rtree_of_indices(points);
     std::vector<unsigned int> number(list.vertices.size(), no_number);
     std::vector<std::size_t> near;
-    // The number of a vertex that is at almost the same place and has one, or a new one.
-    const auto merged_number = [&](const Tensor<1, dim> &place)
+    // The number of a vertex that is at almost the same point and has one, or a new one.
+    const auto merged_number = [&](const Tensor<1, dim> &point)
     {
-      BoundingBox<dim> box({Point<dim>(place), Point<dim>(place)});
+      BoundingBox<dim> box({Point<dim>(point), Point<dim>(point)});
       box.extend(tolerance());
       near.clear();
       tree.query(boost::geometry::index::intersects(box), std::back_inserter(near));
       unsigned int result = no_number;
       for (const std::size_t v : near)
         if (number[v] < result &&
-            (vertices[number[v]] - place).norm_square() <= tolerance() * tolerance())
+            (vertices[number[v]] - point).norm_square() <= tolerance() * tolerance())
           result = number[v];
       if (result != no_number)
         return result;
-      vertices.push_back(place);
+      vertices.push_back(point);
       return static_cast<unsigned int>(vertices.size() - 1);
     };
     std::size_t n_without_extent = 0;
@@ -160,12 +160,12 @@ namespace tombolo
       bool has_extent = true;
       for (unsigned int k = 0; k < dim; ++k)
       {
-        unsigned int &of_vertex = number[facet.vertex[k]];
-        if (of_vertex == no_number)
-          of_vertex = merged_number(list.vertices[facet.vertex[k]]);
-        merged.vertex[k] = of_vertex;
+        unsigned int &vertex_number = number[facet.vertex[k]];
+        if (vertex_number == no_number)
+          vertex_number = merged_number(list.vertices[facet.vertex[k]]);
+        merged.vertex[k] = vertex_number;
         for (unsigned int other = 0; other < k; ++other)
-          has_extent = has_extent && merged.vertex[other] != of_vertex;
+          has_extent = has_extent && merged.vertex[other] != vertex_number;
       }
       if (has_extent)
         facets.push_back(merged);
@@ -254,14 +254,14 @@ namespace tombolo
       while (end < sides.size() && sides[end].first == sides[begin].first &&
              sides[end].second == sides[begin].second)
         ++end;
-      const std::string place =
+      const std::string where =
           end - begin == 2
               ? ""
               : place_text(0.5 * (vertices[sides[begin].first] + vertices[sides[begin].second]));
       if (end - begin == 1 && n_open++ == 0)
-        first_open = place;
+        first_open = where;
       if (end - begin > 2 && n_branching++ == 0)
-        first_branching = place;
+        first_branching = where;
     }
     const std::string which = dim == 2 ? " corners" : " edges";
     if (n_open > 0)
@@ -342,7 +342,7 @@ namespace tombolo
   {
     struct Piece
     {
-      Tensor<1, dim> low, high, place;
+      Tensor<1, dim> low, high, point;
       double volume = 0, area = 0;
       bool is_empty = true;
     };
@@ -352,7 +352,7 @@ namespace tombolo
     {
       Piece &piece = pieces[piece_of_facet[f]];
       if (piece.is_empty)
-        piece.low = piece.high = piece.place = center(f);
+        piece.low = piece.high = piece.point = center(f);
       piece.is_empty = false;
       const Tensor<1, dim> area_of_facet = area_vector(f);
       piece.area += area_of_facet.norm();
@@ -363,7 +363,7 @@ namespace tombolo
     for (const Piece &piece : pieces)
     {
       if (!(std::abs(piece.volume) > tolerance() * piece.area))
-        throw std::invalid_argument("it encloses nothing: the piece at " + place_text(piece.place) +
+        throw std::invalid_argument("it encloses nothing: the piece at " + place_text(piece.point) +
                                     " is flat");
       volume += piece.volume;
     }
@@ -394,7 +394,7 @@ namespace tombolo
         ++n_cavities;
         if (std::none_of(pieces.begin(), pieces.end(),
                          [&](const Piece &outer) { return is_within(piece, outer); }))
-          throw std::invalid_argument("its piece at " + place_text(piece.place) +
+          throw std::invalid_argument("its piece at " + place_text(piece.point) +
                                       " is inside out, while others are not");
       }
   }
@@ -419,10 +419,10 @@ namespace tombolo
       std::vector<std::size_t> set_of_vertex(vertices.size(), no_number);
       for (unsigned int c = 0; c < dim * facets.size(); ++c)
       {
-        std::size_t &known = set_of_vertex[facets[c / dim].vertex[c % dim]];
-        if (known == no_number)
-          known = sets.find_set(c);
-        else if (known != sets.find_set(c))
+        std::size_t &vertex_set = set_of_vertex[facets[c / dim].vertex[c % dim]];
+        if (vertex_set == no_number)
+          vertex_set = sets.find_set(c);
+        else if (vertex_set != sets.find_set(c))
           throw std::invalid_argument("it touches itself in the point " +
                                       place_text(vertices[facets[c / dim].vertex[c % dim]]));
       }

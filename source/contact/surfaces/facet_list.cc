@@ -25,17 +25,17 @@ namespace tombolo
                             " facets. Make the surface coarser.");
     }
 
-    std::uint32_t unsigned_at(const std::string_view bytes, const std::size_t place)
+    std::uint32_t unsigned_at(const std::string_view bytes, const std::size_t offset)
     {
       std::uint32_t value = 0;
       for (unsigned int k = 4; k-- > 0;)
-        value = (value << 8) | static_cast<unsigned char>(bytes[place + k]);
+        value = (value << 8) | static_cast<unsigned char>(bytes[offset + k]);
       return value;
     }
 
-    double float_at(const std::string_view bytes, const std::size_t place)
+    double float_at(const std::string_view bytes, const std::size_t offset)
     {
-      const std::uint32_t bits = unsigned_at(bytes, place);
+      const std::uint32_t bits = unsigned_at(bytes, offset);
       float value;
       std::memcpy(&value, &bits, sizeof(value));
       return value;
@@ -54,18 +54,18 @@ namespace tombolo
         FacetList<3>::Facet facet;
         for (unsigned int k = 0; k < 3; ++k)
         {
-          Tensor<1, 3> place;
+          Tensor<1, 3> point;
           for (unsigned int d = 0; d < 3; ++d)
           {
             // Behind three numbers of the normal.
-            place[d] =
+            point[d] =
                 float_at(bytes, stl_header_bytes + stl_facet_bytes * f + 12 + 12 * k + 4 * d);
-            if (!std::isfinite(place[d]))
+            if (!std::isfinite(point[d]))
               throw MeshFileError("the triangle " + std::to_string(f + 1) +
                                   " has a coordinate that is not finite.");
           }
           facet.vertex[k] = static_cast<unsigned int>(list.vertices.size());
-          list.vertices.push_back(place);
+          list.vertices.push_back(point);
         }
         list.facets.push_back(facet);
       }
@@ -113,11 +113,11 @@ namespace tombolo
           for (unsigned int k = 0; k < 3; ++k)
           {
             expect(scanner, "vertex");
-            Tensor<1, 3> place;
+            Tensor<1, 3> point;
             for (unsigned int d = 0; d < 3; ++d)
-              place[d] = scanner.real("a coordinate");
+              point[d] = scanner.real("a coordinate");
             facet.vertex[k] = static_cast<unsigned int>(list.vertices.size());
-            list.vertices.push_back(place);
+            list.vertices.push_back(point);
           }
           expect(scanner, "endloop");
           expect(scanner, "endfacet");
@@ -175,12 +175,12 @@ namespace tombolo
         // A weight or a colour may follow.
         if (words.size() < 4)
           scanner.fail("A vertex needs three coordinates.");
-        Tensor<1, 3> place;
+        Tensor<1, 3> point;
         for (unsigned int d = 0; d < 3; ++d)
-          place[d] = scanner.to_real(words[1 + d], "a coordinate");
+          point[d] = scanner.to_real(words[1 + d], "a coordinate");
         if (list.vertices.size() >= 3 * std::size_t(largest_number_of_facets))
           scanner.fail("There are too many vertices. Make the surface coarser.");
-        list.vertices.push_back(place);
+        list.vertices.push_back(point);
       }
 
       unsigned int vertex(const std::string_view word) const
@@ -272,11 +272,11 @@ namespace tombolo
         scanner.fail("\"" + std::string(line.substr(0, 40)) +
                      "\" is not a corner: two numbers \"x, y\".");
       refuse_too_many(list);
-      Tensor<1, 2> place;
+      Tensor<1, 2> point;
       for (unsigned int d = 0; d < 2; ++d)
-        place[d] = scanner.to_real(words[d], "a coordinate");
+        point[d] = scanner.to_real(words[d], "a coordinate");
       const auto number = static_cast<unsigned int>(list.vertices.size());
-      list.vertices.push_back(place);
+      list.vertices.push_back(point);
       list.facets.push_back({{number, number + 1}});
     }
     if (!list.facets.empty())

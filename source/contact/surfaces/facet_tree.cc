@@ -91,14 +91,14 @@ namespace tombolo
     const Tensor<1, dim> along = facet.corners[next] - facet.corners[side];
     const double t = (point - facet.corners[side]) * along / along.norm_square();
     const bool is_first = !(t > 0.), is_second = t >= 1.;
-    const Tensor<1, dim> place = is_first    ? facet.corners[side]
-                                 : is_second ? facet.corners[next]
-                                             : facet.corners[side] + t * along;
-    const double square = (point - place).norm_square();
+    const Tensor<1, dim> point_on_side = is_first    ? facet.corners[side]
+                                         : is_second ? facet.corners[next]
+                                                     : facet.corners[side] + t * along;
+    const double square = (point - point_on_side).norm_square();
     if (!(square < nearest.distance_square))
       return false;
     nearest.distance_square = square;
-    nearest.place = place;
+    nearest.place = point_on_side;
     if (is_first || is_second)
     {
       nearest.feature = Feature::vertex;
@@ -113,10 +113,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void FacetTree<dim>::consider(const unsigned int place, const Tensor<1, dim> &point,
+  void FacetTree<dim>::consider(const unsigned int index, const Tensor<1, dim> &point,
                                 Nearest &nearest) const
   {
-    const PackedFacet &facet = facets[place];
+    const PackedFacet &facet = facets[index];
     bool is_nearer = false;
     if constexpr (dim == 2)
       is_nearer = consider_side(facet, 0, point, nearest);
@@ -129,7 +129,7 @@ namespace tombolo
       for (unsigned int k = 0; k < 3; ++k)
       {
         const Tensor<1, 3> along = facet.corners[(k + 1) % 3] - facet.corners[k];
-        // The nearest place of the border is on a side that the point is beyond.
+        // The nearest point of the border is on a side that the point is beyond.
         if (cross_product_3d(along, point - facet.corners[k]) * facet.normal < 0.)
         {
           is_above = false;
@@ -143,12 +143,12 @@ namespace tombolo
       }
     }
     if (is_nearer)
-      nearest.hint = place;
+      nearest.hint = index;
   }
 
   template <int dim>
-  template <typename Takes>
-  void FacetTree<dim>::search(const Tensor<1, dim> &point, const Takes &takes,
+  template <typename Accepts>
+  void FacetTree<dim>::search(const Tensor<1, dim> &point, const Accepts &accepts,
                               Nearest &result) const
   {
     struct Waiting
@@ -168,7 +168,7 @@ namespace tombolo
       if (box.n_facets > 0)
       {
         for (unsigned int k = 0; k < box.n_facets; ++k)
-          if (takes(facets[box.begin + k]))
+          if (accepts(facets[box.begin + k]))
             consider(box.begin + k, point, result);
         continue;
       }
@@ -249,17 +249,17 @@ namespace tombolo
   template <int dim>
   bool FacetTree<dim>::passes_through(const PackedFacet &facet, const Tensor<1, dim> &begin,
                                       const Tensor<1, dim> &end, const double tolerance,
-                                      Tensor<1, dim> &place)
+                                      Tensor<1, dim> &crossing)
   {
     const double from = (begin - facet.corners[0]) * facet.normal;
     const double to = (end - facet.corners[0]) * facet.normal;
     if (!(from * to < 0. && std::abs(from) > tolerance && std::abs(to) > tolerance))
       return false;
-    place = begin + from / (from - to) * (end - begin);
+    crossing = begin + from / (from - to) * (end - begin);
     for (unsigned int k = 0; k < dim; ++k)
     {
       const Tensor<1, dim> along = facet.corners[(k + 1) % dim] - facet.corners[k];
-      const Tensor<1, dim> arm = place - facet.corners[k];
+      const Tensor<1, dim> arm = crossing - facet.corners[k];
       double inside;
       if constexpr (dim == 2)
         inside = along * arm;
@@ -303,9 +303,9 @@ namespace tombolo
         }
         for (unsigned int k = 0; k < box.n_facets; ++k)
         {
-          Tensor<1, dim> place;
-          if (passes_through(facets[box.begin + k], begin, end, tolerance, place))
-            return place;
+          Tensor<1, dim> crossing;
+          if (passes_through(facets[box.begin + k], begin, end, tolerance, crossing))
+            return crossing;
         }
       }
       return std::nullopt;
@@ -313,13 +313,13 @@ namespace tombolo
     if constexpr (dim == 2)
     {
       for (const auto &facet : surface.facets)
-        if (const auto place = pass_from(facet.vertex))
-          return place;
+        if (const auto crossing = pass_from(facet.vertex))
+          return crossing;
     }
     else
       for (const auto &edge : surface.ends_of_edges)
-        if (const auto place = pass_from(edge.vertex))
-          return place;
+        if (const auto crossing = pass_from(edge.vertex))
+          return crossing;
     return std::nullopt;
   }
 

@@ -12,8 +12,8 @@
 namespace tombolo
 {
   /** A rigid tool whose surface stands in a file: triangles in three dimensions, a closed polygon
-   * in two. The file has the tool's own coordinates, to which points are
-   * taken, so that what finds the nearest facet never moves. */
+   * in two. The file has the tool's own coordinates, to which points are transformed, so that the
+   * search tree never moves. */
   template <int dim>
   class FacetedTool : public RigidTool<dim>
   {
@@ -106,10 +106,10 @@ namespace tombolo
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
         const Tensor<1, dim> from_origin = vector_of<dim>(position.node(nodes[k])) - origin;
-        Tensor<1, dim> place;
+        Tensor<1, dim> local_point;
         for (unsigned int d = 0; d < dim; ++d)
-          place[d] = axes[d] * from_origin;
-        gap[k] = body.gap_or_less(place);
+          local_point[d] = axes[d] * from_origin;
+        gap[k] = body.gap_or_less(local_point);
       }
     }
 
@@ -121,8 +121,8 @@ namespace tombolo
     dealii::Tensor<1, dim> normal(const Tensor<1, dim> &point, const double time) const override
     {
       const double angle = this->angle(time);
-      const Tensor<1, dim> place = this->turned(point - this->origin(time), -angle);
-      return this->turned(body.nearest(place).normal, angle);
+      const Tensor<1, dim> local_point = this->turned(point - this->origin(time), -angle);
+      return this->turned(body.nearest(local_point).normal, angle);
     }
 
     FacetList<dim> picture(const double time, const Tensor<1, dim> &,

@@ -140,8 +140,8 @@ namespace tombolo
   /**
    * A rigid tool whose outline is a RigidProfile: a body of revolution about its axis in three
    * dimensions, the section through its axis in two. Coordinates of the profile are the distance
-   * from the axis and the place along it, from the tool's origin on; a tool of revolution that
-   * spins touches the same places, but drags along what it touches.
+   * from the axis and the position along it, from the tool's origin on; a tool of revolution that
+   * spins touches the same points, but drags along what it touches.
    *
    * @tparam Outline is derived from ToolOutline, with a constructor from Entries.
    */
@@ -183,9 +183,9 @@ namespace tombolo
           z += along[d] * y;
           square += y * y;
         }
-        const RigidProfile::Place place = {std::sqrt(std::max(square - z * z, 0.)), z};
-        const double at_least = profile.distance_from_box(place);
-        gap[k] = at_least > reach ? at_least : profile.nearest(place).gap;
+        const RigidProfile::Place point = {std::sqrt(std::max(square - z * z, 0.)), z};
+        const double at_least = profile.distance_from_box(point);
+        gap[k] = at_least > reach ? at_least : profile.nearest(point).gap;
       }
     }
 
@@ -220,10 +220,10 @@ namespace tombolo
       if constexpr (dim == 2)
       {
         const Tensor<1, 2> across({along[1], -along[0]});
-        const auto add = [&](const RigidProfile::Place &place, const double side)
-        { result.vertices.push_back(origin + place.z * along + side * place.r * across); };
-        for (const RigidProfile::Place &place : outline)
-          add(place, 1.);
+        const auto add = [&](const RigidProfile::Place &point, const double side)
+        { result.vertices.push_back(origin + point.z * along + side * point.r * across); };
+        for (const RigidProfile::Place &point : outline)
+          add(point, 1.);
         for (std::size_t i = outline.size() - 2; i > 0; --i)
           add(outline[i], -1.);
         const auto n = static_cast<unsigned int>(result.vertices.size());
@@ -235,12 +235,12 @@ namespace tombolo
         constexpr unsigned int n = 48;
         const Tensor<1, 3> first = direction_across(along), second = cross_product_3d(along, first);
         const double start = this->angle(time);
-        for (const RigidProfile::Place &place : outline)
+        for (const RigidProfile::Place &point : outline)
           for (unsigned int k = 0; k < n; ++k)
           {
             const double angle = start + 2 * numbers::PI * k / n;
-            result.vertices.push_back(origin + place.z * along +
-                                      place.r *
+            result.vertices.push_back(origin + point.z * along +
+                                      point.r *
                                           (std::cos(angle) * first + std::sin(angle) * second));
           }
         for (unsigned int i = 0; i + 1 < outline.size(); ++i)

@@ -69,8 +69,8 @@ namespace tombolo
   namespace
   {
     /** Of a mass whose process is run faster: forces stay in the time of the process, inertia grows
-     * as that of the bodies does. Read as text, since whoever declares no section "Scaling" scales
-     * nothing. */
+     * as that of the bodies does. Read as text, since nothing is scaled without a section
+     * "Scaling". */
     double inertia_factor(const Section &section)
     {
       const std::string factor = section.all().raw("Scaling/Process time factor", "1");
@@ -142,15 +142,16 @@ namespace tombolo
   {
     if (!free)
       return;
-    Records &of_mass = records.group("motion");
-    of_mass.value("time", free->time);
-    of_mass.value("previous time", free->previous_time);
-    of_mass.value("displacement", free->displacement);
-    of_mass.value("previous displacement", free->previous_displacement);
-    of_mass.value("velocity", free->velocity);
-    of_mass.value("previous impulse", free->previous_impulse);
-    of_mass.value("work of the force", free->work_of_force);
-    of_mass.value("kinetic energy", free->kinetic_energy); // between steps that of the last one
+    Records &motion_records = records.group("motion");
+    motion_records.value("time", free->time);
+    motion_records.value("previous time", free->previous_time);
+    motion_records.value("displacement", free->displacement);
+    motion_records.value("previous displacement", free->previous_displacement);
+    motion_records.value("velocity", free->velocity);
+    motion_records.value("previous impulse", free->previous_impulse);
+    motion_records.value("work of the force", free->work_of_force);
+    motion_records.value("kinetic energy",
+                         free->kinetic_energy); // between steps that of the last one
   }
 
   template class RigidTranslation<2>;

@@ -18,7 +18,7 @@ namespace tombolo
   {
     struct Facet
     {
-      /** Places in `vertices`: counter-clockwise as seen from outside of the body; in two
+      /** Indices in `vertices`: counter-clockwise as seen from outside of the body; in two
        * dimensions the body is to the left of the way from the first to the second. */
       unsigned int vertex[dim];
     };
@@ -27,15 +27,15 @@ namespace tombolo
     std::vector<Facet> facets;
   };
 
-  /** Widens the box from @p low to @p high by a @p place. */
+  /** Widens the box from @p low to @p high by a @p point. */
   template <int dim>
   void widen_box(dealii::Tensor<1, dim> &low, dealii::Tensor<1, dim> &high,
-                 const dealii::Tensor<1, dim> &place)
+                 const dealii::Tensor<1, dim> &point)
   {
     for (unsigned int d = 0; d < dim; ++d)
     {
-      low[d] = std::min(low[d], place[d]);
-      high[d] = std::max(high[d], place[d]);
+      low[d] = std::min(low[d], point[d]);
+      high[d] = std::max(high[d], point[d]);
     }
   }
 
@@ -54,12 +54,11 @@ namespace tombolo
     return sum;
   }
 
-  /** How many facets a file may have: what is said about larger ones is quick, and they would be on
-   * every rank. */
+  /** The largest number of facets of a file, all of which are on every rank. */
   constexpr unsigned int largest_number_of_facets = 10000000;
 
-  /** STL, text or binary: each triangle with corners of its own. Normals that stand in the file are
-   * not used. Throws MeshFileError, as all of these. */
+  /** STL, text or binary: each triangle with corners of its own. Normals in the file are not used.
+   * Throws MeshFileError, as all of these. */
   FacetList<3> read_stl(std::string_view text);
 
   /** Wavefront OBJ: vertices and faces, which may be polygons: convex ones are cut into triangles,

@@ -15,12 +15,13 @@
 namespace tombolo
 {
   /**
-   * The closed surface of a rigid body, of facets that are known to bound it: each edge (in two
-   * dimensions each corner) belongs to two of them, all are oriented alike with normals out of the
-   * body, and none is without area. Whether the surface crosses itself is not looked at here.
+   * The closed surface of a rigid body, of facets that bound it: each edge (in two dimensions each
+   * corner) belongs to two of them, all are oriented alike with normals out of the body, and none
+   * is without area. Whether the surface crosses itself is not checked here.
    *
-   * The normals at edges and corners tell inside from outside for points whose nearest place is
-   * there: sums of those of the facets, at corners weighted with the angles of the facets.
+   * The normals at edges and corners separate inside from outside for points whose nearest point of
+   * the surface is there: sums of those of the facets, at corners weighted with the angles of the
+   * facets.
    */
   template <int dim>
   class ClosedSurface
@@ -38,14 +39,14 @@ namespace tombolo
     ClosedSurface() = default;
 
     /** Merges vertices, drops what is not used, turns facets round where they do not agree; the
-     * remarks say what was done. Throws std::invalid_argument with what cannot be mended: a surface
+     * remarks describe it. Throws std::invalid_argument with what cannot be corrected: a surface
      * that is open, branches, has one side only, touches itself in a point, has triangles without
      * area, or encloses nothing. */
     explicit ClosedSurface(const FacetList<dim> &list);
 
-    /** Vertices go to other places, one for each; normals and the box around the surface follow.
-     * What the surface was refused for at the start is not looked at again. */
-    void move_vertices(const std::vector<dealii::Tensor<1, dim>> &places);
+    /** Moves the vertices to these positions, one for each; normals and the box around the surface
+     * follow. The checks of the start are not repeated. */
+    void move_vertices(const std::vector<dealii::Tensor<1, dim>> &positions);
 
     std::vector<dealii::Tensor<1, dim>> vertices;       ///< [L]
     std::vector<Facet> facets;                          ///< as in FacetList
@@ -57,7 +58,7 @@ namespace tombolo
       unsigned int vertex[2];
     };
     std::vector<Edge> ends_of_edges; ///< likewise
-    /** The edge from vertex k to the next is that of place n_sides*facet + k. */
+    /** The edge from vertex k to the next has the index n_sides*facet + k. */
     std::vector<unsigned int> edges;
 
     dealii::Tensor<1, dim> low, high; ///< the box around it
@@ -84,7 +85,7 @@ namespace tombolo
 
     /** Finds the normals of facets, and at vertices and edges the unit vectors along their sums, at
      * vertices weighted with angles. Facets without area keep their normals; the edges of facets
-     * must be known. */
+     * must be numbered. */
     void set_normals();
     /** Sides sorted, those of two facets after each other. */
     std::vector<Side> paired_sides() const;
@@ -114,8 +115,8 @@ namespace tombolo
     dealii::Tensor<1, dim> area_vector(std::size_t facet) const;
   };
 
-  /** Finds the place of a closed surface that is next to a point: a binary tree of boxes along the
-   * axes around the facets, each halved at the median. */
+  /** Finds the point of a closed surface that is nearest to a given one: a binary tree of boxes
+   * along the axes around the facets, each halved at the median. */
   template <int dim>
   class FacetTree
   {
@@ -127,20 +128,20 @@ namespace tombolo
       vertex
     };
 
-    /** A place of the surface, and the facet, edge or vertex of ClosedSurface that it is in. */
+    /** A point of the surface, and the facet, edge or vertex of ClosedSurface that it is in. */
     struct Nearest
     {
       double distance_square; ///< [L^2]
       dealii::Tensor<1, dim> place;
       Feature feature;
       unsigned int number; ///< of the facet, edge or vertex
-      unsigned int hint;   ///< for places near by
+      unsigned int hint;   ///< for points near by
     };
 
     FacetTree() = default;
     explicit FacetTree(const ClosedSurface<dim> &surface);
 
-    /** The search is shorter where @p hint is that of the nearest place of a point near by. */
+    /** The search is shorter where @p hint is that of a point near by. */
     Nearest nearest(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
 
     /** The same of the facets whose normals have a product with @p direction below @p limit;
@@ -152,7 +153,7 @@ namespace tombolo
     /** The same of one facet alone, that on which @p found is. */
     Nearest nearest_on_facet_of(const Nearest &found, const dealii::Tensor<1, dim> &point) const;
 
-    /** A facet that the place found is on. */
+    /** A facet that the point found is on. */
     unsigned int facet_of(const Nearest &nearest) const
     {
       return facets[nearest.hint].number;
@@ -162,7 +163,7 @@ namespace tombolo
      * facets. */
     void refit(const ClosedSurface<dim> &surface);
 
-    /** A place where the edge of a facet (in two dimensions a side) passes through another one, if
+    /** A point where the edge of a facet (in two dimensions a side) passes through another one, if
      * there is any on @p surface, that of the tree: the ends of the edge and the border of the
      * facet are farther away than the tolerance of the surface. */
     std::optional<dealii::Tensor<1, dim>> find_crossing(const ClosedSurface<dim> &surface) const;
@@ -186,14 +187,14 @@ namespace tombolo
 
     void build(const ClosedSurface<dim> &surface, std::vector<unsigned int> &order,
                std::size_t begin, std::size_t end);
-    void consider(unsigned int place, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
-    /** Considers all facets that @p takes and that can be nearer than what is known. */
-    template <typename Takes>
-    void search(const dealii::Tensor<1, dim> &point, const Takes &takes, Nearest &result) const;
+    void consider(unsigned int index, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
+    /** Considers all facets that @p accepts and that can be nearer than the present result. */
+    template <typename Accepts>
+    void search(const dealii::Tensor<1, dim> &point, const Accepts &accepts, Nearest &result) const;
     /** Whether the line from @p begin to @p end passes through a facet, and where. */
     static bool passes_through(const PackedFacet &facet, const dealii::Tensor<1, dim> &begin,
                                const dealii::Tensor<1, dim> &end, double tolerance,
-                               dealii::Tensor<1, dim> &place);
+                               dealii::Tensor<1, dim> &crossing);
     static bool consider_side(const PackedFacet &facet, unsigned int side,
                               const dealii::Tensor<1, dim> &point, Nearest &nearest);
 
@@ -201,7 +202,7 @@ namespace tombolo
     std::vector<PackedFacet> facets;
   };
 
-  /** The surface next to a point, and the place on it that is nearest. */
+  /** The surface next to a point, and its nearest point. */
   template <int dim>
   struct SurfaceGap : FacetTree<dim>::Nearest
   {
@@ -239,7 +240,7 @@ namespace tombolo
         : ClosedSurface<dim>(surface), tree(*this)
     {}
 
-    /** The signed distance of a point from the place that is nearest to it, and the normal there;
+    /** The signed distance of a point from the surface, and the normal at the nearest point;
      * @p hint as in FacetTree. */
     SurfaceGap<dim> gap(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
 
@@ -252,7 +253,7 @@ namespace tombolo
       return result;
     }
 
-    /** Nothing where there are no such sides. @p size_of: the size of the cell behind a facet. */
+    /** Empty where there are no such sides. @p size_of: the size of the cell behind a facet. */
     std::optional<FacedSides<dim>>
     faced_sides(const dealii::Tensor<1, dim> &point, const dealii::Tensor<1, dim> &area,
                 const std::function<double(unsigned int facet)> &size_of) const;
@@ -264,9 +265,9 @@ namespace tombolo
     }
 
     /** See ClosedSurface. */
-    void move_vertices(const std::vector<dealii::Tensor<1, dim>> &places)
+    void move_vertices(const std::vector<dealii::Tensor<1, dim>> &positions)
     {
-      ClosedSurface<dim>::move_vertices(places);
+      ClosedSurface<dim>::move_vertices(positions);
       tree.refit(*this);
     }
 

@@ -68,14 +68,14 @@ namespace tombolo
       }
     }
 
-    /** From now on points outside of the body up to this distance [L] get their distance to the
+    /** From now on points outside of the body up to this distance [L] have their distance to the
      * rounded surface, too. */
     void set_reach(double distance)
     {
       reach = distance;
     }
 
-    /** Points outside of the sharp surface, beyond the reach, get their distance to that, which is
+    /** Points outside of the sharp surface, beyond the reach, have their distance to that, which is
      * not more than the one to the rounded one. */
     Nearest nearest(const dealii::Tensor<1, dim> &point) const
     {
@@ -102,8 +102,8 @@ namespace tombolo
       if (!(square <= reach * reach)) // nor is what is not a number near the box
         return std::sqrt(square);
       dealii::Tensor<1, dim> middle;
-      const double of_middle = voxels[voxel_at(point, middle)].gap;
-      const double at_least = of_middle - (point - middle).norm();
+      const double middle_gap = voxels[voxel_at(point, middle)].gap;
+      const double at_least = middle_gap - (point - middle).norm();
       return at_least > reach ? at_least : nearest(point).gap;
     }
 
@@ -116,7 +116,7 @@ namespace tombolo
   private:
     using Feature = typename FacetTree<dim>::Feature;
 
-    /** Points with normal * x <= offset, as a feature of the surface asks of centres. */
+    /** Points with normal * x <= offset, the constraint on centres by a feature of the surface. */
     struct HalfSpace
     {
       dealii::Tensor<1, dim> normal;
@@ -137,28 +137,28 @@ namespace tombolo
     {
       if (space.feature == Feature::facet)
         return false;
-      dealii::Tensor<1, dim> place;
+      dealii::Tensor<1, dim> nearest_point;
       if (space.feature == Feature::vertex)
-        place = sharp_surface.vertices[space.number];
+        nearest_point = sharp_surface.vertices[space.number];
       else
       {
         const auto &ends = sharp_surface.ends_of_edges[space.number].vertex;
         const dealii::Tensor<1, dim> &begin = sharp_surface.vertices[ends[0]];
         const dealii::Tensor<1, dim> along = sharp_surface.vertices[ends[1]] - begin;
         const double t = (center - begin) * along / along.norm_square();
-        place = begin + std::clamp(t, 0., 1.) * along;
+        nearest_point = begin + std::clamp(t, 0., 1.) * along;
       }
-      const dealii::Tensor<1, dim> away = place - center;
+      const dealii::Tensor<1, dim> away = nearest_point - center;
       const double distance = away.norm();
       if (!(away * space.normal > 0.5 * distance))
         return false;
       space.normal = away / distance;
-      space.offset = space.normal * place - radius;
+      space.offset = space.normal * nearest_point - radius;
       return true;
     }
 
-    /** The multipliers of chosen half spaces, taken as planes. Returns false where their normals
-     * depend on each other. */
+    /** The multipliers of chosen half spaces, as planes. Returns false where their normals depend
+     * on each other. */
     static bool solve(const HalfSpaces &spaces, const unsigned int *const chosen,
                       const unsigned int n, const dealii::Tensor<1, dim> &point,
                       double *const multiplier)
@@ -229,7 +229,7 @@ namespace tombolo
     }
 
     /** The centre of a ball next to @p point, which is nearer to the sharp surface than the radius,
-     * or outside and nearer than the reach. @p sharp is its nearest place there. Returns whether
+     * or outside and nearer than the reach. @p sharp is the nearest point there. Returns whether
      * there is one. */
     bool find_center(const dealii::Tensor<1, dim> &point, const SurfaceGap<dim> &sharp,
                      dealii::Tensor<1, dim> &center) const
@@ -275,7 +275,7 @@ namespace tombolo
       return nearest.gap < -0.99 * radius;
     }
 
-    /** What is known of the middle of a part of the box around the body. */
+    /** The middle of a part of the box around the body. */
     struct Voxel
     {
       double gap = 0; ///< to the sharp surface [L]
@@ -284,13 +284,13 @@ namespace tombolo
     void fill_voxels()
     {
       // As many as facets have it on the whole, so that loading costs what the facets cost.
-      const double wanted =
+      const double target =
           std::clamp(4. * static_cast<double>(sharp_surface.facets.size()), 4096., 262144.);
       const dealii::Tensor<1, dim> extent = sharp_surface.high - sharp_surface.low;
       double size = 1.;
       for (unsigned int d = 0; d < dim; ++d)
-        size *= std::pow(extent[d] / wanted, 1. / dim);
-      size *= std::pow(wanted, 1. - 1. / dim);
+        size *= std::pow(extent[d] / target, 1. / dim);
+      size *= std::pow(target, 1. - 1. / dim);
       std::size_t n = 1;
       for (unsigned int d = 0; d < dim; ++d)
       {
@@ -322,9 +322,9 @@ namespace tombolo
       std::size_t number = 0;
       for (unsigned int d = dim; d-- > 0;)
       {
-        const double place = (point[d] - sharp_surface.low[d]) / voxel_size[d];
-        const auto along =
-            static_cast<unsigned int>(std::clamp(place, 0., static_cast<double>(n_voxels[d] - 1)));
+        const double coordinate = (point[d] - sharp_surface.low[d]) / voxel_size[d];
+        const auto along = static_cast<unsigned int>(
+            std::clamp(coordinate, 0., static_cast<double>(n_voxels[d] - 1)));
         middle[d] = sharp_surface.low[d] + (0.5 + along) * voxel_size[d];
         number = number * n_voxels[d] + along;
       }

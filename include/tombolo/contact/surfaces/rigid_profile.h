@@ -27,7 +27,7 @@ namespace tombolo
   class RigidProfile
   {
   public:
-    /** A place, or a direction. */
+    /** A point, or a direction. */
     struct Place
     {
       double r, z; ///< [L]
@@ -113,8 +113,8 @@ namespace tombolo
       }
     }
 
-    /** @p place with r >= 0. */
-    Nearest nearest(const Place &place) const
+    /** @p point with r >= 0. */
+    Nearest nearest(const Place &point) const
     {
       Nearest result = {std::numeric_limits<double>::max(), {0., 1.}};
       const auto consider = [&](const double distance, const Place &away, const Place &outward)
@@ -130,7 +130,7 @@ namespace tombolo
       };
       for (const Line &line : lines)
       {
-        const Place from_begin = difference(place, line.begin);
+        const Place from_begin = difference(point, line.begin);
         const double s = dot(from_begin, line.along);
         const double clamped = std::clamp(s, 0., line.length);
         const Place away = moved(from_begin, -clamped, line.along);
@@ -141,7 +141,7 @@ namespace tombolo
       }
       for (const Arc &arc : arcs)
       {
-        const Place from_center = difference(place, arc.center);
+        const Place from_center = difference(point, arc.center);
         const double distance = length(from_center);
         if (!(distance > 0.) || cross(arc.first_normal, from_center) < 0. ||
             cross(from_center, arc.last_normal) < 0.)
@@ -155,22 +155,22 @@ namespace tombolo
 
     /** A distance that is at most the one to the body, positive only outside of a cylinder around
      * it: cheap. */
-    double distance_from_box(const Place &place) const
+    double distance_from_box(const Place &point) const
     {
-      return std::max({place.r - high.r, low.z - place.z, place.z - high.z});
+      return std::max({point.r - high.r, low.z - point.z, point.z - high.z});
     }
 
-    /** Places along the profile from the axis to the axis, for pictures: ends of the lines, and
+    /** Points along the profile from the axis to the axis, for pictures: ends of the lines, and
      * arcs in pieces of at most @p largest_turn [rad]. */
     std::vector<Place> outline(const double largest_turn) const
     {
       std::vector<Place> result;
       const double tolerance = 1e-9 * length(difference(high, low));
-      const auto add = [&](const Place &place)
+      const auto add = [&](const Place &point)
       {
-        if (place.r < -tolerance) // an arc on the axis goes on beyond it
+        if (point.r < -tolerance) // an arc on the axis goes on beyond it
           return;
-        const Place on_this_side = {place.r > tolerance ? place.r : 0., place.z};
+        const Place on_this_side = {point.r > tolerance ? point.r : 0., point.z};
         if (result.empty() || length(difference(on_this_side, result.back())) > tolerance)
           result.push_back(on_this_side);
       };
@@ -181,7 +181,7 @@ namespace tombolo
           {
             const double turn = std::atan2(cross(arc.first_normal, arc.last_normal),
                                            dot(arc.first_normal, arc.last_normal));
-            // An even number, so that an arc across the axis has a place on it.
+            // An even number, so that an arc across the axis has a point on it.
             const unsigned int n =
                 2 * static_cast<unsigned int>(std::ceil(0.5 * turn / largest_turn));
             for (unsigned int k = 0; k <= n; ++k)

@@ -27,7 +27,7 @@ namespace tombolo
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, const double from,
                                   const double to) const override
     {
-      // All nodes of a step ask for the same times; a mass moves by what else it is asked for.
+      // All nodes of a step have the same times; the motion of a mass also depends on its state.
       if (from != last.from || to != last.to || rigid_translation.has_mass())
         last = {from, to, origin(to), origin(to) - origin(from), 0.5 * (angle(to) - angle(from))};
       const dealii::Tensor<1, dim> arm = point - last.origin;

@@ -15,10 +15,10 @@ namespace tombolo
 
   /**
    * How far a rigid body has moved: by functions of time, or as a mass that forces move, with the
-   * same central differences as the bodies (eqs 22-24): its velocity lives at t_{n-1/2}.
+   * same central differences as the bodies (eqs 22-24): its velocity is that at t_{n-1/2}.
    *
-   * A mass moves along its free directions only; what forces have across them, a guide takes. All
-   * ranks hold the same.
+   * A mass moves along its free directions only; a guide balances the forces across them. All ranks
+   * hold the same.
    */
   template <int dim>
   class RigidTranslation
@@ -30,7 +30,7 @@ namespace tombolo
     /** "Displacement", "Mass", "Force", "Initial velocity", "Directions". */
     explicit RigidTranslation(const Entries &e);
 
-    /** [L]. Of a mass it is known at t_n and t_{n-1}, and given for the nearer of the two. */
+    /** [L]. Of a mass it is that at t_n or t_{n-1}, the nearer of the two. */
     dealii::Tensor<1, dim> displacement(double time) const;
 
     bool has_mass() const
@@ -51,7 +51,7 @@ namespace tombolo
     }
 
     /** The acceleration at t_n by the given force and @p reaction, that of the bodies at t_n, on
-     * the mass; the size of the coming step must be known. */
+     * the mass; the size of the coming step must be set. */
     void accelerate(const Clock &clock, const dealii::Tensor<1, dim> &reaction);
 
     /** How far the mass will move in the coming step without any force of bodies [L]. */
