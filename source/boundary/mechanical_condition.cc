@@ -107,7 +107,7 @@ namespace tombolo
   {
     const Type type = type_of(section.get("Type"));
     MechanicalCondition condition{
-        section.name(), type, Place<dim>(section, is_on_volume(type)), {}, {}, {}};
+        section.name(), type, Region<dim>(section, is_on_volume(type)), {}, {}, {}};
     if (is_on_volume(type) && !section.get("Boundary").empty())
       section.fail("Boundary",
                    "a " + section.get("Type") + " acts on the volume; use `Where`, or neither.");
@@ -170,7 +170,7 @@ namespace tombolo
   }
 
   template <int dim>
-  double MechanicalCondition<dim>::Turn::displacement(const Point<dim> &place,
+  double MechanicalCondition<dim>::Turn::displacement(const Point<dim> &position,
                                                       const unsigned int component,
                                                       const double time,
                                                       const std::optional<double> since) const
@@ -187,7 +187,7 @@ namespace tombolo
         rotation = rotation_matrix_3d(axis, by);
       times_of_rotation = {time, since};
     }
-    const Tensor<1, dim> arm = place - centre;
+    const Tensor<1, dim> arm = position - centre;
     return rotation[component] * arm - arm[component];
   }
 

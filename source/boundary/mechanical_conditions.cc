@@ -47,7 +47,7 @@ namespace tombolo
       : Base(sections, mesh, nodes)
   {
     using Constraint = typename Base::Constraint;
-    std::map<types::global_dof_index, Constraint> of_nodes;
+    std::map<types::global_dof_index, Constraint> constraints_by_node;
     // By node, component, and the two conditions.
     std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
              Point<dim>>
@@ -80,7 +80,7 @@ namespace tombolo
       refuse_axis(c, point);
       if (has_rows)
         add_rows(condition, c, point, rows[node]);
-      Constraint &constraint = Base::constraint_of(node, of_nodes);
+      Constraint &constraint = Base::constraint_of(node, constraints_by_node);
       const int number = static_cast<int>(c);
       for (unsigned int d = 0; d < dim; ++d)
         if (int &other = constraint.condition[d];
@@ -115,10 +115,10 @@ namespace tombolo
                  this->for_each_node(nodes, select_node);
                  this->for_each_face(nodes, select_face);
                });
-    for (const auto &[node, constraint] : of_nodes)
+    for (const auto &[node, constraint] : constraints_by_node)
       constraints.push_back(constraint);
-    for (const auto &[of, point] : shared)
-      overlapping.push_back({std::get<2>(of), std::get<3>(of), std::get<1>(of), point});
+    for (const auto &[key, point] : shared)
+      overlapping.push_back({std::get<2>(key), std::get<3>(key), std::get<1>(key), point});
     set_rows(std::move(rows));
   }
 
@@ -231,8 +231,8 @@ namespace tombolo
       for (unsigned int d = 0; d < 3; ++d)
         if ((constrained[node] >> d) & 1u)
           value[d] = 0.;
-      if (const ObliqueNode *const of_node = oblique.find(node))
-        of_node->remove_prescribed(value);
+      if (const ObliqueNode *const oblique_node = oblique.find(node))
+        oblique_node->remove_prescribed(value);
     }
   }
 
@@ -243,7 +243,7 @@ namespace tombolo
     for (const MechanicalCondition<dim> &condition : conditions)
       if (is_on_volume(condition.type))
         for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-          if (condition.place.contains(point_of<dim>(state.initial_position.node(i))))
+          if (condition.region.contains(point_of<dim>(state.initial_position.node(i))))
             result.push_back(i);
     std::sort(result.begin(), result.end());
     result.erase(std::unique(result.begin(), result.end()), result.end());
@@ -252,14 +252,14 @@ namespace tombolo
 
   template <int dim>
   void MechanicalConditions<dim>::compute_loads(
-      const NodalState &state, const double time, const NodalVector &places, NodalVector &loads,
+      const NodalState &state, const double time, const NodalVector &positions, NodalVector &loads,
       std::vector<LoadSum> &sums, const NodalVector &mass,
-      const std::function<void(unsigned int, const NodalVector &)> &take_alone) const
+      const std::function<void(unsigned int, const NodalVector &)> &receive_alone) const
   {
     loads.set_zero();
     sums.assign(conditions.size(), {});
     areas.update(state.position, state.initial_position);
-    NodalVector *const alone = take_alone ? &loads_alone : nullptr;
+    NodalVector *const alone = receive_alone ? &loads_alone : nullptr;
     if (alone != nullptr && alone->partition() != loads.partition())
       alone->reinit(loads.partition());
     // Every rank takes part in the exchange of a condition, also one where its function has failed.
@@ -271,22 +271,25 @@ namespace tombolo
       if (alone == nullptr)
         return;
       alone->add_to_owners();
-      take_alone(c, *alone);
+      receive_alone(c, *alone);
     };
     const auto acts = [&](const unsigned int c) { return conditions[c].acts_at(time); };
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (is_on_faces(conditions[c].type) && acts(c))
-        add(c, [&]() { add_surface_forces(c, state, time, places, loads, sums[c], alone); });
+        add(c, [&]() { add_surface_forces(c, state, time, positions, loads, sums[c], alone); });
     loads.add_to_owners();
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (is_on_volume(conditions[c].type) && acts(c))
-        add(c, [&]()
-            { add_body_forces(conditions[c], state, mass, time, places, loads, sums[c], alone); });
+        add(c,
+            [&]() {
+              add_body_forces(conditions[c], state, mass, time, positions, loads, sums[c], alone);
+            });
   }
 
   template <int dim>
   void MechanicalConditions<dim>::add_surface_forces(const unsigned int c, const NodalState &state,
-                                                     const double time, const NodalVector &places,
+                                                     const double time,
+                                                     const NodalVector &positions,
                                                      NodalVector &loads, LoadSum &sum,
                                                      NodalVector *const alone) const
   {
@@ -298,7 +301,7 @@ namespace tombolo
     for (unsigned int k = 0; k < nodes.size(); ++k)
     {
       const Point<dim> initial = point_of<dim>(state.initial_position.node(nodes[k]));
-      if (k == 0 || function.depends_on_place() || axes.depend_on_place())
+      if (k == 0 || function.depends_on_place() || axes.depend_on_position())
       {
         if (is_pressure)
           value[0] = function.value(initial, time, 0);
@@ -317,21 +320,21 @@ namespace tombolo
         if (alone != nullptr)
           alone->node(nodes[k])[d] += force[d];
       }
-      sum.add(places.node(nodes[k]), force);
+      sum.add(positions.node(nodes[k]), force);
     }
   }
 
   template <int dim>
   void MechanicalConditions<dim>::add_body_forces(const MechanicalCondition<dim> &condition,
                                                   const NodalState &state, const NodalVector &mass,
-                                                  const double time, const NodalVector &places,
+                                                  const double time, const NodalVector &positions,
                                                   NodalVector &loads, LoadSum &sum,
                                                   NodalVector *const alone) const
   {
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
       const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
-      if (!condition.place.contains(initial))
+      if (!condition.region.contains(initial))
         continue;
       double force[3] = {0, 0, 0};
       const Tensor<1, dim> load = condition.load_at(initial, time);
@@ -342,7 +345,7 @@ namespace tombolo
         if (alone != nullptr)
           alone->node(i)[d] += force[d];
       }
-      sum.add(places.node(i), force);
+      sum.add(positions.node(i), force);
     }
   }
 

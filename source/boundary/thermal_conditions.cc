@@ -104,7 +104,7 @@ namespace tombolo
     const bool is_source = *type == ThermalConditionType::heat_source;
     if (is_source && section.is_set("Boundary"))
       section.fail("Boundary", "a heat source is in the volume; use `Where`, or neither.");
-    ThermalCondition condition{section.name(), *type, Place<dim>(section, is_source), {}, {}, {}};
+    ThermalCondition condition{section.name(), *type, Region<dim>(section, is_source), {}, {}, {}};
     switch (*type)
     {
     case ThermalConditionType::temperature:
@@ -149,7 +149,8 @@ namespace tombolo
   template struct ThermalCondition<2>;
   template struct ThermalCondition<3>;
 
-  /** The values of a function at nodes at one time; one without a place is evaluated once. */
+  /** The values of a function at nodes at one time; one that does not depend on the position is
+   * evaluated once. */
   template <int dim>
   class ValuesAtNodes
   {
@@ -161,9 +162,9 @@ namespace tombolo
 
     double operator()(const unsigned int node)
     {
-      if (!is_known || function.depends_on_place())
+      if (!is_evaluated || function.depends_on_place())
         present = function.value(point_of<dim>(initial_position.node(node)), time);
-      is_known = true;
+      is_evaluated = true;
       return present;
     }
 
@@ -172,7 +173,7 @@ namespace tombolo
     const NodalVector &initial_position;
     double time;
     double present = 0;
-    bool is_known = false;
+    bool is_evaluated = false;
   };
 
   template <int dim>
@@ -202,7 +203,7 @@ namespace tombolo
     Utilities::MPI::sum(n_conflicts, nodes.communicator(), n_conflicts);
     refuse_conflicts(sections, n_conflicts);
 
-    std::map<types::global_dof_index, typename Base::Constraint> of_nodes;
+    std::map<types::global_dof_index, typename Base::Constraint> constraints_by_node;
     for (unsigned int c = 0; c < conditions.size(); ++c)
     {
       std::vector<types::global_dof_index> &selected = selected_nodes[c];
@@ -212,9 +213,9 @@ namespace tombolo
                      selected.end());
       if (prescribes(conditions[c].type))
         for (const types::global_dof_index node : selected)
-          Base::constraint_of(node, of_nodes).condition[0] = static_cast<int>(c);
+          Base::constraint_of(node, constraints_by_node).condition[0] = static_cast<int>(c);
     }
-    for (const auto &[node, constraint] : of_nodes)
+    for (const auto &[node, constraint] : constraints_by_node)
       constraints.push_back(constraint);
   }
 
@@ -330,15 +331,15 @@ namespace tombolo
   void ThermalConditions<dim>::add_surface_heat(const NodalVector &initial_position,
                                                 const NodalVector &temperature, const double time,
                                                 NodalVector &heat_rate,
-                                                std::vector<double> &of_condition) const
+                                                std::vector<double> &condition_rates) const
   {
-    AssertDimension(of_condition.size(), this->n_conditions());
+    AssertDimension(condition_rates.size(), this->n_conditions());
     const auto add = [&](const unsigned int condition, const unsigned int node, const double area,
                          const SurfaceHeat &heat)
     {
       const double rate = heat.flux * area;
       heat_rate.node(node)[0] += rate;
-      of_condition[condition] += rate;
+      condition_rates[condition] += rate;
     };
     this->evaluate([&]()
                    { for_each_surface_node(initial_position, temperature, time, false, add); });
@@ -360,9 +361,9 @@ namespace tombolo
   void ThermalConditions<dim>::add_sources(const NodalVector &initial_position,
                                            const NodalVector &initial_volume, const double time,
                                            NodalVector &heat_rate,
-                                           std::vector<double> &of_condition) const
+                                           std::vector<double> &condition_rates) const
   {
-    AssertDimension(of_condition.size(), this->n_conditions());
+    AssertDimension(condition_rates.size(), this->n_conditions());
     const auto add = [&]()
     {
       for (unsigned int c = 0; c < conditions.size(); ++c)
@@ -374,7 +375,7 @@ namespace tombolo
         {
           const double rate = source(node) * *initial_volume.node(node);
           heat_rate.node(node)[0] += rate;
-          of_condition[c] += rate;
+          condition_rates[c] += rate;
         }
       }
     };

@@ -49,7 +49,7 @@ namespace tombolo
       groups[group].is_initial = is_kept;
     }
 
-    /** Adds a face with its nodes in the order of Nodes::face_places(). Each face is given by one
+    /** Adds a face with its nodes in the order of Nodes::face_places(). Each face is added by one
      * rank. @p orientation is 1 or -1 where the group has outward areas, see orientation(). */
     void add_face(unsigned int group, const std::vector<dealii::types::global_dof_index> &nodes,
                   double orientation = 0.)
@@ -61,8 +61,8 @@ namespace tombolo
         all_nodes.add_index(node);
     }
 
-    /** 1 where the normal that the nodes of a face at these places span leads away from @p inside,
-     * a place in the body next to it, and -1 where it leads there. */
+    /** 1 where the normal that the nodes of a face at these positions span is directed away from
+     * @p inside, a point in the body next to it, and -1 where it is directed there. */
     double orientation(const std::vector<dealii::Point<dim>> &nodes,
                        const dealii::Point<dim> &inside) const
     {
@@ -115,24 +115,24 @@ namespace tombolo
       for (Group &group : groups)
       {
         group.nodes.clear();
-        group.place_of_node.assign(partition.n_local(), dealii::numbers::invalid_unsigned_int);
+        group.index_of_node.assign(partition.n_local(), dealii::numbers::invalid_unsigned_int);
       }
       for (Face &face : faces)
       {
         face.nodes.clear();
-        face.places.clear();
+        face.indices.clear();
         Group &group = groups[face.group];
         for (const dealii::types::global_dof_index global_node : face.global_nodes)
         {
           const unsigned int node = partition.local_index(global_node);
-          unsigned int &place = group.place_of_node[node];
-          if (place == dealii::numbers::invalid_unsigned_int)
+          unsigned int &index = group.index_of_node[node];
+          if (index == dealii::numbers::invalid_unsigned_int)
           {
-            place = static_cast<unsigned int>(group.nodes.size());
+            index = static_cast<unsigned int>(group.nodes.size());
             group.nodes.push_back(node);
           }
           face.nodes.push_back(node);
-          face.places.push_back(place);
+          face.indices.push_back(index);
         }
       }
       for (Group &group : groups)
@@ -167,9 +167,9 @@ namespace tombolo
         last = &face;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
         {
-          group.areas[face.places[k]] += of_face[k][node_stride - 1];
+          group.areas[face.indices[k]] += face_areas[k][node_stride - 1];
           for (unsigned int d = 0; face.orientation != 0. && d < dim; ++d)
-            group.outward_areas[face.places[k]][d] += face.orientation * of_face[k][d];
+            group.outward_areas[face.indices[k]][d] += face.orientation * face_areas[k][d];
         }
       }
     }
@@ -209,14 +209,14 @@ namespace tombolo
     {
       unsigned int group;
       std::vector<dealii::types::global_dof_index> global_nodes;
-      std::vector<unsigned int> nodes;  ///< local
-      std::vector<unsigned int> places; ///< in the list of nodes of its group
-      double orientation = 0.;          ///< 0: its area has no direction
+      std::vector<unsigned int> nodes;   ///< local
+      std::vector<unsigned int> indices; ///< in the list of nodes of its group
+      double orientation = 0.;           ///< 0: its area has no direction
     };
     struct Group
     {
       std::vector<unsigned int> nodes;
-      std::vector<unsigned int> place_of_node; ///< of each local node in nodes; invalid: none
+      std::vector<unsigned int> index_of_node; ///< of each local node in nodes; invalid: none
       std::vector<double> areas;
       std::vector<dealii::Tensor<1, dim>> outward_areas;
       bool is_initial = false; ///< areas are those of the initial positions
@@ -225,8 +225,8 @@ namespace tombolo
     /** ∫ N_k n dA and, in the last slot, ∫ N_k dA of a face with these nodes, for its nodes. */
     void find_areas(const NodalVector &position, const std::vector<unsigned int> &nodes)
     {
-      of_face.resize_fast(shapes.n_nodes);
-      of_face.fill(NodeLanes(0.));
+      face_areas.resize_fast(shapes.n_nodes);
+      face_areas.fill(NodeLanes(0.));
       for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
         NodeLanes tangents[2] = {0., 0.};
@@ -238,20 +238,20 @@ namespace tombolo
         const NodeLanes squares = normal * normal;
         normal[node_stride - 1] = std::sqrt(squares[0] + squares[1] + squares[2]);
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          of_face[k] += normal * (shapes.weights[q] * shapes.value(q, k));
+          face_areas[k] += normal * (shapes.weights[q] * shapes.value(q, k));
       }
     }
 
     std::vector<Face> faces;
     std::vector<Group> groups;
-    dealii::AlignedVector<NodeLanes> of_face; // of the last face
+    dealii::AlignedVector<NodeLanes> face_areas; // of the last face
     dealii::IndexSet all_nodes;
     FaceShapes<dim> shapes;
   };
 
   /**
    * The conditions of one kind, a section "Condition: NAME" each, with the nodes and faces that
-   * their places select. They prescribe some of the @p n_components of values at nodes. Of several
+   * their regions select. They prescribe some of the @p n_components of values at nodes. Of several
    * conditions that prescribe a component, as at an edge, the last one does it.
    */
   template <int dim, typename Condition, unsigned int n_components>
@@ -317,8 +317,8 @@ namespace tombolo
       return constraint_nodes;
     }
 
-    /** The number of the condition that prescribes a component of a node, by its place in
-     * constrained_nodes(), or a direction that has the place of a component; -1: none. */
+    /** The number of the condition that prescribes a component of a node, by its index in
+     * constrained_nodes(), or a direction in the slot of a component; -1: none. */
     int prescribing_condition(const std::size_t constrained_node,
                               const unsigned int component) const
     {
@@ -331,8 +331,8 @@ namespace tombolo
       return has_type([](const auto type) { return prescribes(type); });
     }
 
-    /** The first failure on this rank, empty for none: a function without a finite value. What was
-     * to be computed is not complete then. Not agreed among ranks. */
+    /** The first failure on this rank, empty for none: a function without a finite value. The
+     * result is not complete then. Not agreed among ranks. */
     const std::string &failure() const
     {
       return local_failure;
@@ -358,15 +358,15 @@ namespace tombolo
       for (const Section &section : sections)
       {
         conditions.push_back(Condition::read(section, arguments...));
-        conditions.back().place.find_boundaries(mesh, section);
+        conditions.back().region.find_boundaries(mesh, section);
       }
     }
 
-    template <typename IsWanted>
-    bool has_type(const IsWanted &is_wanted) const
+    template <typename Matches>
+    bool has_type(const Matches &matches) const
     {
       return std::any_of(conditions.begin(), conditions.end(),
-                         [&](const Condition &condition) { return is_wanted(condition.type); });
+                         [&](const Condition &condition) { return matches(condition.type); });
     }
 
     /** Calls @p select, the value of a predicate in which can be undefined on one rank alone.
@@ -377,7 +377,7 @@ namespace tombolo
       attempt_on_all_ranks<InputError>(nodes.communicator(), select);
       for (unsigned int c = 0; c < conditions.size(); ++c)
         if (dealii::Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
-          conditions[c].place.fail_empty(
+          conditions[c].region.fail_empty(
               sections[c], is_on_faces(conditions[c].type) ? nodes.outer_face_text() : "node");
     }
 
@@ -396,22 +396,22 @@ namespace tombolo
         nodes.cell_points(cell, cell_points);
         for (unsigned int c = 0; c < conditions.size(); ++c)
         {
-          const Place<dim> &place = conditions[c].place;
+          const Region<dim> &region = conditions[c].region;
           const auto select = [&](const unsigned int k)
           {
-            if (!place.contains(cell_points[k]))
+            if (!region.contains(cell_points[k]))
               return;
             n_selected[c] += nodes.owned().is_element(cell_nodes[k]) ? 1 : 0;
             action(c, cell_nodes[k], cell_points[k]);
           };
           if (is_on_faces(conditions[c].type))
             continue;
-          if (!place.has_boundaries())
+          if (!region.has_boundaries())
             for (unsigned int k = 0; k < cell_nodes.size(); ++k)
               select(k);
           else
             for (const unsigned int f : cell->face_indices())
-              if (cell->face(f)->at_boundary() && place.has_boundary(cell->face(f)->boundary_id()))
+              if (cell->face(f)->at_boundary() && region.has_boundary(cell->face(f)->boundary_id()))
                 for (const unsigned int k : nodes.face_places(f))
                   select(k);
         }
@@ -451,17 +451,17 @@ namespace tombolo
     bool selects_face(const unsigned int c, const Cell &cell, const unsigned int f)
     {
       const bool result =
-          conditions[c].place.contains_face(cell->face(f)->boundary_id(), cell->face(f)->center());
+          conditions[c].region.contains_face(cell->face(f)->boundary_id(), cell->face(f)->center());
       n_selected[c] += result ? 1 : 0;
       return result;
     }
 
-    /** The entry of a node in a list of constraints, which it gets where it has none. */
+    /** The entry of a node in a list of constraints, which is added where there is none. */
     static Constraint &
     constraint_of(const dealii::types::global_dof_index node,
-                  std::map<dealii::types::global_dof_index, Constraint> &of_nodes)
+                  std::map<dealii::types::global_dof_index, Constraint> &constraints_by_node)
     {
-      const auto [position, is_new] = of_nodes.try_emplace(node);
+      const auto [position, is_new] = constraints_by_node.try_emplace(node);
       if (is_new)
       {
         position->second.global_node = node;

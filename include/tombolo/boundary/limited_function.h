@@ -13,13 +13,13 @@
 
 namespace tombolo
 {
-  /** A function of place and time whose values must be within limits. */
+  /** A function of position and time whose values must be within limits. */
   template <int dim>
   class LimitedFunction
   {
   public:
     /** @p allowed completes "allowed is ...". Throws InputError where the function is outside of
-     * the limits at the start, if that can be seen without a place. */
+     * the limits at the start, if it does not depend on the position. */
     LimitedFunction(const Section &section, const std::string &entry, const double lowest,
                     const double highest, const std::string &allowed)
         : expression(section, entry, 1), description(section.describe(entry)), allowed(allowed),
@@ -40,8 +40,7 @@ namespace tombolo
       return expression.depends_on_place();
     }
 
-    /** Throws RunError, on the one rank that sees it, without a finite value or beyond the
-     * limits. */
+    /** Throws RunError, on this rank alone, without a finite value or beyond the limits. */
     double value(const dealii::Point<dim> &point, const double time) const
     {
       const double result = expression.value(point, time);

@@ -41,23 +41,23 @@ namespace tombolo
   /** Whether they act on all of the body. */
   bool is_on_volume(MechanicalConditionType type);
 
-  /** What one section "Condition: NAME" of mechanics says. */
+  /** The content of one section "Condition: NAME" of mechanics. */
   template <int dim>
   struct MechanicalCondition
   {
     std::string name;
     MechanicalConditionType type;
-    Place<dim> place;
-    /** Of place and time: dim components, one of a pressure, none of a clamp. */
+    Region<dim> region;
+    /** Of position and time: dim components, one of a pressure, none of a clamp. */
     std::optional<Expression<dim>> function;
 
     /** How the selected nodes of a displacement turn. */
     struct Turn
     {
-      /** What the rotation by the angle at @p time, or by what it grew @p since another time, adds
-       * to a component of @p place [L]. The rotation is kept for those who ask again for the same
-       * times, as all nodes of a step do. Throws RunError where the angle has no finite value. */
-      double displacement(const dealii::Point<dim> &place, unsigned int component, double time,
+      /** The change of a component of @p position [L] by the rotation by the angle at @p time, or
+       * by its change @p since another time. The rotation is stored for further calls with the same
+       * times, as for all nodes of a step. Throws RunError where the angle has no finite value. */
+      double displacement(const dealii::Point<dim> &position, unsigned int component, double time,
                           std::optional<double> since = {}) const;
 
       Expression<dim> angle;         ///< of time [rad]
@@ -104,9 +104,9 @@ namespace tombolo
                         double time) const;
 
     /** The prescribed velocity of the interval from @p time to @p time + @p time_step of a node
-     * that is at @p position [L/T]; that of a displacement reaches the prescribed place at its end,
-     * and with a `Start` it changes as the displacement does and turns the node from where it is.
-     * @p direction is that of the component where it is not that of the coordinates, else null.
+     * that is at @p position [L/T]; that of a displacement reaches the prescribed position at its
+     * end, and with a `Start` it changes as the displacement does and turns the node from where it
+     * is. @p direction is that of the component where it is not that of the coordinates, else null.
      * Throws RunError where the function has no finite value. */
     double prescribed_velocity(const dealii::Point<dim> &initial, const double *position,
                                unsigned int component, double time, double time_step,
@@ -117,14 +117,14 @@ namespace tombolo
     double initial_velocity(const dealii::Point<dim> &initial, const double *position,
                             unsigned int component, double time, double interval) const;
 
-    /** The value of a traction or a body force at a place, along the axes of the coordinates.
+    /** The value of a traction or a body force at a point, along the axes of the coordinates.
      * Throws likewise. */
     dealii::Tensor<1, dim> load_at(const dealii::Point<dim> &initial, double time) const;
   };
 
   /**
    * The mechanical conditions of a model, one section "Condition: NAME" each: tractions, pressures,
-   * body forces and gravity, which give loads that act at positions, and velocities, displacements
+   * body forces and gravity, which are loads that act at positions, and velocities, displacements
    * and clamps, which prescribe components of the motion. Named boundaries or a predicate of the
    * initial position select nodes and faces. Functions are of the initial position and of time.
    */
@@ -150,7 +150,7 @@ namespace tombolo
     bool will_change(double time) const;
 
     /** Makes those conditions prescribe the motion that act at @p time, as those at 0 do at first.
-     * Constraints are known again after set_partition(). */
+     * Constraints are valid again after set_partition(). */
     void act_at(double time);
 
     /** Translates node numbers to those of @p partition. */
@@ -173,17 +173,17 @@ namespace tombolo
      * their current or initial positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure
      * likewise, m b for body forces, where m is @p body_mass (scalar). Owned values are complete.
      * @p loads is zeroed; @p sums are this rank's shares of each condition, by number, with the
-     * moments of forces at @p places (current ghosts). Where @p take_alone is given it is called
-     * with the number of each load and its own loads, whose owned values are complete. Collective.
-     */
-    void compute_loads(const NodalState &state, double time, const NodalVector &places,
+     * moments of forces at @p positions (current ghosts). Where @p receive_alone is given it is
+     * called with the number of each load and its own loads, whose owned values are complete.
+     * Collective. */
+    void compute_loads(const NodalState &state, double time, const NodalVector &positions,
                        NodalVector &loads, std::vector<LoadSum> &sums, const NodalVector &body_mass,
                        const std::function<void(unsigned int condition, const NodalVector &loads)>
-                           &take_alone = {}) const;
+                           &receive_alone = {}) const;
 
     /** Sets the constrained components of the acceleration to (v_p - v̂)/Δt_n, where v_p is the
      * prescribed velocity of the coming interval, from @p time to @p time + @p position_time_step.
-     * For a displacement v_p reaches the prescribed place at its end. */
+     * For a displacement v_p reaches the prescribed position at its end. */
     void prescribe_acceleration(NodalState &state, double time, double velocity_time_step,
                                 double position_time_step) const;
 
@@ -192,7 +192,7 @@ namespace tombolo
      * Collective. */
     void prescribe_initial_velocity(NodalState &state, double time, double interval) const;
 
-    /** Owned nodes with prescribed components (global numbers); known from the beginning. */
+    /** Owned nodes with prescribed components (global numbers); fixed from the beginning. */
     dealii::IndexSet prescribed_nodes() const;
 
     /** A component of an owned node that two conditions prescribe; the later one acts. */
@@ -216,31 +216,31 @@ namespace tombolo
     using Base::constraints;
 
     void add_surface_forces(unsigned int c, const NodalState &state, double time,
-                            const NodalVector &places, NodalVector &loads, LoadSum &sum,
+                            const NodalVector &positions, NodalVector &loads, LoadSum &sum,
                             NodalVector *alone) const;
     void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
-                         const NodalVector &mass, double time, const NodalVector &places,
+                         const NodalVector &mass, double time, const NodalVector &positions,
                          NodalVector &loads, LoadSum &sum, NodalVector *alone) const;
     /** Sets the prescribed components of a vector: value(condition, node, component, direction),
      * where the last is null for an axis of the coordinates. */
     template <typename Value>
     void prescribe(NodalVector &vector, const Value &value) const;
     using NodeRows = std::map<dealii::types::global_dof_index, std::vector<PrescribedRow<dim>>>;
-    /** Takes over the rows of nodes with local axes or times. */
+    /** Sets the rows of nodes with local axes or times. */
     void set_rows(NodeRows rows);
     void find_frames();
 
-    /** What prescribes the motion of a node where that is not the same as by its constraint. */
+    /** The prescribed motion of a node where that differs from its constraint. */
     struct Combination
     {
       std::size_t constraint;
       PrescribedFrame<dim> frame;
     };
 
-    mutable NodalVector loads_alone; ///< of one condition; only where they are asked for
+    mutable NodalVector loads_alone; ///< of one condition; only where they are requested
     std::vector<Overlap> overlapping;
     std::vector<bool> acting; ///< by condition
-    /** With the places of their constraints, ascending. */
+    /** With the indices of their constraints, ascending. */
     std::vector<std::pair<std::size_t, std::vector<PrescribedRow<dim>>>> rows_of_nodes;
     std::vector<Combination> combinations; ///< ascending
     ObliqueNodes oblique;

@@ -28,9 +28,9 @@ namespace tombolo
   };
 
   /**
-   * What several conditions prescribe of one node: an orthonormal frame with some prescribed axes.
-   * An axis of the coordinates that is prescribed is one of the frame, and where one
-   * condition prescribes all of the motion, the frame is that of the coordinates.
+   * The motion of one node prescribed by several conditions: an orthonormal frame with some
+   * prescribed axes. An axis of the coordinates that is prescribed is one of the frame, and where
+   * one condition prescribes all of the motion, the frame is that of the coordinates.
    */
   template <int dim>
   struct PrescribedFrame
@@ -64,13 +64,13 @@ namespace tombolo
       {
         if (condition[k] < 0)
           continue;
-        const double wanted = weights[k] * values;
+        const double target = weights[k] * values;
         if (!is_turned[k])
         {
-          vector[k] = wanted;
+          vector[k] = target;
           continue;
         }
-        double change = wanted;
+        double change = target;
         for (unsigned int d = 0; d < dim; ++d)
           change -= axes[k][d] * vector[d];
         for (unsigned int d = 0; d < dim; ++d)
@@ -104,7 +104,7 @@ namespace tombolo
         spanned.push_back(rest / rest.norm());
         rows.push_back(row);
       }
-      // Axes of the coordinates are taken as they are, others normal to them.
+      // Axes of the coordinates are used as they are, others normal to them.
       std::stable_sort(rows.begin(), rows.end(),
                        [](const auto &a, const auto &b)
                        { return axis_along(a.direction) < axis_along(b.direction); });
@@ -128,12 +128,12 @@ namespace tombolo
       {
         dealii::Tensor<1, dim> rest = rows[r].direction, value;
         value[r] = 1.;
-        unsigned int place = axis_along(rest);
-        if (place < dim)
+        unsigned int component = axis_along(rest);
+        if (component < dim)
         {
-          value[r] = rest[place];
+          value[r] = rest[component];
           rest = dealii::Tensor<1, dim>();
-          rest[place] = 1.;
+          rest[component] = 1.;
         }
         else
         {
@@ -147,13 +147,14 @@ namespace tombolo
           value /= rest.norm();
           rest /= rest.norm();
           for (unsigned int k = 0; k < dim; ++k)
-            if (condition[k] < 0 && (place == dim || std::abs(rest[k]) > std::abs(rest[place])))
-              place = k;
-          is_turned[place] = true;
+            if (condition[k] < 0 &&
+                (component == dim || std::abs(rest[k]) > std::abs(rest[component])))
+              component = k;
+          is_turned[component] = true;
         }
-        axes[place] = rest;
-        weights[place] = value;
-        condition[place] = rows[r].condition;
+        axes[component] = rest;
+        weights[component] = value;
+        condition[component] = rows[r].condition;
       }
       complete();
     }
@@ -190,9 +191,9 @@ namespace tombolo
   class Entries;
 
   /**
-   * The axes along which the components of a condition are: those of the coordinates, fixed other
-   * ones, or the radial, the circumferential and the axial direction about an axis at the initial
-   * position of a node.
+   * The axes along which the components of a condition are: those of the coordinates, other fixed
+   * directions, or the radial, the circumferential and the axial direction about an axis at the
+   * initial position of a node.
    */
   template <int dim>
   class LocalAxes
@@ -259,7 +260,7 @@ namespace tombolo
       return fixed || cylinder;
     }
 
-    bool depend_on_place() const
+    bool depend_on_position() const
     {
       return cylinder.has_value();
     }
@@ -270,7 +271,7 @@ namespace tombolo
       return !cylinder || radius(initial).norm() > 1e-9 * (initial - cylinder->centre).norm();
     }
 
-    /** The axes at a place where they are defined, by rows: orthonormal. */
+    /** The axes at a position where they are defined, by rows: orthonormal. */
     dealii::Tensor<2, dim> at(const dealii::Point<dim> &initial) const
     {
       dealii::Tensor<2, dim> result;

@@ -27,12 +27,12 @@ namespace tombolo
   /** Where a condition acts: the entries `Where`, a predicate of the initial position, and
    * `Boundary`, names of boundaries, of its section. If both are given both must hold. */
   template <int dim>
-  class Place
+  class Region
   {
   public:
-    /** Reads the two entries. Throws InputError if there is neither, unless the place @p
-     * may_be_everywhere. */
-    Place(const Section &section, const bool may_be_everywhere)
+    /** Reads the two entries. Throws InputError if there is neither, unless the region
+     * @p may_be_everywhere. */
+    Region(const Section &section, const bool may_be_everywhere)
     {
       const bool has_where = !section.get("Where").empty();
       const bool has_boundary = !section.get("Boundary").empty();
@@ -43,7 +43,7 @@ namespace tombolo
                          "`Boundary`, the name of a boundary.");
     }
 
-    /** Looks up the names of boundaries; to be called before all below. Throws InputError. */
+    /** Finds the boundaries by their names; to be called before all below. Throws InputError. */
     void find_boundaries(const Mesh<dim> &mesh, const Section &section)
     {
       if (section.is_set("Boundary"))

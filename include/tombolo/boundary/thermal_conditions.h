@@ -37,7 +37,7 @@ namespace tombolo
   /** Whether what enters depends on the temperature of the surface. */
   bool is_film(ThermalConditionType type);
 
-  /** Whether it gives heat to the surface. */
+  /** Whether heat enters through the surface. */
   bool crosses_surface(ThermalConditionType type);
 
   /** Whether it acts on faces of the boundary, not on nodes. */
@@ -46,20 +46,20 @@ namespace tombolo
   /** Whether both can be on one face. */
   bool are_compatible(ThermalConditionType a, ThermalConditionType b);
 
-  /** What enters the body through a surface. */
+  /** The heat that enters the body through a surface. */
   struct SurfaceHeat
   {
     double flux; ///< per area and time [M/T^3]
     double film; ///< the derivative of minus that by the temperature, not less than zero
   };
 
-  /** What one section "Condition: NAME" of heat says. */
+  /** The content of one section "Condition: NAME" of heat. */
   template <int dim>
   struct ThermalCondition
   {
     std::string name;
     ThermalConditionType type;
-    Place<dim> place;
+    Region<dim> region;
     std::optional<LimitedFunction<dim>> function;    ///< temperature, flux or source
     std::optional<LimitedFunction<dim>> coefficient; ///< film coefficient or emissivity
     std::optional<LimitedFunction<dim>> ambient;     ///< temperature
@@ -83,13 +83,13 @@ namespace tombolo
 
   /**
    * The thermal conditions of a scene, sections "Condition: NAME": temperature, heat flux,
-   * convection, radiation and adiabatic surfaces, and heat sources in the volume. Where is said by
-   * named boundaries or by a predicate of the initial position; functions are of the initial
+   * convection, radiation and adiabatic surfaces, and heat sources in the volume. Named boundaries
+   * or a predicate of the initial position select nodes and faces; functions are of the initial
    * position and of time.
    *
-   * A surface without a condition is adiabatic; the type `adiabatic` says so and refuses others
-   * there. Fluxes, convection and radiation add up on one face; one type twice, or a temperature
-   * or adiabatic together with another, is refused.
+   * A surface without a condition is adiabatic; the type `adiabatic` sets this and excludes others
+   * there. Fluxes, convection and radiation add up on one face; one type twice, or a temperature or
+   * adiabatic together with another, is refused.
    *
    * Heat crosses faces at their nodes: q_k s_k with s_k = ∫ N_k dA over the faces of the condition,
    * in their current positions, so that the total of a uniform flux is exact (eqs 32, 33).
@@ -140,10 +140,11 @@ namespace tombolo
 
     /** Adds the heat per unit time that enters through surfaces at @p time, with the temperature of
      * the surface in slot 0 of @p temperature (ghosts current), to slot 0 of @p heat_rate, ghosts
-     * too: the caller collects. Adds what each condition gives on this rank to @p of_condition. */
+     * too: the caller collects. Adds the heat of each condition on this rank to
+     * @p condition_rates. */
     void add_surface_heat(const NodalVector &initial_position, const NodalVector &temperature,
                           double time, NodalVector &heat_rate,
-                          std::vector<double> &of_condition) const;
+                          std::vector<double> &condition_rates) const;
 
     /** Adds the derivative of minus that by the temperature, not less than zero, times slot 0 of
      * @p field, to slot 0 of @p result, ghosts too: a linear, symmetric operator. */
@@ -151,9 +152,10 @@ namespace tombolo
                          double time, const NodalVector &field, NodalVector &result) const;
 
     /** Adds the heat per unit time of volumetric sources, Q times the @p initial_volume of owned
-     * nodes (scalar), to owned @p heat_rate (scalar), and to @p of_condition. */
+     * nodes (scalar), to owned @p heat_rate (scalar), and to @p condition_rates. */
     void add_sources(const NodalVector &initial_position, const NodalVector &initial_volume,
-                     double time, NodalVector &heat_rate, std::vector<double> &of_condition) const;
+                     double time, NodalVector &heat_rate,
+                     std::vector<double> &condition_rates) const;
 
     /** Sets slot 0 of @p temperature at constrained nodes to what is prescribed at @p time. */
     void prescribe(const NodalVector &initial_position, double time,
