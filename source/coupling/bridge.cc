@@ -26,7 +26,7 @@ namespace tombolo
                       const std::vector<std::vector<double>> &row_weights)
   {
     momentum_is_current = velocity_is_current = false;
-    loads.forget_rows();
+    loads.reset_rows();
     split.reinit(partition, {particle_parts, element_mass, constrained, weights, row_weights});
 
     if (settings.is_active)
@@ -66,7 +66,7 @@ namespace tombolo
   {
     momentum_is_current = false;
     momentum.set_zero();
-    // In the order of add_interpolated_motion(), whose sums a resumed run takes here.
+    // In the order of add_interpolated_motion(), whose sums a resumed run computes here.
     for (const MassSplit::ParticlePart &part : split.parts)
       if (part.is_smoothed)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
@@ -96,7 +96,7 @@ namespace tombolo
 
   void Bridge::apply_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
   {
-    velocity_is_current = false; // whoever asks may have changed it
+    velocity_is_current = false; // the caller may have changed it
     if (!settings.is_active || split.parts.empty())
     {
       smoothed.copy_from(unsmoothed);
@@ -132,11 +132,11 @@ namespace tombolo
     apply_paper_smoothing(second_scratch, smoothed);
   }
 
-  void Bridge::collect_affine_adjoint(const NodalVector &of_nodes)
+  void Bridge::collect_affine_adjoint(const NodalVector &nodal_values)
   {
     momentum_is_current = false;
     momentum.set_zero();
-    const NodalVector &field = split.field_over_row_sums(of_nodes);
+    const NodalVector &field = split.field_over_row_sums(nodal_values);
     split.add_own_momentum(field, momentum);
     for (const MassSplit::ParticlePart &part : split.parts)
       if (part.is_smoothed)

@@ -16,7 +16,7 @@ namespace tombolo
       return ((particle.components >> c) & 1u) != 0;
     }
 
-    /** Adds to @p moment what component @p e of a force with component @p d of its arm gives. */
+    /** Adds to @p moment the product of component @p e of a force and component @p d of its arm. */
     void add_product(const unsigned int d, const unsigned int e, const double product,
                      std::array<double, 3> &moment)
     {
@@ -29,25 +29,25 @@ namespace tombolo
   void ConstrainedParticles::reinit(const std::vector<std::uint8_t> &constrained)
   {
     const auto &partition = split.total_mass.partition();
-    const std::vector<ConstrainedParticle> before = std::exchange(of_rank, {});
-    auto known = before.begin();
+    const std::vector<ConstrainedParticle> before = std::exchange(rank_particles, {});
+    auto former = before.begin();
     if (!constrained.empty())
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         if (constrained[i] != 0 && split.n_particle_parts[i] > 0)
         {
-          ConstrainedParticle &particle = of_rank.emplace_back();
+          ConstrainedParticle &particle = rank_particles.emplace_back();
           particle.node = i;
           particle.components = constrained[i];
-          known = std::find_if(known, before.end(),
-                               [&](const ConstrainedParticle &other) { return other.node >= i; });
-          if (known != before.end() && known->node == i)
+          former = std::find_if(former, before.end(),
+                                [&](const ConstrainedParticle &other) { return other.node >= i; });
+          if (former != before.end() && former->node == i)
           {
-            particle.reactions = known->reactions;
-            particle.offset = known->offset;
+            particle.reactions = former->reactions;
+            particle.offset = former->offset;
           }
         }
     find_mixed_rows();
-    std::vector<int> are{of_rank.empty() ? 0 : 1, mixed_rows.empty() ? 0 : 1};
+    std::vector<int> are{rank_particles.empty() ? 0 : 1, mixed_rows.empty() ? 0 : 1};
     Utilities::MPI::max(are, partition->communicator(), are);
     are_anywhere = are[0] == 1;
     are_mixed_anywhere = are[1] == 1;
@@ -57,24 +57,24 @@ namespace tombolo
   {
     constexpr std::uint8_t all = 7;
     mixed_rows.clear();
-    if (of_rank.empty())
+    if (rank_particles.empty())
       return;
     for (std::size_t p = 0; p < split.parts.size(); ++p)
       for (unsigned int row = 0;
            split.parts[p].is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
       {
         const unsigned int node = split.parts[p].shape->particle_node[row];
-        const auto found = std::lower_bound(of_rank.begin(), of_rank.end(), node,
+        const auto found = std::lower_bound(rank_particles.begin(), rank_particles.end(), node,
                                             [](const ConstrainedParticle &particle,
                                                const unsigned int i) { return particle.node < i; });
-        if (found != of_rank.end() && found->node == node && found->components != all)
-          mixed_rows.push_back({p, row, std::size_t(found - of_rank.begin())});
+        if (found != rank_particles.end() && found->node == node && found->components != all)
+          mixed_rows.push_back({p, row, std::size_t(found - rank_particles.begin())});
       }
   }
 
   void ConstrainedParticles::move(const double time_step, const NodalVector &velocity)
   {
-    for (ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : rank_particles)
       for (unsigned int c = 0; c < 3; ++c)
         if (is_prescribed(particle, c))
           particle.offset[c] +=
@@ -95,7 +95,7 @@ namespace tombolo
   {
     if (are_mixed_anywhere)
       state.unsmoothed_position.update_ghosts();
-    for (ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : rank_particles)
     {
       particle.moments = {};
       const std::array<double, 3> a = acceleration_over_rows(state, particle.node);
@@ -112,7 +112,7 @@ namespace tombolo
   void ConstrainedParticles::add_moments(const NodalState &state, const MixedRow &mixed)
   {
     const MassSplit::ParticlePart &part = split.parts[mixed.part];
-    ConstrainedParticle &particle = of_rank[mixed.particle];
+    ConstrainedParticle &particle = rank_particles[mixed.particle];
     const Stencils::Row row = part.shape->row(mixed.row);
     const NodalVector &x_hat = state.unsmoothed_position, &x = state.position,
                       &reference = part.shape->reference_position;
@@ -124,10 +124,11 @@ namespace tombolo
           slope[d][f] += (x_hat.node(row.neighbour[k])[d] - own[d]) *
                          row.gradient[k * Stencils::n_gradient + f];
     double product[3][3]; // of arms and accelerations
-    const std::array<double, 3> of_particle = acceleration_over_rows(state, particle.node);
+    const std::array<double, 3> particle_acceleration =
+        acceleration_over_rows(state, particle.node);
     for (unsigned int d = 0; d < 3; ++d)
       for (unsigned int e = 0; e < 3; ++e)
-        product[d][e] = (own[d] - x.node(particle.node)[d]) * of_particle[e];
+        product[d][e] = (own[d] - x.node(particle.node)[d]) * particle_acceleration[e];
     for (unsigned int k = 0; k < row.size; ++k)
     {
       const unsigned int node = row.neighbour[k];
@@ -155,7 +156,7 @@ namespace tombolo
 
   void ConstrainedParticles::keep_velocity(const NodalVector &unsmoothed, NodalVector &smoothed)
   {
-    for (ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : rank_particles)
     {
       double *const velocity = smoothed.node(particle.node);
       for (unsigned int c = 0; c < 3; ++c)
@@ -173,7 +174,7 @@ namespace tombolo
                                      const NodalVector &v_hat, const NodalVector &position,
                                      const double time_step)
   {
-    for (ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : rank_particles)
     {
       const double *const x = position.node(particle.node);
       std::array<double, 3> impulse{};
@@ -181,13 +182,13 @@ namespace tombolo
         if (is_prescribed(particle, c))
         {
           double &changed = rate.node(particle.node)[c];
-          const double wanted = prescribed.node(particle.node)[c];
+          const double target = prescribed.node(particle.node)[c];
           impulse[c] =
-              *split.unsmoothed_mass().node(particle.node) * time_step * (wanted - changed);
+              *split.unsmoothed_mass().node(particle.node) * time_step * (target - changed);
           const double work =
-              impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
+              impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * target);
           reaction.work += work;
-          changed = wanted;
+          changed = target;
           particle.reactions[c].add(c, impulse[c], x, work);
         }
       for (unsigned int c = 0; c < 3; ++c)
@@ -199,17 +200,17 @@ namespace tombolo
   double ConstrainedParticles::remove_from(NodalVector &change, const NodalState &state)
   {
     double work = 0;
-    for (ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : rank_particles)
       for (unsigned int c = 0; c < 3; ++c)
         if (is_prescribed(particle, c))
         {
           const double impulse =
               *split.unsmoothed_mass().node(particle.node) * change.node(particle.node)[c];
-          const double of_impulse = impulse * state.unsmoothed_velocity.node(particle.node)[c];
+          const double impulse_work = impulse * state.unsmoothed_velocity.node(particle.node)[c];
           const double *const x = state.position_of_unsmoothed().node(particle.node);
-          reaction.add(c, impulse, x, of_impulse);
-          particle.reactions[c].add(c, impulse, x, of_impulse);
-          work += of_impulse;
+          reaction.add(c, impulse, x, impulse_work);
+          particle.reactions[c].add(c, impulse, x, impulse_work);
+          work += impulse_work;
           change.node(particle.node)[c] = 0.;
         }
     return work;

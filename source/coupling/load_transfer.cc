@@ -59,13 +59,11 @@ namespace tombolo
 
   namespace
   {
-    /** Where a load at particle @p row acts, of the field @p position. */
-    NodeLanes place_of_row(const Stencils &shape, const unsigned int row,
-                           const NodalVector &position)
+    /** The @p field where a load at particle @p row acts. */
+    NodeLanes field_at_row(const Stencils &shape, const unsigned int row, const NodalVector &field)
     {
-      return shape.is_lumped
-                 ? load_node(position.node(shape.particle_node[row]))
-                 : NodalSmoothing::gather_row(shape.row_of_values(row), position.data());
+      return shape.is_lumped ? load_node(field.node(shape.particle_node[row]))
+                             : NodalSmoothing::gather_row(shape.row_of_values(row), field.data());
     }
 
     /** Adds the force of @p load at particle @p row. */
@@ -89,7 +87,7 @@ namespace tombolo
       for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
       {
         double *const target = result.node(part.shape->particle_node[row]);
-        store_node(load_node(target) + place_of_row(*part.shape, row, field) *
+        store_node(load_node(target) + field_at_row(*part.shape, row, field) *
                                            load_node(part.smoothed_fraction.data() +
                                                      std::size_t(row) * node_stride),
                    target);
@@ -169,7 +167,7 @@ namespace tombolo
       for (std::size_t p = 0; p < split.parts.size(); ++p)
         if (const unsigned int row = row_of_node[p][node]; row != is_nowhere)
           sum +=
-              place_of_row(*split.parts[p].shape, row, field) *
+              field_at_row(*split.parts[p].shape, row, field) *
               load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
       store_node(sum, result.node(node));
     }

@@ -21,7 +21,7 @@ namespace tombolo
         is_trace(is_trace), is_of_motion(is_of_motion)
   {}
 
-  double MassSplit::Masses::of_row(const std::size_t part, const unsigned int row) const
+  double MassSplit::Masses::mass_of_row(const std::size_t part, const unsigned int row) const
   {
     const double mass = (weights.empty() ? 1. : weights[part]) * particle_parts[part]->mass[row];
     return row_weights.empty() || row_weights[part].empty() ? mass : row_weights[part][row] * mass;
@@ -76,7 +76,7 @@ namespace tombolo
     for (std::size_t p = 0; p < parts.size(); ++p)
       for (unsigned int row = 0; row < parts[p].shape->n_particles(); ++row)
       {
-        *total_mass.node(parts[p].shape->particle_node[row]) += masses.of_row(p, row);
+        *total_mass.node(parts[p].shape->particle_node[row]) += masses.mass_of_row(p, row);
         n_particle_parts[parts[p].shape->particle_node[row]] += parts[p].is_smoothed ? 1 : 0;
       }
     shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
@@ -97,12 +97,12 @@ namespace tombolo
       for (unsigned int row = 0; row < n_rows; ++row)
       {
         const unsigned int node = part.shape->particle_node[row];
-        const double of_elements = *masses.element_mass.node(node);
-        if (of_elements > 0)
+        const double element_mass = *masses.element_mass.node(node);
+        if (element_mass > 0)
           part.element_rows.push_back(row);
-        double smoothed = part.is_smoothed ? masses.of_row(p, row) : 0.;
+        double smoothed = part.is_smoothed ? masses.mass_of_row(p, row) : 0.;
         if (is_trace && part.is_smoothed)
-          smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
+          smoothed *= *total_mass.node(node) / (*total_mass.node(node) - element_mass);
         if (has_lumped_rows)
           std::fill_n(part.row_mass.begin() + std::ptrdiff_t(row) * node_stride, node_stride,
                       smoothed);
@@ -126,22 +126,22 @@ namespace tombolo
     own_fraction.resize(0);
     for (unsigned int i = 0; i < total_mass.partition()->n_owned(); ++i)
     {
-      double *const of_node = own.data() + static_cast<std::size_t>(i) * node_stride;
+      double *const node_mass = own.data() + static_cast<std::size_t>(i) * node_stride;
       bool has_own = false;
       for (unsigned int c = 0; c < node_stride; ++c)
       {
         // Round-off of the subtraction is not mass.
-        if (std::abs(of_node[c]) < 1e-13 * *total_mass.node(i))
-          of_node[c] = 0.;
-        has_own = has_own || of_node[c] != 0.;
+        if (std::abs(node_mass[c]) < 1e-13 * *total_mass.node(i))
+          node_mass[c] = 0.;
+        has_own = has_own || node_mass[c] != 0.;
       }
       if (!has_own)
         continue;
       own_nodes.push_back(i);
       for (unsigned int c = 0; c < node_stride; ++c)
       {
-        own_mass.push_back(of_node[c]);
-        own_fraction.push_back(of_node[c] / *total_mass.node(i));
+        own_mass.push_back(node_mass[c]);
+        own_fraction.push_back(node_mass[c] / *total_mass.node(i));
       }
     }
   }
@@ -178,7 +178,7 @@ namespace tombolo
       result[own_nodes[k]] =
           n_particle_parts[own_nodes[k]] == 0 &&
           std::all_of(fraction, fraction + 3,
-                      [](const double of_component) { return of_component == 1.; });
+                      [](const double component_fraction) { return component_fraction == 1.; });
     }
     return result;
   }
@@ -375,12 +375,12 @@ namespace tombolo
     for (ParticlePart &part : parts)
       for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
       {
-        const Stencils::Row of_row = part.shape->row(row);
-        bool takes_mass = false;
-        for (unsigned int k = 0; k < of_row.size; ++k)
-          takes_mass =
-              takes_mass || (of_row.value[k] < 0. && *is_light.node(of_row.neighbour[k]) > 0.);
-        if (!takes_mass)
+        const Stencils::Row stencil = part.shape->row(row);
+        bool reduces_mass = false;
+        for (unsigned int k = 0; k < stencil.size; ++k)
+          reduces_mass =
+              reduces_mass || (stencil.value[k] < 0. && *is_light.node(stencil.neighbour[k]) > 0.);
+        if (!reduces_mass)
           continue;
         part.shape->remove_negative_values(row);
         has_changed = true;

@@ -10,7 +10,7 @@ namespace tombolo
 {
   namespace
   {
-    /** Puts prescribed components of these nodes to zero. */
+    /** Sets prescribed components of these nodes to zero. */
     void clear_prescribed(const std::vector<std::uint8_t> &constrained, const ObliqueNodes &oblique,
                           const std::vector<unsigned int> &nodes, NodalVector &vector)
     {
@@ -85,14 +85,14 @@ namespace tombolo
       for (unsigned int row = 0;
            split.parts[p].is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
       {
-        const Stencils::Row of_row = split.parts[p].shape->row(row);
-        const unsigned int *const end = of_row.neighbour + of_row.size;
-        if (std::none_of(of_row.neighbour, end,
+        const Stencils::Row stencil = split.parts[p].shape->row(row);
+        const unsigned int *const end = stencil.neighbour + stencil.size;
+        if (std::none_of(stencil.neighbour, end,
                          [&](const unsigned int node) { return *mark.node(node) != 0.; }))
           continue;
         rows[p].push_back(row);
         reached.push_back(split.parts[p].shape->particle_node[row]);
-        reached.insert(reached.end(), of_row.neighbour, end);
+        reached.insert(reached.end(), stencil.neighbour, end);
       }
     find_touched_nodes(reached);
   }

@@ -25,16 +25,16 @@ namespace tombolo
    * @endverbatim
    *
    * S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, for every split. Lumped rows have other masses
-   * m and m̂, see MassSplit. The own part is the mass of
-   * elements (eqs 48-50, 54-56), and all the mass in prescribed components, whose rows of Φ are
-   * unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and elements
-   * see the velocity field of the particles there. At a node without particles, S = Φ = I.
+   * m and m̂, see MassSplit. The own part is the mass of elements (eqs 48-50, 54-56), and all the
+   * mass in prescribed components, whose rows of Φ are unit rows. With the trace bridge the element
+   * mass of shared nodes is smoothed too, and elements have the velocity field of the particles
+   * there. At a node without particles, S = Φ = I.
    *
-   * Affine smoothing takes gradients and offsets in the kernel's reference: S is constant between
-   * renewals and S X = X, so that positions x = S x̂ have the velocity v = S v̂, of which strains are
-   * made: what an oscillation of v̂ does not move it does not strain either, and the work of the
-   * nodal forces on v is that on the positions. Linear momentum and, about x̂, angular momentum are
-   * conserved, since Sᵀ takes f · 1 and f × x to v̂; a rigid spin makes no strain.
+   * Affine smoothing uses gradients and offsets in the kernel's reference: S is constant between
+   * renewals and S X = X, so that positions x = S x̂ have the velocity v = S v̂, of which strains
+   * are made: what an oscillation of v̂ does not move it does not strain either, and the work of
+   * the nodal forces on v is that on the positions. Linear momentum and, about x̂, angular momentum
+   * are conserved, since Sᵀ transfers f · 1 and f × x to v̂; a rigid spin makes no strain.
    *
    * With planes of symmetry, rows belong to particles and reach into their images, and what they
    * scatter to these is reflected back: S and Φ are those of the whole body on symmetric fields,
@@ -45,14 +45,13 @@ namespace tombolo
   class Bridge
   {
   public:
-    /** What is smoothed is a vector, or up to node_stride scalars.
-     */
+    /** The smoothed field is a vector, or up to node_stride scalars. */
     Bridge(const SmoothingSettings &smoothing, bool trace, Quantity quantity = Quantity::vector);
     ~Bridge();
 
-    /** Says of each particle part that reinit() will be given whether it is smoothed, before the
-     * first one. The mass of others is their nodes' own, as that of elements is: S and Φ stay
-     * adjoint, and are the identity at nodes of such parts alone. By default all are. */
+    /** Sets which particle parts of reinit() are smoothed, before its first call. The mass of
+     * others is their nodes' own, as that of elements is: S and Φ stay adjoint, and are the
+     * identity at nodes of such parts alone. By default all are. */
     void set_smoothed_parts(const std::vector<bool> &are_smoothed)
     {
       split.set_smoothed_parts(are_smoothed);
@@ -76,7 +75,7 @@ namespace tombolo
      * move_with_smoothed_velocity(). */
     void smooth_velocity(NodalState &state);
 
-    /** What S and Φ are. */
+    /** The kinds of S and Φ. */
     enum class Operators
     {
       identity,      ///< no particles, or none that are smoothed: S = Φ = I
@@ -94,8 +93,8 @@ namespace tombolo
                                  NodalVector &position);
 
     /** M̂ dv̂/dt at owned nodes for affine smoothing, the adjoint of S times M a, with prescribed
-     * components kept; what that takes over @p time_step is in take_constraint_reaction(). Valid
-     * until the next operation. Collective. */
+     * components kept; the reaction over @p time_step is in take_constraint_reaction(). Valid until
+     * the next operation. Collective. */
     const NodalVector &momentum_rate(const NodalState &state, double time_step);
 
     /** The same as a rate of v̂, Φ_γ a, for every smoothing. Collective. */
@@ -113,20 +112,20 @@ namespace tombolo
      * these, which goes to take_constraint_reaction() as well. Collective. */
     double remove_from_velocity(NodalVector &change, NodalState &state);
 
-    /** What momentum_rate(), velocity_rate() and remove_from_velocity() did to keep prescribed
-     * components, since the last call. */
+    /** The reaction of prescribed components to momentum_rate(), velocity_rate() and
+     * remove_from_velocity() since the last call. */
     ConstraintReaction take_constraint_reaction()
     {
-      return constrained_particles.take_reaction();
+      return constrained_particles.extract_reaction();
     }
 
-    /** Brings the nodal mass up to date after shape functions changed their values or lost
-     * neighbours, at the same particles and partition. Throws RunError where it cannot be made
-     * positive. Collective. */
+    /** Updates the nodal mass after shape functions changed their values or lost neighbours, at the
+     * same particles and partition. Throws RunError where it cannot be made positive.
+     * Collective. */
     void update_nodal_mass();
 
-    /** Whether rows lost negative values since the last call. Other users of the rows must then
-     * take the new ones. */
+    /** Whether rows lost negative values since the last call. Other users of the rows must then use
+     * the new ones. */
     bool take_change_of_rows()
     {
       return split.take_change_of_rows();
@@ -144,13 +143,13 @@ namespace tombolo
       return constrained_particles.particles();
     }
 
-    /** What keeps them. */
+    /** The operator that keeps their components. */
     ConstrainedParticles &get_constrained_particles()
     {
       return constrained_particles;
     }
 
-    /** The velocity that elements see: v, except for the trace bridge at shared nodes. */
+    /** The velocity of elements: v, except for the trace bridge at shared nodes. */
     const NodalVector &element_velocity(const NodalVector &velocity)
     {
       return trace ? trace_transfer.field_of_particles(velocity) : velocity;
@@ -171,8 +170,8 @@ namespace tombolo
     void apply_interpolation(const NodalVector &field, NodalVector &result); ///< Φ = M̂⁻¹ Wᵀ
     void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
 
-    /** m of eqs (11), (21), (49), by component. One at nodes whose m̂ is zero: none of the operators
-     * moves them or takes anything from them. */
+    /** m of eqs (11), (21), (49), by component. One at nodes whose m̂ is zero: no operator acts on
+     * them. */
     const NodalVector &nodal_mass() const
     {
       return split.nodal_mass;
@@ -217,8 +216,9 @@ namespace tombolo
     double short_wave_share(const NodalVector &unsmoothed);
 
   private:
-    /** momentum := M times the adjoint of the affine smoothing of @p of_nodes, at owned nodes. */
-    void collect_affine_adjoint(const NodalVector &of_nodes);
+    /** momentum := M times the adjoint of the affine smoothing of @p nodal_values, at owned
+     * nodes. */
+    void collect_affine_adjoint(const NodalVector &nodal_values);
     void momentum_to_velocity(NodalVector &velocity);
 
     SmoothingSettings settings;

@@ -13,8 +13,8 @@
 
 namespace tombolo
 {
-  /** Work and impulse of the reaction that smoothing, and what is taken from v̂, meet at prescribed
-   * components of particles, beyond that of m a - F; sums over this rank. */
+  /** Work and impulse of the reaction at prescribed components of particles to smoothing and to
+   * what is removed from v̂, beyond that of m a - F; sums over this rank. */
   struct ConstraintReaction
   {
     double work = 0;                         ///< [M L^2/T^2]
@@ -22,13 +22,13 @@ namespace tombolo
     std::array<double, 3> angular_impulse{}; ///< [M L^2/T]
 
     /** Adds an impulse along component @p c at @p position (three components) and its work. */
-    void add(const unsigned int c, const double of_component, const double *position,
-             const double of_work)
+    void add(const unsigned int c, const double component_impulse, const double *position,
+             const double component_work)
     {
       std::array<double, 3> added{};
-      added[c] = of_component;
-      work += of_work;
-      impulse[c] += of_component;
+      added[c] = component_impulse;
+      work += component_work;
+      impulse[c] += component_impulse;
       add_moment(position, added.data(), angular_impulse);
     }
   };
@@ -44,13 +44,13 @@ namespace tombolo
     std::array<double, 3> offset{};
     /** Of each prescribed component, see ConstrainedParticles::find_moments() [M L^2/T^2]. */
     std::array<std::array<double, 3>, 3> moments{};
-    /** Of each prescribed component since the last ConstrainedParticles::take_reaction(). */
+    /** Of each prescribed component since the last ConstrainedParticles::extract_reaction(). */
     std::array<ConstraintReaction, 3> reactions{};
   };
 
   /**
    * Keeps prescribed components of smoothed particles through the operators of the Bridge, and
-   * books what that takes. The rows of Φ of these components are unit rows, but S mixes in what is
+   * records the reactions. The rows of Φ of these components are unit rows, but S mixes in what is
    * near, and the adjoints of the affine and of the sharpened S change them through gradients and
    * T. Holds owned nodes.
    */
@@ -60,12 +60,12 @@ namespace tombolo
     /** @p split must outlive this. */
     explicit ConstrainedParticles(const MassSplit &split);
 
-    /** Finds them; @p constrained as in Bridge::reinit(). What is known of the same nodes, owned
-     * ones, stays. Collective. */
+    /** Finds them; @p constrained as in Bridge::reinit(). Data of nodes that were constrained
+     * before stay. Collective. */
     void reinit(const std::vector<std::uint8_t> &constrained);
 
-    /** Puts prescribed components of @p smoothed to those of @p unsmoothed, and brings its ghosts
-     * up to date. Collective. */
+    /** Sets prescribed components of @p smoothed to those of @p unsmoothed, and updates its ghosts.
+     * Collective. */
     void keep_velocity(const NodalVector &unsmoothed, NodalVector &smoothed);
 
     /** Sets @p rate of v̂ to @p prescribed at prescribed components, and adds what the difference
@@ -73,7 +73,7 @@ namespace tombolo
     void restore(NodalVector &rate, const NodalVector &prescribed, const NodalVector &v_hat,
                  const NodalVector &position, double time_step);
 
-    /** x and x̂ go on with v and v̂ for @p time_step; @p velocity as keep_velocity() left it. */
+    /** Moves x and x̂ with v and v̂ for @p time_step; @p velocity as keep_velocity() left it. */
     void move(double time_step, const NodalVector &velocity);
 
     /**
@@ -93,29 +93,29 @@ namespace tombolo
      */
     void find_moments(NodalState &state);
 
-    /** Puts prescribed components of @p change, which is taken from v̂, to zero, and adds the
+    /** Sets prescribed components of @p change, which is removed from v̂, to zero, and adds the
      * impulse that keeps them, and its work on v̂, to the reaction. Returns this work, the share of
      * this rank [M L^2/T^2]. */
     double remove_from(NodalVector &change, const NodalState &state);
 
-    /** What restore() and remove_from() did since the last call, all particles together; theirs are
-     * zero from now on. */
-    ConstraintReaction take_reaction()
+    /** The reaction of all particles to restore() and remove_from() since the last call; resets it
+     * to zero. */
+    ConstraintReaction extract_reaction()
     {
-      for (ConstrainedParticle &particle : of_rank)
+      for (ConstrainedParticle &particle : rank_particles)
         particle.reactions = {};
       return std::exchange(reaction, {});
     }
 
     const std::vector<ConstrainedParticle> &particles() const
     {
-      return of_rank;
+      return rank_particles;
     }
 
-    /** The same, to read what a checkpoint has of them. */
+    /** The same, to read them from a checkpoint. */
     std::vector<ConstrainedParticle> &particles()
     {
-      return of_rank;
+      return rank_particles;
     }
 
   private:
@@ -124,7 +124,7 @@ namespace tombolo
     {
       std::size_t part;
       unsigned int row;
-      std::size_t particle; ///< in of_rank
+      std::size_t particle; ///< in rank_particles
     };
 
     void find_mixed_rows();
@@ -133,7 +133,7 @@ namespace tombolo
     void add_moments(const NodalState &state, const MixedRow &mixed);
 
     const MassSplit &split;
-    std::vector<ConstrainedParticle> of_rank;
+    std::vector<ConstrainedParticle> rank_particles;
     std::vector<MixedRow> mixed_rows;
     bool are_anywhere = false, are_mixed_anywhere = false; // on any rank
     ConstraintReaction reaction;

@@ -7,7 +7,7 @@
 
 namespace tombolo
 {
-  /** The trace bridge: elements see the field of the particles at shared nodes, and their forces
+  /** The trace bridge: elements have the field of the particles at shared nodes, and their forces
    * there return by the transpose. */
   class TraceTransfer
   {
@@ -30,14 +30,14 @@ namespace tombolo
 
   /** Nodal forces of loads. Tractions and body forces act at the field of the nodal parameters, Φ
    * x, and enter by Φᵀ: without it a load that begins at once would leave a mode behind in the
-   * outermost layers of particles, where no wave takes it away. Where rows are lumped they act at
-   * the nodes. Forces that depend on the positions of nodes, of contact, act where these are: at Φ
-   * v with smoothings whose positions move with it, and at the nodes themselves where positions
-   * move with the nodal velocity. */
+   * outermost layers of particles, where no wave removes it. Where rows are lumped they act at the
+   * nodes. Forces that depend on the positions of nodes, of contact, act where these are: at Φ v
+   * with smoothings whose positions move with it, and at the nodes themselves where positions move
+   * with the nodal velocity. */
   class LoadTransfer
   {
   public:
-    /** @p split must outlive this; @p direct says that positions move with the nodal velocities. */
+    /** @p split must outlive this; @p direct: positions move with the nodal velocities. */
     LoadTransfer(const MassSplit &split, bool direct);
 
     /** Whether loads of some particles act at the nodes, since their rows are lumped. */
@@ -46,8 +46,8 @@ namespace tombolo
       return split.has_lumped_rows;
     }
 
-    /** To be called when the split is another one. */
-    void forget_rows()
+    /** To be called when the split has changed. */
+    void reset_rows()
     {
       position_in_own.clear();
     }
@@ -56,14 +56,14 @@ namespace tombolo
     void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
                             NodalVector &force);
 
-    /** Where these act, Φ @p position: their moments are those of the nodal forces. @p position has
-     * current ghosts; @p result becomes the same at other nodes, and has current ghosts.
-     * Collective. */
-    void places_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &position,
+    /** Φ @p field at these nodes: of positions, the points where the loads act, with the moments of
+     * the nodal forces. @p field has current ghosts; @p result is the same at other nodes, and has
+     * current ghosts. Collective. */
+    void places_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &field,
                          NodalVector &result)
     {
-      result.copy_from(position);
-      interpolate_rows(nodes, position, result);
+      result.copy_from(field);
+      interpolate_rows(nodes, field, result);
       result.distribute();
     }
 
@@ -89,7 +89,7 @@ namespace tombolo
 
     const MassSplit &split;
     bool direct;
-    // By owned node; made when asked for.
+    // By owned node; made when needed.
     std::vector<unsigned int> position_in_own;
     std::vector<std::vector<unsigned int>> row_of_node; // by part
   };

@@ -52,7 +52,7 @@ namespace tombolo
       const std::vector<std::vector<double>> &row_weights;
 
       /** m̂ of a row [M]. */
-      double of_row(std::size_t part, unsigned int row) const;
+      double mass_of_row(std::size_t part, unsigned int row) const;
     };
 
     /** Without @p smoothing all mass is own. Of capacities @p is_of_motion is false: they stay in
@@ -83,7 +83,8 @@ namespace tombolo
     {
       return has_lumped_rows ? adjoint_mass : total_mass;
     }
-    /** What body forces act on, scalar [M]: m before its smoothing, if that spreads loads, too. */
+    /** The mass that body forces act on, scalar [M]: m before its smoothing, if that spreads loads,
+     * too. */
     const NodalVector &loaded_mass() const
     {
       return has_lumped_rows ? body_mass : total_mass;
@@ -130,10 +131,10 @@ namespace tombolo
   private:
     void sum_total_mass(const std::shared_ptr<const NodePartition> &partition,
                         const Masses &masses);
-    /** Splits the masses of the rows; takes what is smoothed from @p own. */
+    /** Splits the masses of the rows; subtracts what is smoothed from @p own. */
     void split_rows(const Masses &masses, std::vector<double> &own);
     void collect_own_nodes(std::vector<double> &own);
-    /** Puts the fractions of components across planes of symmetry at nodes on them to zero: nothing
+    /** Sets the fractions of components across planes of symmetry at nodes on them to zero: nothing
      * moves there, also by round-off, which a step and its repetition after a checkpoint would not
      * have alike. */
     void clear_fractions_on_planes();

@@ -43,7 +43,7 @@ namespace tombolo
     void predict(const NodalState &state, const Clock &clock,
                  const std::vector<unsigned int> &nodes, NodalVector &predicted);
 
-    /** Sets the owned nodes, ascending, at which forces act and responses are asked for.
+    /** Sets the owned nodes, ascending, at which forces act and responses are needed.
      * Collective. */
     void set_nodes(const std::vector<unsigned int> &nodes);
 
