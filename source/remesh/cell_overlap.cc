@@ -80,8 +80,8 @@ namespace tombolo
       }
     // Room for one of each sub-cell that is near; seldom are there more.
     std::size_t n_shares = 0;
-    for (const std::vector<std::size_t> &of_cell : near)
-      n_shares += of_cell.size() * n_sub_cells;
+    for (const std::vector<std::size_t> &near_cells : near)
+      n_shares += near_cells.size() * n_sub_cells;
     shares.reserve(n_shares);
     CellCutting<dim> cutting(received, n_fields);
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
@@ -106,14 +106,14 @@ namespace tombolo
   template <int dim>
   void CellOverlap<dim>::send_cells(const std::vector<const NodalVector *> &fields)
   {
-    std::vector<Point<dim>> places;
+    std::vector<Point<dim>> target_points;
     for (unsigned int c = 0; c < cells.size(); ++c)
       if (is_target(c))
-        places.insert(places.end(), cells[c].after.begin(), cells[c].after.end());
+        target_points.insert(target_points.end(), cells[c].after.begin(), cells[c].after.end());
     std::vector<double> own_box;
-    if (!places.empty())
+    if (!target_points.empty())
     {
-      const auto box = BoundingBox<dim>(places).get_boundary_points();
+      const auto box = BoundingBox<dim>(target_points).get_boundary_points();
       for (unsigned int d = 0; d < dim; ++d)
       {
         own_box.push_back(box.first[d]);
@@ -163,23 +163,23 @@ namespace tombolo
     const auto &corners = cells[cell].before;
     const auto volumes = CellSimplices<dim>::volumes(corners);
     const std::vector<double> values = values_at_corners(cells[cell], fields);
-    std::vector<EightDoubles> of_points;
-    values_at_points<dim>(values.data(), n_fields, of_points);
+    std::vector<EightDoubles> point_values;
+    values_at_points<dim>(values.data(), n_fields, point_values);
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-    double of_simplices[SimplexLanes<dim>::n_padded];
-    SimplexLanes<dim>(corners).find_volumes(of_simplices);
+    double simplex_volumes[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(simplex_volumes);
     SimplexIntegrals<dim> sums(n_fields);
-    PointIntegrals<dim> of_cell(n_fields);
+    PointIntegrals<dim> point_integrals(n_fields);
     for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
     {
       const double mass =
-          cells[cell].mass[points.sub_cell[s]] * of_simplices[s] / volumes[points.sub_cell[s]];
+          cells[cell].mass[points.sub_cell[s]] * simplex_volumes[s] / volumes[points.sub_cell[s]];
       sums.clear();
-      sums.add_whole(mass, of_points, points.vertices[s].data());
+      sums.add_whole(mass, point_values, points.vertices[s].data());
       sums.take_coordinates();
-      of_cell.add(sums, points.vertices[s].data());
+      point_integrals.add(sums, points.vertices[s].data());
     }
-    of_cell.give(integrals[cell]);
+    point_integrals.add_to(integrals[cell]);
   }
 
   template <int dim>
@@ -210,19 +210,20 @@ namespace tombolo
     {
       is_uncovered = is_bare;
       std::vector<double> none;
-      give_to_neighbours(partition, 0, mass, none);
+      distribute_to_neighbours(partition, 0, mass, none);
       for (std::size_t i = 0; i < factors.size(); ++i)
-        if (const double of_cell = cells[i / n_sub_cells].mass[i % n_sub_cells]; of_cell > 0.)
-          factors[i] *= mass[i] / of_cell;
+        if (const double sub_cell_mass = cells[i / n_sub_cells].mass[i % n_sub_cells];
+            sub_cell_mass > 0.)
+          factors[i] *= mass[i] / sub_cell_mass;
     }
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-    const std::vector<double> of_received = forward(factors, n_sub_cells);
+    const std::vector<double> received_factors = forward(factors, n_sub_cells);
     for (std::size_t r = 0; r < received.size(); ++r)
     {
       Received &cell = received[r];
       for (unsigned int q = 0; q < n_sub_cells; ++q)
       {
-        const double change = of_received[r * n_sub_cells + q] - 1.;
+        const double change = received_factors[r * n_sub_cells + q] - 1.;
         if (std::abs(change) > least_change)
           cell.change[q] = change * cell.density[q];
         cell.density[q] += cell.change[q];
@@ -243,10 +244,10 @@ namespace tombolo
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
           std::vector<double> &data = messages[rank];
-          Covered of_sub_cell;
-          received[next].find_covered(q, of_sub_cell.volume, of_sub_cell.moment);
-          data.push_back(of_sub_cell.volume);
-          data.insert(data.end(), &of_sub_cell.moment[0], &of_sub_cell.moment[0] + dim);
+          Covered covered_part;
+          received[next].find_covered(q, covered_part.volume, covered_part.moment);
+          data.push_back(covered_part.volume);
+          data.insert(data.end(), &covered_part.moment[0], &covered_part.moment[0] + dim);
         }
     covered.assign(cells.size() * n_sub_cells, {});
     for (const auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))
@@ -255,21 +256,20 @@ namespace tombolo
       for (const unsigned int cell : sent.at(rank))
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
-          Covered &of_sub_cell = covered[cell * n_sub_cells + q];
-          of_sub_cell.volume += *value++;
+          Covered &covered_part = covered[cell * n_sub_cells + q];
+          covered_part.volume += *value++;
           for (unsigned int d = 0; d < dim; ++d)
-            of_sub_cell.moment[d] += *value++;
+            covered_part.moment[d] += *value++;
         }
     }
   }
 
   template <int dim>
-  void CellOverlap<dim>::give_to_neighbours(const std::shared_ptr<const NodePartition> &partition,
-                                            const unsigned int n_components,
-                                            std::vector<double> &mass,
-                                            std::vector<double> &values) const
+  void CellOverlap<dim>::distribute_to_neighbours(
+      const std::shared_ptr<const NodePartition> &partition, const unsigned int n_components,
+      std::vector<double> &mass, std::vector<double> &values) const
   {
-    const auto takes = [&](const std::size_t i)
+    const auto receives = [&](const std::size_t i)
     {
       return !is_uncovered[i] && mass[i] > 0. &&
              is_source(static_cast<unsigned int>(i / n_sub_cells));
@@ -278,14 +278,14 @@ namespace tombolo
     {
       return cells[i / n_sub_cells].nodes;
     };
-    NodalVector of_takers, of_givers;
-    of_takers.reinit(partition, Quantity::scalar);
+    NodalVector receiver_mass, donor_content;
+    receiver_mass.reinit(partition, Quantity::scalar);
     for (std::size_t i = 0; i < mass.size(); ++i)
       for (const unsigned int node : nodes(i))
-        *of_takers.node(node) += takes(i) ? mass[i] : 0.;
-    of_takers.sum_over_ranks();
+        *receiver_mass.node(node) += receives(i) ? mass[i] : 0.;
+    receiver_mass.sum_over_ranks();
     std::string failure;
-    // What a giver gives to a node, as a share of its own.
+    // The share of the content of a donor for each of its nodes.
     std::vector<double> share(mass.size(), 0.);
     for (std::size_t i = 0; i < mass.size(); ++i)
     {
@@ -293,7 +293,7 @@ namespace tombolo
         continue;
       double n_nodes = 0;
       for (const unsigned int node : nodes(i))
-        n_nodes += *of_takers.node(node) > 0. ? 1. : 0.;
+        n_nodes += *receiver_mass.node(node) > 0. ? 1. : 0.;
       if (n_nodes > 0.)
         share[i] = 1. / n_nodes;
       else if (failure.empty())
@@ -305,53 +305,53 @@ namespace tombolo
     throw_on_all_ranks<RunError>(failure, communicator);
 
     // The first one is the mass itself.
-    std::vector<double> taken(mass.size() * (1 + n_components), 0.);
+    std::vector<double> received_content(mass.size() * (1 + n_components), 0.);
     for (unsigned int f = 0; f <= n_components; ++f)
     {
       const auto content = [&](const std::size_t i)
       { return mass[i] * (f == 0 ? 1. : values[i * n_components + f - 1]); };
-      of_givers.reinit(partition, Quantity::scalar);
+      donor_content.reinit(partition, Quantity::scalar);
       for (std::size_t i = 0; i < mass.size(); ++i)
         if (is_uncovered[i])
           for (const unsigned int node : nodes(i))
-            if (*of_takers.node(node) > 0.)
-              *of_givers.node(node) += share[i] * content(i);
-      of_givers.sum_over_ranks();
+            if (*receiver_mass.node(node) > 0.)
+              *donor_content.node(node) += share[i] * content(i);
+      donor_content.sum_over_ranks();
       for (std::size_t i = 0; i < mass.size(); ++i)
-        if (takes(i))
+        if (receives(i))
           for (const unsigned int node : nodes(i))
-            taken[i * (1 + n_components) + f] +=
-                mass[i] / *of_takers.node(node) * *of_givers.node(node);
+            received_content[i * (1 + n_components) + f] +=
+                mass[i] / *receiver_mass.node(node) * *donor_content.node(node);
     }
     for (std::size_t i = 0; i < mass.size(); ++i)
     {
-      const double *const of_others = taken.data() + i * (1 + n_components);
+      const double *const added = received_content.data() + i * (1 + n_components);
       if (is_uncovered[i])
         mass[i] = 0.;
-      else if (of_others[0] > 0.)
+      else if (added[0] > 0.)
       {
         for (unsigned int f = 0; f < n_components; ++f)
         {
           double &value = values[i * n_components + f];
-          value = (mass[i] * value + of_others[1 + f]) / (mass[i] + of_others[0]);
+          value = (mass[i] * value + added[1 + f]) / (mass[i] + added[0]);
         }
-        mass[i] += of_others[0];
+        mass[i] += added[0];
       }
     }
   }
 
   template <int dim>
-  std::vector<double> CellOverlap<dim>::forward(const std::vector<double> &of_cells,
+  std::vector<double> CellOverlap<dim>::forward(const std::vector<double> &cell_values,
                                                 const unsigned int n) const
   {
     std::map<unsigned int, std::vector<double>> messages;
-    for (const auto &[rank, of_rank] : sent)
+    for (const auto &[rank, rank_cells] : sent)
     {
       std::vector<double> &data = messages[rank];
-      data.reserve(of_rank.size() * n);
-      for (const unsigned int cell : of_rank)
-        data.insert(data.end(), of_cells.begin() + std::ptrdiff_t(cell) * n,
-                    of_cells.begin() + std::ptrdiff_t(cell + 1) * n);
+      data.reserve(rank_cells.size() * n);
+      for (const unsigned int cell : rank_cells)
+        data.insert(data.end(), cell_values.begin() + std::ptrdiff_t(cell) * n,
+                    cell_values.begin() + std::ptrdiff_t(cell + 1) * n);
     }
     std::vector<double> result;
     for (auto &[rank, data] : exchange_by_rank(std::move(messages), communicator))

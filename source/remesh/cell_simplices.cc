@@ -81,14 +81,14 @@ namespace tombolo
   template <int dim>
   std::array<double, SubCells<dim>::n_sub_cells>
   CellSimplices<dim>::volumes(const typename SubCells<dim>::Corners &corners,
-                              const bool positive_ones)
+                              const bool only_positive)
   {
     const auto &sub_cell = SimplexPoints<dim>::instance().sub_cell;
-    double of_simplices[SimplexLanes<dim>::n_padded];
-    SimplexLanes<dim>(corners).find_volumes(of_simplices);
+    double simplex_volumes[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(simplex_volumes);
     std::array<double, SubCells<dim>::n_sub_cells> result{};
     for (unsigned int s = 0; s < sub_cell.size(); ++s)
-      result[sub_cell[s]] += positive_ones ? std::max(0., of_simplices[s]) : of_simplices[s];
+      result[sub_cell[s]] += only_positive ? std::max(0., simplex_volumes[s]) : simplex_volumes[s];
     return result;
   }
 
@@ -105,15 +105,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void BarycentricCoordinates<dim>::evaluate(const Point<dim> &place,
+  void BarycentricCoordinates<dim>::evaluate(const Point<dim> &point,
                                              double (&coordinates)[dim + 1]) const
   {
-    const Tensor<1, dim> of_others = inverse * (place - origin);
+    const Tensor<1, dim> other_coordinates = inverse * (point - origin);
     coordinates[0] = 1.;
     for (unsigned int k = 0; k < dim; ++k)
     {
-      coordinates[k + 1] = of_others[k];
-      coordinates[0] -= of_others[k];
+      coordinates[k + 1] = other_coordinates[k];
+      coordinates[0] -= other_coordinates[k];
     }
   }
 
@@ -151,19 +151,19 @@ namespace tombolo
   {
     for (unsigned int k = 0; k <= dim; ++k)
       for (unsigned int s = 0; s < n_padded; ++s)
-        of_vertex[k][s] = vertices[s < n_simplices ? s : 0][k];
+        vertex_points[k][s] = vertices[s < n_simplices ? s : 0][k];
     for (unsigned int a = 0; a < n_corners; ++a)
       for (unsigned int p = 0; p < 16; ++p)
-        of_corner[a][p] = shares[p < n_points ? p : 0][a];
+        corner_shares[a][p] = shares[p < n_points ? p : 0][a];
     for (unsigned int a = 0; a < 8; ++a)
     {
       for (unsigned int p = 0; p < n_points; ++p)
-        of_point[p][a] = a < n_corners ? shares[p][a] : 0.;
+        point_shares[p][a] = a < n_corners ? shares[p][a] : 0.;
       for (unsigned int s = 0; s < n_simplices; ++s)
       {
-        of_simplex[s][a] = 0.;
+        simplex_shares[s][a] = 0.;
         for (unsigned int k = 0; k <= dim; ++k)
-          of_simplex[s][a] += of_point[vertices[s][k]][a];
+          simplex_shares[s][a] += point_shares[vertices[s][k]][a];
       }
     }
     for (unsigned int bits = 0; bits < 256; ++bits)

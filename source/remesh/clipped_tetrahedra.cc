@@ -28,8 +28,8 @@ namespace tombolo
         return (1u << n) - 1;
       }
 
-      /** The place of @p neighbour among those of @p vertex. */
-      unsigned int place_of(const Vertex neighbour, const Vertex vertex) const
+      /** The number of the edge to @p neighbour among those of @p vertex. */
+      unsigned int edge_to(const Vertex neighbour, const Vertex vertex) const
       {
         const auto &around = neighbours[vertex];
         return static_cast<unsigned int>(std::find(around.begin(), around.end(), neighbour) -
@@ -39,7 +39,7 @@ namespace tombolo
       /** The edge that follows the one from @p from to @p to on a face: its end. */
       Vertex following(const Vertex from, const Vertex to) const
       {
-        return neighbours[to][(place_of(from, to) + 1) % 3];
+        return neighbours[to][(edge_to(from, to) + 1) % 3];
       }
 
       bool is_connected(const unsigned int set) const
@@ -64,20 +64,20 @@ namespace tombolo
         std::vector<std::vector<Vertex>> result;
         std::array<std::array<bool, 3>, ClippedTetrahedra::most_vertices> is_done{};
         for (Vertex first = 0; first < n; ++first)
-          for (unsigned int place = 0; place < 3; ++place)
+          for (unsigned int edge = 0; edge < 3; ++edge)
           {
-            Vertex from = first, to = neighbours[first][place];
-            if (is_done[first][place])
+            Vertex from = first, to = neighbours[first][edge];
+            if (is_done[first][edge])
               continue;
             result.emplace_back();
             do
             {
-              is_done[from][place_of(to, from)] = true;
+              is_done[from][edge_to(to, from)] = true;
               result.back().push_back(from);
               const Vertex next = following(from, to);
               from = to;
               to = next;
-            } while (!is_done[from][place_of(to, from)]);
+            } while (!is_done[from][edge_to(to, from)]);
           }
         return result;
       }
@@ -86,7 +86,7 @@ namespace tombolo
     using VertexMap = std::array<std::uint8_t, ClippedTetrahedra::most_vertices>;
 
     /** Whether @p a is @p b with other numbers, where vertex 0 of @p b is @p image and its first
-     * neighbour the one at place @p turn. Finds the numbers. */
+     * neighbour the one across edge @p turn. Finds the numbers. */
     bool are_same(const EdgeGraph &a, const EdgeGraph &b, const std::uint8_t image,
                   const unsigned int turn, VertexMap &numbers)
     {
@@ -99,19 +99,19 @@ namespace tombolo
       while (n_waiting > 0)
       {
         const auto v = static_cast<std::uint8_t>(waiting[--n_waiting]);
-        for (unsigned int place = 0; place < 3; ++place)
+        for (unsigned int edge = 0; edge < 3; ++edge)
         {
-          const std::uint8_t of_b = b.neighbours[v][place];
-          const std::uint8_t of_a = a.neighbours[numbers[v]][(place + turns[v]) % 3];
+          const std::uint8_t neighbour_b = b.neighbours[v][edge];
+          const std::uint8_t neighbour_a = a.neighbours[numbers[v]][(edge + turns[v]) % 3];
           const unsigned int turn_there =
-              (a.place_of(numbers[v], of_a) + 3 - b.place_of(v, of_b)) % 3;
-          if (numbers[of_b] == unknown)
+              (a.edge_to(numbers[v], neighbour_a) + 3 - b.edge_to(v, neighbour_b)) % 3;
+          if (numbers[neighbour_b] == unknown)
           {
-            numbers[of_b] = of_a;
-            turns[of_b] = turn_there;
-            waiting[n_waiting++] = of_b;
+            numbers[neighbour_b] = neighbour_a;
+            turns[neighbour_b] = turn_there;
+            waiting[n_waiting++] = neighbour_b;
           }
-          else if (numbers[of_b] != of_a || turns[of_b] != turn_there)
+          else if (numbers[neighbour_b] != neighbour_a || turns[neighbour_b] != turn_there)
             return false;
         }
       }
@@ -146,28 +146,28 @@ namespace tombolo
         if (is_inside(v))
           number[v] = add(v, v);
       for (std::uint8_t v = 0; v < graph.n; ++v)
-        for (unsigned int place = 0; place < 3 && is_inside(v); ++place)
-          if (!is_inside(graph.neighbours[v][place]))
-            on_edge[v][place] = add(v, graph.neighbours[v][place]);
+        for (unsigned int edge = 0; edge < 3 && is_inside(v); ++edge)
+          if (!is_inside(graph.neighbours[v][edge]))
+            on_edge[v][edge] = add(v, graph.neighbours[v][edge]);
       for (std::uint8_t v = 0; v < graph.n; ++v)
-        for (unsigned int place = 0; place < 3 && is_inside(v); ++place)
+        for (unsigned int edge = 0; edge < 3 && is_inside(v); ++edge)
         {
-          std::uint8_t from = v, to = graph.neighbours[v][place];
+          std::uint8_t from = v, to = graph.neighbours[v][edge];
           if (is_inside(to))
           {
-            result.neighbours[number[v]][place] = number[to];
+            result.neighbours[number[v]][edge] = number[to];
             continue;
           }
           // Along the face to the edge at which it comes back.
-          const std::uint8_t first = on_edge[v][place];
+          const std::uint8_t first = on_edge[v][edge];
           while (!is_inside(to))
           {
             const std::uint8_t next = graph.following(from, to);
             from = to;
             to = next;
           }
-          const std::uint8_t second = on_edge[to][graph.place_of(from, to)];
-          result.neighbours[number[v]][place] = first;
+          const std::uint8_t second = on_edge[to][graph.edge_to(from, to)];
+          result.neighbours[number[v]][edge] = first;
           result.neighbours[first][0] = number[v];
           result.neighbours[first][1] = second;
           result.neighbours[second][2] = first;
@@ -187,8 +187,8 @@ namespace tombolo
       {
         ClippedTetrahedra::Fan fan;
         fan.apex = apex;
-        for (auto &of_vertex : fan.triangles)
-          of_vertex.fill(apex);
+        for (auto &corners : fan.triangles)
+          corners.fill(apex);
         for (const auto &face : faces)
           for (std::size_t k = 1; k + 1 < face.size() && !has(face, apex); ++k)
           {

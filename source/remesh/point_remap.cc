@@ -31,7 +31,7 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           for (unsigned int k = 0; k <= dim; ++k)
             result[points.sub_cell[s]][d] +=
-                volumes[s] / (dim + 1) * lanes.place[d][points.vertices[s][k]];
+                volumes[s] / (dim + 1) * lanes.coordinates[d][points.vertices[s][k]];
       }
       for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
         result[q] /= total[q];
@@ -41,13 +41,13 @@ namespace tombolo
     /** The centre of mass of a cell of before, whose sub-cells have these centres. */
     template <int dim>
     Point<dim> centre_of_mass(const RemapCell<dim> &cell,
-                              const std::array<Point<dim>, n_of_cell<dim>> &of_sub_cells)
+                              const std::array<Point<dim>, n_of_cell<dim>> &sub_cell_centres)
     {
       Point<dim> result;
       double total = 0;
       for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
       {
-        result += cell.mass[q] * of_sub_cells[q];
+        result += cell.mass[q] * sub_cell_centres[q];
         total += cell.mass[q];
       }
       return result / total;
@@ -75,7 +75,7 @@ namespace tombolo
       }
 
       /** By component. */
-      std::vector<Tensor<1, dim>> of_cell(const std::size_t c) const
+      std::vector<Tensor<1, dim>> cell_gradients(const std::size_t c) const
       {
         const Point<dim> centre = SubCells<dim>::centre(cells[c].before);
         double weight = 0;
@@ -87,17 +87,17 @@ namespace tombolo
         {
           const unsigned int node = cells[c].nodes[k];
           const Tensor<1, dim> offset = cells[c].before[k] - centre;
-          const double of_node = moments[0].node(node)[0];
+          const double node_mass = moments[0].node(node)[0];
           Tensor<1, dim> arm;
           for (unsigned int d = 0; d < dim; ++d)
             arm[d] = moments[0].node(node)[1 + d];
-          weight += of_node;
-          first += arm + of_node * offset;
+          weight += node_mass;
+          first += arm + node_mass * offset;
           for (unsigned int a = 0; a < dim; ++a)
             for (unsigned int b = a; b < dim; ++b)
               second[a][b] += moments[a == b ? 1 : 2].node(node)[a == b ? a : a + b - 1] +
                               offset[a] * arm[b] + arm[a] * offset[b] +
-                              of_node * offset[a] * offset[b];
+                              node_mass * offset[a] * offset[b];
           for (std::size_t f = 0; f < sum.size(); ++f)
           {
             const double *const values = moments[3 + f].node(node);
@@ -110,7 +110,7 @@ namespace tombolo
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int b = 0; b < dim; ++b)
             matrix[a][b] = second[a][b] - first[a] * first[b] / weight;
-        // Where cells lie in one layer, nothing is known across it.
+        // Where cells lie in one layer, the gradient across it is not defined.
         constexpr double shift = 1e-12;
         const double least = is_cellwise ? shift * trace(matrix) : 0.;
         for (unsigned int d = 0; d < dim && is_cellwise; ++d)
@@ -124,9 +124,9 @@ namespace tombolo
     private:
       void add_cell(const std::size_t c, const PointValues &points)
       {
-        auto places = centres<dim>(cells[c].before);
+        auto sub_cell_centres = centres<dim>(cells[c].before);
         if (is_cellwise)
-          places.fill(centre_of_mass(cells[c], places));
+          sub_cell_centres.fill(centre_of_mass(cells[c], sub_cell_centres));
         for (unsigned int k = 0; k < cells[c].nodes.size(); ++k)
         {
           const unsigned int node = cells[c].nodes[k];
@@ -134,7 +134,7 @@ namespace tombolo
           {
             const std::size_t i = c * n_of_cell<dim> + q;
             const double weight = points.mass[i];
-            const Tensor<1, dim> arm = places[q] - cells[c].before[k];
+            const Tensor<1, dim> arm = sub_cell_centres[q] - cells[c].before[k];
             const auto add = [&](NodalVector &vector, const double value)
             {
               vector.node(node)[0] += weight * value;
@@ -265,8 +265,8 @@ namespace tombolo
         for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
         {
           const std::size_t i = c * n_of_cell<dim> + q;
-          const bool has_given = !overlap.is_uncovered.empty() && overlap.is_uncovered[i];
-          if (!has_given && !(overlap.covered[i].volume > least_share * std::abs(volumes[q])))
+          const bool is_distributed = !overlap.is_uncovered.empty() && overlap.is_uncovered[i];
+          if (!is_distributed && !(overlap.covered[i].volume > least_share * std::abs(volumes[q])))
             uncovered = 1;
         }
       }
@@ -274,7 +274,7 @@ namespace tombolo
         throw RunError("A refill finds no cell to put the mass of a sub-cell into.");
     }
 
-    /** Throws where a cell of after has got no mass. Collective. */
+    /** Throws where a cell of after has no mass. Collective. */
     template <int dim>
     void check_masses(const CellOverlap<dim> &overlap, const PointValues &points)
     {
@@ -292,7 +292,7 @@ namespace tombolo
       throw_on_all_ranks<RunError>(empty, overlap.communicator);
     }
 
-    /** The same density in all sub-cells of a cell: those with too much give to those with too
+    /** The same density in all sub-cells of a cell: those with too much pass mass to those with too
      * little. */
     template <int dim>
     void equalize(const typename SubCells<dim>::Corners &corners, const std::size_t c,
@@ -332,7 +332,7 @@ namespace tombolo
       }
     }
 
-    /** What other ranks must know of the sub-cells of before: density, centre, values and limited
+    /** Data of the sub-cells of before for other ranks: density, centre, values and limited
      * gradients. */
     template <int dim>
     std::vector<double> describe_sub_cells(const CellOverlap<dim> &overlap,
@@ -348,8 +348,9 @@ namespace tombolo
         const RemapCell<dim> &cell = overlap.cells[c];
         const SimplexLanes<dim> lanes(cell.before);
         const bool is_source = overlap.is_source(c);
-        const std::vector<Tensor<1, dim>> of_cell =
-            is_source ? gradients.of_cell(c) : std::vector<Tensor<1, dim>>(points.n_components);
+        const std::vector<Tensor<1, dim>> cell_gradients =
+            is_source ? gradients.cell_gradients(c)
+                      : std::vector<Tensor<1, dim>>(points.n_components);
         for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
         {
           const std::size_t i = c * n_of_cell<dim> + q;
@@ -359,10 +360,10 @@ namespace tombolo
           const double volume = has_moved ? covered.volume : 1.;
           const Tensor<1, dim> centre = covered.moment / volume;
           const double *const values = points.values.data() + i * points.n_components;
-          std::vector<Tensor<1, dim>> offsets, limited = of_cell;
-          const unsigned int of_sub_cell = SimplexPoints<dim>::instance().points_of_sub_cell[q];
+          std::vector<Tensor<1, dim>> offsets, limited = cell_gradients;
+          const unsigned int sub_cell_points = SimplexPoints<dim>::instance().points_of_sub_cell[q];
           for (unsigned int p = 0; p < SimplexPoints<dim>::n_points; ++p)
-            if (has_moved && ((of_sub_cell >> p) & 1u) != 0)
+            if (has_moved && ((sub_cell_points >> p) & 1u) != 0)
               offsets.push_back(lanes.point(p) - centre);
           if (has_moved)
             bounds.limit(cell, values, offsets, points.stress, limited);
@@ -390,7 +391,7 @@ namespace tombolo
     check_coverage(overlap);
     const unsigned int n = points.n_components;
     if (!overlap.is_uncovered.empty())
-      overlap.give_to_neighbours(partition, n, points.mass, points.values);
+      overlap.distribute_to_neighbours(partition, n, points.mass, points.values);
     const unsigned int size = (1 + dim) * (1 + n);
     const std::vector<double> received =
         overlap.forward(describe_sub_cells(overlap, partition, points), size * n_of_cell<dim>);
@@ -434,29 +435,29 @@ namespace tombolo
   template <int dim>
   PointValues values_of_sub_cells(const std::vector<RemapCell<dim>> &cells,
                                   const std::shared_ptr<const NodePartition> &partition,
-                                  const PointValues &of_cells)
+                                  const PointValues &cell_values)
   {
-    const unsigned int n = of_cells.n_components;
+    const unsigned int n = cell_values.n_components;
     PointValues result;
     result.n_components = n;
-    result.stress = of_cells.stress;
+    result.stress = cell_values.stress;
     for (std::size_t c = 0; c < cells.size(); ++c)
       for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
       {
         result.mass.push_back(cells[c].mass[q]);
-        const auto values = of_cells.values.begin() + std::ptrdiff_t(c * n);
+        const auto values = cell_values.values.begin() + std::ptrdiff_t(c * n);
         result.values.insert(result.values.end(), values, values + n);
       }
     const Gradients<dim> gradients(cells, partition, result, true);
     const Bounds<dim> bounds(cells, partition, result);
     for (std::size_t c = 0; c < cells.size(); ++c)
     {
-      const auto places = centres<dim>(cells[c].before);
-      const Point<dim> centre = centre_of_mass(cells[c], places);
-      std::vector<Tensor<1, dim>> offsets, slopes = gradients.of_cell(c);
-      for (const Point<dim> &place : places)
-        offsets.push_back(place - centre);
-      bounds.limit(cells[c], of_cells.values.data() + c * n, offsets, result.stress, slopes);
+      const auto sub_cell_centres = centres<dim>(cells[c].before);
+      const Point<dim> centre = centre_of_mass(cells[c], sub_cell_centres);
+      std::vector<Tensor<1, dim>> offsets, slopes = gradients.cell_gradients(c);
+      for (const Point<dim> &sub_cell_centre : sub_cell_centres)
+        offsets.push_back(sub_cell_centre - centre);
+      bounds.limit(cells[c], cell_values.values.data() + c * n, offsets, result.stress, slopes);
       for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
         for (unsigned int f = 0; f < n; ++f)
           result.values[(c * n_of_cell<dim> + q) * n + f] += slopes[f] * offsets[q];
@@ -465,10 +466,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void set_means_of_cells(const std::vector<RemapCell<dim>> &cells, const PointValues &of_sub_cells,
-                          PointValues &of_cells)
+  void set_means_of_cells(const std::vector<RemapCell<dim>> &cells,
+                          const PointValues &sub_cell_values, PointValues &cell_values)
   {
-    const unsigned int n = of_cells.n_components;
+    const unsigned int n = cell_values.n_components;
     for (std::size_t c = 0; c < cells.size(); ++c)
     {
       if (!cells[c].has_moved())
@@ -477,13 +478,13 @@ namespace tombolo
       std::vector<double> sum(n, 0.);
       for (std::size_t i = c * n_of_cell<dim>; i < (c + 1) * n_of_cell<dim>; ++i)
       {
-        mass += of_sub_cells.mass[i];
+        mass += sub_cell_values.mass[i];
         for (unsigned int f = 0; f < n; ++f)
-          sum[f] += of_sub_cells.mass[i] * of_sub_cells.values[i * n + f];
+          sum[f] += sub_cell_values.mass[i] * sub_cell_values.values[i * n + f];
       }
-      of_cells.mass[c] = mass;
+      cell_values.mass[c] = mass;
       for (unsigned int f = 0; f < n; ++f)
-        of_cells.values[c * n + f] = sum[f] / mass;
+        cell_values.values[c * n + f] = sum[f] / mass;
     }
   }
 

@@ -15,10 +15,10 @@ namespace tombolo
       static_assert(sizeof...(numbers) == 8, "There are eight of them.");
 #if defined(__AVX512F__)
       using Register = double __attribute__((vector_size(64)));
-      Register of_a, of_b;
-      std::memcpy(&of_a, static_cast<const void *>(&a), sizeof of_a);
-      std::memcpy(&of_b, static_cast<const void *>(&b), sizeof of_b);
-      const Register chosen = __builtin_shufflevector(of_a, of_b, numbers...);
+      Register a_register, b_register;
+      std::memcpy(&a_register, static_cast<const void *>(&a), sizeof a_register);
+      std::memcpy(&b_register, static_cast<const void *>(&b), sizeof b_register);
+      const Register chosen = __builtin_shufflevector(a_register, b_register, numbers...);
       EightDoubles result;
       std::memcpy(static_cast<void *>(&result), &chosen, sizeof result);
       return result;
@@ -55,9 +55,9 @@ namespace tombolo
     TOMBOLO_ALWAYS_INLINE EightDoubles inverse_of(const EightDoubles &value)
     {
 #if defined(__AVX512F__)
-      __m512d of_value;
-      std::memcpy(&of_value, static_cast<const void *>(&value), sizeof of_value);
-      const __m512d estimate = _mm512_maskz_rcp14_pd(0xFF, of_value);
+      __m512d value_register;
+      std::memcpy(&value_register, static_cast<const void *>(&value), sizeof value_register);
+      const __m512d estimate = _mm512_maskz_rcp14_pd(0xFF, value_register);
       EightDoubles result;
       std::memcpy(static_cast<void *>(&result), &estimate, sizeof result);
       // Newton's method doubles the number of digits.
@@ -130,7 +130,7 @@ namespace tombolo
      * of the volume. */
     TOMBOLO_ALWAYS_INLINE void shift_from_apex(const EightDoubles (&apex)[3],
                                                const EightDoubles &integrals,
-                                               const EightDoubles &of_last_and_volume,
+                                               const EightDoubles &last_and_volume,
                                                OverlapMoments<3> &moments)
     {
       constexpr double first_row[8] = {0., 0., 0., 0., 1., 1., 1., 1.},
@@ -138,9 +138,9 @@ namespace tombolo
                        first_columns[8] = {0., 1., 0., 0., 0., 1., 0., 0.},
                        second_columns[8] = {0., 0., 1., 0., 0., 0., 1., 0.},
                        third_columns[8] = {0., 0., 0., 1., 0., 0., 0., 1.};
-      // Two rows each, with r; then with b in place of the rows, and of the columns.
-      EightDoubles low = choose_eight<9, 6, 7, 8, 6, 0, 1, 2>(integrals, of_last_and_volume);
-      EightDoubles high = choose_eight<7, 1, 3, 4, 8, 2, 4, 5>(integrals, of_last_and_volume);
+      // Two rows each, with r; then with b instead of the rows, and of the columns.
+      EightDoubles low = choose_eight<9, 6, 7, 8, 6, 0, 1, 2>(integrals, last_and_volume);
+      EightDoubles high = choose_eight<7, 1, 3, 4, 8, 2, 4, 5>(integrals, last_and_volume);
       const EightDoubles top = choose_eight<0, 1, 2, 3, 0, 1, 2, 3>(low, low);
       low += apex[0] * load_eight(first_row) * top;
       high += (apex[1] * load_eight(second_row) + apex[2] * load_eight(first_row)) * top;
@@ -184,7 +184,7 @@ namespace tombolo
       if (most_vertices_at(plane) > 8)
         inside |= bits_of(load_eight(here + 8) >= 0.) << 8;
       inside &= all;
-      // Sums in place of branches, which would follow no pattern.
+      // Sums instead of branches, which would follow no pattern.
       const unsigned int is_done = polyhedron.next_plane != none ? 1 : 0;
       const unsigned int is_whole = is_done | (inside == all ? 1 : 0);
       const unsigned int is_left = is_whole | (inside != 0 ? 1 : 0);
@@ -231,12 +231,12 @@ namespace tombolo
   void SimplexOverlaps<dim>::for_pieces(const Polyhedron &polyhedron, const Use &use) const
   {
     SimplexOverlap::Piece<dim> piece;
-    const auto set_vertex = [&](const unsigned int k, const unsigned int of_polyhedron)
+    const auto set_vertex = [&](const unsigned int k, const unsigned int vertex)
     {
       piece[k].in_new[0] = 1.;
       for (unsigned int j = 1; j <= dim; ++j)
       {
-        piece[k].in_new[j] = polyhedron.in_new[j][of_polyhedron];
+        piece[k].in_new[j] = polyhedron.in_new[j][vertex];
         piece[k].in_new[0] -= piece[k].in_new[j];
       }
     };
@@ -272,8 +272,9 @@ namespace tombolo
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j < 3; ++j)
           apex[j] = polyhedron.in_new[j + 1][fan.apex];
-        // As shift_from_apex() takes them, but for factors.
-        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, of_last = 0., volume = 0.;
+        // As shift_from_apex() needs them, but for factors.
+        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, last_integral = 0.,
+                     volume = 0.;
         for (unsigned int first = 0; first < fan.n_triangles; first += 8)
         {
           EightDoubles edges[3][3], sum[3];
@@ -291,7 +292,7 @@ namespace tombolo
                          edges[2][j] * edges[2][k]);
           integrals[6] += share * sum[0];
           integrals[7] += share * sum[1];
-          of_last += share * sum[2];
+          last_integral += share * sum[2];
           volume += share;
         }
         constexpr double factors[8] = {1. / 20., 1. / 20., 1. / 20., 1. / 20.,
@@ -299,7 +300,8 @@ namespace tombolo
         constexpr double factors_of_others[8] = {1. / 4., 1., 1. / 4., 1.,
                                                  1. / 4., 1., 1. / 4., 1.};
         shift_from_apex(apex, load_eight(factors) * sums_of(integrals),
-                        load_eight(factors_of_others) * sums_of_two(of_last, volume), moments);
+                        load_eight(factors_of_others) * sums_of_two(last_integral, volume),
+                        moments);
         return;
       }
     moments = {};

@@ -42,61 +42,61 @@ namespace tombolo
       std::fill(values.begin(), values.end(), 0.);
     }
 
-    /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
-     * all. @p old_at_new: the coordinates of the old simplex at the vertices of the new one, rows;
-     * the fields have the values @p of_old at points of the old cell (values_at_points()), of which
-     * @p vertices are those of the simplex. */
-    void add(const OverlapMoments<dim> &moments, const double of_simplex,
-             const double (&old_at_new)[4][4], const std::vector<EightDoubles> &of_old,
+    /** Adds the part within an old simplex, with whose density the new one would have the mass
+     * @p simplex_mass. @p old_at_new: the coordinates of the old simplex at the vertices of the new
+     * one, rows; the fields have the values @p old_values at points of the old cell
+     * (values_at_points()), of which @p vertices are those of the simplex. */
+    void add(const OverlapMoments<dim> &moments, const double simplex_mass,
+             const double (&old_at_new)[4][4], const std::vector<EightDoubles> &old_values,
              const std::uint8_t *const vertices)
     {
-      alignas(32) double of_density[dim + 1][4];
+      alignas(32) double mass_moments[dim + 1][4];
       TOMBOLO_UNROLL
       for (unsigned int j = 0; j <= dim; ++j)
       {
-        const NodeLanes row = of_simplex * load_node(moments.products[j]);
-        store_node(row, of_density[j]);
+        const NodeLanes row = simplex_mass * load_node(moments.products[j]);
+        store_node(row, mass_moments[j]);
         store_node(load_node(products[j]) + row, products[j]);
       }
-      const std::size_t of_point = values.size() / (dim + 1);
-      for (std::size_t two = 0; two < of_point; ++two)
+      const std::size_t n_pairs = values.size() / (dim + 1);
+      for (std::size_t two = 0; two < n_pairs; ++two)
       {
         // The fields as linear functions of the new coordinates.
-        EightDoubles of_new[dim + 1];
+        EightDoubles new_values[dim + 1];
         TOMBOLO_UNROLL
         for (unsigned int i = 0; i <= dim; ++i)
         {
-          const EightDoubles z = of_old[vertices[i] * of_point + two];
+          const EightDoubles z = old_values[vertices[i] * n_pairs + two];
           TOMBOLO_UNROLL
           for (unsigned int k = 0; k <= dim; ++k)
-            of_new[k] = i == 0 ? old_at_new[k][i] * z : of_new[k] + old_at_new[k][i] * z;
+            new_values[k] = i == 0 ? old_at_new[k][i] * z : new_values[k] + old_at_new[k][i] * z;
         }
         TOMBOLO_UNROLL
         for (unsigned int k = 1; k <= dim; ++k)
-          of_new[k] -= of_new[0];
+          new_values[k] -= new_values[0];
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j <= dim; ++j)
         {
           EightDoubles sum = values[two * (dim + 1) + j];
           TOMBOLO_UNROLL
           for (unsigned int k = 0; k <= dim; ++k)
-            sum += of_density[j][k] * of_new[k];
+            sum += mass_moments[j][k] * new_values[k];
           values[two * (dim + 1) + j] = sum;
         }
       }
     }
 
-    /** What it has of itself. */
-    void add_whole(const double mass, const std::vector<EightDoubles> &of_old,
+    /** Adds the simplex itself. */
+    void add_whole(const double mass, const std::vector<EightDoubles> &old_values,
                    const std::uint8_t *const vertices)
     {
       static const OverlapMoments<dim> moments = moments_of_whole_simplex();
       constexpr double unit[4][4] = {
           {1., 0., 0., 0.}, {0., 1., 0., 0.}, {0., 0., 1., 0.}, {0., 0., 0., 1.}};
-      add(moments, mass, unit, of_old, vertices);
+      add(moments, mass, unit, old_values, vertices);
     }
 
-    /** Those with b_j in place of the functions, in which the sums of the others are. */
+    /** Changes the functions from 1, b_1, ..., b_dim to b_0, ..., b_dim. */
     void take_coordinates()
     {
       TOMBOLO_UNROLL
@@ -126,21 +126,21 @@ namespace tombolo
   /** Values of fields at the points of a cell, by point and two fields, from those at corners.
    * Where the number of fields is odd, there is one more, of zeros. */
   template <int dim>
-  void values_at_points(const double *const of_corners, const std::size_t n_fields,
+  void values_at_points(const double *const corner_values, const std::size_t n_fields,
                         std::vector<EightDoubles> &result)
   {
     const auto &shares = SimplexPoints<dim>::instance().shares;
     const std::size_t n = n_fields * node_stride;
-    const std::size_t of_point = n_pairs_of(n_fields);
-    result.assign(shares.size() * of_point, 0.);
+    const std::size_t n_pairs = n_pairs_of(n_fields);
+    result.assign(shares.size() * n_pairs, 0.);
     for (std::size_t p = 0; p < shares.size(); ++p)
       for (unsigned int a = 0; a < SimplexPoints<dim>::n_corners; ++a)
-        for (std::size_t two = 0; two < of_point && shares[p][a] != 0.; ++two)
+        for (std::size_t two = 0; two < n_pairs && shares[p][a] != 0.; ++two)
         {
-          double of_corner[8] = {};
-          std::copy_n(of_corners + a * n + two * 8, std::min<std::size_t>(8, n - two * 8),
-                      of_corner);
-          result[p * of_point + two] += shares[p][a] * load_eight(of_corner);
+          double two_fields[8] = {};
+          std::copy_n(corner_values + a * n + two * 8, std::min<std::size_t>(8, n - two * 8),
+                      two_fields);
+          result[p * n_pairs + two] += shares[p][a] * load_eight(two_fields);
         }
   }
 
@@ -154,7 +154,7 @@ namespace tombolo
     static constexpr unsigned int n_simplices = SimplexPoints<dim>::n_simplices;
 
     SimplexCell<dim> simplices;
-    /** Of sub-cells, and what it has changed by since cells of after have got something of them. */
+    /** Of sub-cells, and its change since the first integrals over them. */
     std::array<double, n_sub_cells> density, change{};
     bool is_cut;
     std::vector<EightDoubles> values;   ///< of fields at its points (values_at_points())
@@ -171,15 +171,15 @@ namespace tombolo
     ReceivedCell(const double *data, const std::size_t n_values) : simplices(corners_in(data))
     {
       for (unsigned int d = 0; d < dim; ++d)
-        centre[d] = simplices.place[d][SimplexPoints<dim>::centre];
+        centre[d] = simplices.coordinates[d][SimplexPoints<dim>::centre];
       data += n_corners * dim;
-      for (double &of_sub_cell : density)
-        of_sub_cell = *data++;
+      for (double &sub_cell_density : density)
+        sub_cell_density = *data++;
       is_cut = *data++ > 0.;
       values_at_points<dim>(data, n_values / (n_corners * node_stride), values);
     }
 
-    /** ∫ 1 and ∫ x over what cells of after have of a sub-cell. */
+    /** ∫ 1 and ∫ x over the part of a sub-cell that cells of after cover. */
     void find_covered(const unsigned int sub_cell, double &volume,
                       dealii::Tensor<1, dim> &moment) const
     {
@@ -225,34 +225,34 @@ namespace tombolo
     /** Of the simplex with these @p vertices, with its coordinates as functions. */
     void add(const SimplexIntegrals<dim> &integrals, const std::uint8_t *const vertices)
     {
-      const std::size_t of_point = values.size() / n_points;
+      const std::size_t n_pairs = values.size() / n_points;
       for (unsigned int j = 0; j <= dim; ++j)
       {
         for (unsigned int k = 0; k <= dim; ++k)
           matrix[vertices[j]][vertices[k]] += integrals.products[j][k];
-        for (std::size_t two = 0; two < of_point; ++two)
-          values[vertices[j] * of_point + two] += integrals.values[two * (dim + 1) + j];
+        for (std::size_t two = 0; two < n_pairs; ++two)
+          values[vertices[j] * n_pairs + two] += integrals.values[two * (dim + 1) + j];
       }
     }
 
     /** Adds them to those of a cell. */
-    void give(typename CellOverlap<dim>::Integrals &cell) const
+    void add_to(typename CellOverlap<dim>::Integrals &cell) const
     {
       constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
       const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-      const std::size_t of_point = values.size() / n_points;
+      const std::size_t n_pairs = values.size() / n_points;
       for (unsigned int p = 0; p < n_points; ++p)
         for (unsigned int a = 0; a < n_corners; ++a)
           if (const double share = points.shares[p][a]; share != 0.)
             for (unsigned int field = 0; field < n_fields; ++field)
               for (unsigned int slot = 0; slot < node_stride; ++slot)
                 cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
-                    share * values[p * of_point + field / 2][field % 2 * node_stride + slot];
-      const auto of_corners = points.matrix_of_corners(matrix);
-      for (unsigned int k = 0; k < of_corners.size(); ++k)
+                    share * values[p * n_pairs + field / 2][field % 2 * node_stride + slot];
+      const auto corner_matrix = points.matrix_of_corners(matrix);
+      for (unsigned int k = 0; k < corner_matrix.size(); ++k)
       {
-        cell.matrix[k] += of_corners[k];
-        cell.mass[k % n_corners] += of_corners[k]; // the functions add up to one
+        cell.matrix[k] += corner_matrix[k];
+        cell.mass[k % n_corners] += corner_matrix[k]; // the functions add up to one
       }
     }
 
@@ -274,20 +274,20 @@ namespace tombolo
 
     /** @p received must outlive this. */
     CellCutting(std::vector<ReceivedCell<dim>> &received, const unsigned int n_fields)
-        : received(received), integrals(n_fields), of_points(n_fields)
+        : received(received), integrals(n_fields), point_integrals(n_fields)
     {}
 
-    /** Adds what the cell with the number @p cell and these corners has of received cells, of which
-     * those with the numbers @p near are all that it can have something of: to its integrals, with
+    /** Adds the common parts of the cell with the number @p cell and these corners and of received
+     * cells, of which only those with the numbers @p near can overlap it: to its integrals, with
      * the densities, to the cells, and its shares. */
     void cut(const unsigned int cell, const Corners &corners, const std::vector<std::size_t> &near,
-             Integrals &of_cell, std::vector<Share> &shares)
+             Integrals &cell_integrals, std::vector<Share> &shares)
     {
-      const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
-      const SimplexCell<dim> of_after(corners);
+      const SimplexPoints<dim> &simplex_points = SimplexPoints<dim>::instance();
+      const SimplexCell<dim> new_cell(corners);
       double centre[4] = {};
       for (unsigned int d = 0; d < dim; ++d)
-        centre[d] = of_after.place[d][SimplexPoints<dim>::centre];
+        centre[d] = new_cell.coordinates[d][SimplexPoints<dim>::centre];
       offsets.resize(near.size() * 4);
       for (std::size_t k = 0; k < near.size(); ++k)
         for (unsigned int d = 0; d < 4; ++d)
@@ -296,17 +296,18 @@ namespace tombolo
       const auto note = [&](const unsigned int after, const typename SimplexPairs<dim>::Pair &pair,
                             const NodeLanes &sum)
       {
-        const unsigned int sub_cell = of_cells.sub_cell[pair.simplex];
+        const unsigned int sub_cell = simplex_points.sub_cell[pair.simplex];
         double *const share =
             found.data() +
-            ((of_cells.sub_cell[after] * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
+            ((simplex_points.sub_cell[after] * near.size() + pair.cell) * n_sub_cells + sub_cell) *
+                4;
         store_node(load_node(share) + sum, share);
         double *const common = received[near[pair.cell]].common[pair.simplex];
         const double volume = sum[3];
         store_node(load_node(common) + (sum - volume * load_node(offsets.data() + pair.cell * 4)),
                    common);
       };
-      add_pairs(of_after, near, &ReceivedCell<dim>::density, of_cell, note);
+      add_pairs(new_cell, near, &ReceivedCell<dim>::density, cell_integrals, note);
       for (std::size_t i = 0; i < found.size() / 4; ++i)
       {
         const double *const moment = found.data() + i * 4;
@@ -324,12 +325,12 @@ namespace tombolo
       }
     }
 
-    /** Adds what the changes of densities change of the integrals. */
+    /** Adds the changes of the integrals by those of the densities. */
     void add_changes(const Corners &corners, const std::vector<std::size_t> &near,
-                     Integrals &of_cell)
+                     Integrals &cell_integrals)
     {
       add_pairs(
-          SimplexCell<dim>(corners), near, &ReceivedCell<dim>::change, of_cell,
+          SimplexCell<dim>(corners), near, &ReceivedCell<dim>::change, cell_integrals,
           [](const unsigned int, const typename SimplexPairs<dim>::Pair &, const NodeLanes &) {});
     }
 
@@ -340,45 +341,45 @@ namespace tombolo
 
     /** ∫ (x - centre) and, at the end, ∫ 1 over the volume of a new simplex, as linear functions of
      * the first row of moments. */
-    static void find_rows_of_places(const SimplexCell<dim> &cell, const unsigned int simplex,
-                                    NodeLanes (&rows)[dim + 1])
+    static void find_position_rows(const SimplexCell<dim> &cell, const unsigned int simplex,
+                                   NodeLanes (&rows)[dim + 1])
     {
       const std::uint8_t *const points = SimplexPoints<dim>::instance().vertices[simplex].data();
       for (unsigned int k = 0; k <= dim; ++k)
       {
         double row[4] = {0., 0., 0., k == 0 ? 1. : 0.};
         for (unsigned int d = 0; d < dim; ++d)
-          row[d] = cell.place[d][points[k]] -
-                   cell.place[d][k == 0 ? SimplexPoints<dim>::centre : points[0]];
+          row[d] = cell.coordinates[d][points[k]] -
+                   cell.coordinates[d][k == 0 ? SimplexPoints<dim>::centre : points[0]];
         rows[k] = cell.volume[simplex] * load_node(row);
       }
     }
 
     /** Calls @p note(simplex of the cell, pair, moments) for each pair as well. */
     template <typename Note>
-    void add_pairs(const SimplexCell<dim> &of_after, const std::vector<std::size_t> &near,
-                   const Densities densities, Integrals &of_cell, const Note &note)
+    void add_pairs(const SimplexCell<dim> &new_cell, const std::vector<std::size_t> &near,
+                   const Densities densities, Integrals &cell_integrals, const Note &note)
     {
-      const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
+      const SimplexPoints<dim> &simplex_points = SimplexPoints<dim>::instance();
       pairs.clear_cells();
       for (const std::size_t r : near)
         pairs.add_cell(received[r].simplices);
-      of_points.clear();
+      point_integrals.clear();
       for (unsigned int after = 0; after < SimplexPoints<dim>::n_simplices; ++after)
       {
-        if (((of_after.counts >> after) & 1u) == 0)
+        if (((new_cell.counts >> after) & 1u) == 0)
           continue;
         NodeLanes rows[dim + 1];
-        find_rows_of_places(of_after, after, rows);
+        find_position_rows(new_cell, after, rows);
         integrals.clear();
-        pairs.start(of_after, after);
+        pairs.start(new_cell, after);
         pairs.for_moments(
             [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
             {
               const ReceivedCell<dim> &from = received[near[pair.cell]];
-              const double density = (from.*densities)[of_cells.sub_cell[pair.simplex]];
-              integrals.add(moments, density * of_after.volume[after], pair.old_at_new, from.values,
-                            of_cells.vertices[pair.simplex].data());
+              const double density = (from.*densities)[simplex_points.sub_cell[pair.simplex]];
+              integrals.add(moments, density * new_cell.volume[after], pair.old_at_new, from.values,
+                            simplex_points.vertices[pair.simplex].data());
               NodeLanes sum = moments.products[0][0] * rows[0];
               TOMBOLO_UNROLL
               for (unsigned int k = 1; k <= dim; ++k)
@@ -386,15 +387,15 @@ namespace tombolo
               note(after, pair, sum);
             });
         integrals.take_coordinates();
-        of_points.add(integrals, of_cells.vertices[after].data());
+        point_integrals.add(integrals, simplex_points.vertices[after].data());
       }
-      of_points.give(of_cell);
+      point_integrals.add_to(cell_integrals);
     }
 
     std::vector<ReceivedCell<dim>> &received;
     SimplexPairs<dim> pairs;
     SimplexIntegrals<dim> integrals;
-    PointIntegrals<dim> of_points;
+    PointIntegrals<dim> point_integrals;
     std::vector<double> found; ///< ∫ (x - centre of the cell) and ∫ 1 by sub-cells of both cells
     std::vector<double> offsets; ///< of the centres of cells that are near, with a zero each
   };

@@ -20,12 +20,12 @@ namespace tombolo
   inline Slots dot_by_slot(const NodalVector &a, const NodalVector &b, const NodalVector &weight)
   {
     const NodePartition &partition = *a.partition();
-    NodeLanes of_rank = 0.;
+    NodeLanes rank_sum = 0.;
     for (unsigned int i = 0, n = partition.n_owned(); i < n; ++i)
       if (*weight.node(i) > 0.)
-        of_rank += load_node(a.node(i)) * load_node(b.node(i));
+        rank_sum += load_node(a.node(i)) * load_node(b.node(i));
     Slots sum;
-    store_node(of_rank, sum.data());
+    store_node(rank_sum, sum.data());
     return ordered_sum(sum, partition.communicator());
   }
 
@@ -46,7 +46,7 @@ namespace tombolo
       diagonal.reinit(partition, Quantity::scalar);
     }
 
-    /** @p nodes are local numbers; of the @p matrix the lower triangle is taken. */
+    /** @p nodes are local numbers; of the @p matrix the lower triangle is used. */
     void add_cell(const std::array<unsigned int, n_corners> &nodes,
                   const std::array<double, n_corners * n_corners> &matrix)
     {
@@ -135,7 +135,7 @@ namespace tombolo
         preconditioned.make_symmetric();
         return dot_by_slot(residual, preconditioned, preconditioner);
       };
-      // What the residual is without a solution at the free nodes.
+      // The residual without a solution at the free nodes.
       NodalVector start = solution.copy();
       for (unsigned int i = 0; i < n_owned; ++i)
         if (*preconditioner.node(i) > 0.)
@@ -182,9 +182,10 @@ namespace tombolo
         for (unsigned int slot = 0; slot < node_stride; ++slot)
           factor[slot] = step[slot] != 0. ? next[slot] / square[slot] : 0.;
         square = next;
-        const NodeLanes of_former = load_node(factor.data());
+        const NodeLanes former_factor = load_node(factor.data());
         for (unsigned int i = 0; i < n_owned; ++i)
-          store_node(load_node(preconditioned.node(i)) + of_former * load_node(direction.node(i)),
+          store_node(load_node(preconditioned.node(i)) +
+                         former_factor * load_node(direction.node(i)),
                      direction.node(i));
       }
       solution.update_ghosts();

@@ -16,7 +16,7 @@ namespace tombolo
   template <int dim>
   struct ReceivedCell;
 
-  /** A cell whose corners move to other places, while the material stays where it is. */
+  /** A cell whose corners move, while the material stays where it is. */
   template <int dim>
   struct RemapCell
   {
@@ -27,12 +27,12 @@ namespace tombolo
     /** Whether the surface of the body has moved at one of its corners, so that cells of after need
      * not cover all of it. */
     bool is_cut = false;
-    double body = 0; ///< its number (Bodies); for interpolation, which does not see the mesh
+    double body = 0; ///< its number (Bodies); for interpolation, which does not use the mesh
     /** Whether it has no material before, and is to have none after. */
     bool is_void_before = false, is_void_after = false;
 
-    /** Whether it is another one after: at another place, filled or emptied. Void cells that stay
-     * void do not count. */
+    /** Whether it changes: at another position, filled or emptied. Void cells that stay void do not
+     * count. */
     bool has_moved() const
     {
       if (is_void_before || is_void_after)
@@ -47,10 +47,10 @@ namespace tombolo
   /**
    * The overlap of the cells of a part before and after their corners have moved, exactly: every
    * simplex of before is cut by those of after. The mass of a sub-cell of before is uniform in what
-   * cells of after cover of it; one that they do not cover at all gives it to those around
-   * (give_to_neighbours()). Gives the integrals of the conservative projection of nodal fields, and
-   * which sub-cell of before gives how much to which sub-cell of after. Cells of before are sent to
-   * the ranks whose cells they reach.
+   * cells of after cover of it; that of one that they do not cover at all is distributed to those
+   * around (distribute_to_neighbours()). Contains the integrals of the conservative projection of
+   * nodal fields, and the share of each sub-cell of before in each sub-cell of after. Cells of
+   * before are sent to the ranks whose cells they reach.
    */
   template <int dim>
   class CellOverlap
@@ -67,7 +67,7 @@ namespace tombolo
       std::vector<double> values; ///< ∫ ρ Ψ_J z, by field, corner and slot
     };
 
-    /** What a sub-cell of before has within one of after. */
+    /** The part of a sub-cell of before within one of after. */
     struct Share
     {
       unsigned int to;   ///< cell · n_sub_cells + sub-cell of this rank
@@ -76,7 +76,7 @@ namespace tombolo
       dealii::Tensor<1, dim> moment; ///< ∫ x
     };
 
-    /** A sub-cell of before, of this rank, as all cells of after see it. */
+    /** A sub-cell of before, of this rank, as far as cells of after cover it. */
     struct Covered
     {
       double volume = 0;
@@ -98,8 +98,8 @@ namespace tombolo
       return cells[cell].has_moved() && !cells[cell].is_void_after;
     }
 
-    /** Whether a cell of any rank has moved: otherwise nothing changes, and there is nothing else
-     * here. */
+    /** Whether a cell of any rank has moved: otherwise nothing changes, and the results below are
+     * empty. */
     bool has_motion = false;
     const std::vector<RemapCell<dim>> &cells;
     std::vector<Integrals> integrals; ///< of each cell of after
@@ -112,32 +112,31 @@ namespace tombolo
 
     /** Sends @p n values of each cell of before that has moved to the ranks that received it, in
      * the order of Share::from. Collective. */
-    std::vector<double> forward(const std::vector<double> &of_cells, unsigned int n) const;
+    std::vector<double> forward(const std::vector<double> &cell_values, unsigned int n) const;
 
     /**
-     * Sub-cells of before that no cell of after covers (is_uncovered) give their mass, and what it
-     * carries, to those around that are covered, by their masses: first to all of cells that share
-     * a node with theirs. They have no mass then. Sums over all sub-cells of m and of m s stay to
-     * round-off.
+     * Distributes the mass of sub-cells of before that no cell of after covers (is_uncovered), and
+     * what it carries, to those around that are covered, by their masses: first to all of cells
+     * that share a node with theirs. They have no mass then. Sums over all sub-cells of m and of m
+     * s stay to round-off.
      *
      * @p mass by cell and sub-cell [M]; @p values by cell, sub-cell and component, @p n_components
-     * per mass. Throws a RunError with the place where there is nothing around to take it.
-     * Collective.
+     * per mass. Throws a RunError with the position where none around can receive it. Collective.
      */
-    void give_to_neighbours(const std::shared_ptr<const NodePartition> &partition,
-                            unsigned int n_components, std::vector<double> &mass,
-                            std::vector<double> &values) const;
+    void distribute_to_neighbours(const std::shared_ptr<const NodePartition> &partition,
+                                  unsigned int n_components, std::vector<double> &mass,
+                                  std::vector<double> &values) const;
 
   private:
     using Received = ReceivedCell<dim>;
 
     void send_cells(const std::vector<const NodalVector *> &fields);
-    /** Gives all of the mass of cells that are cut to what is covered of them, once it is known.
-     * Simplices with the same density as before do not count any more. Collective. */
+    /** Distributes all of the mass of cells that are cut to their covered part, after this is
+     * determined. Simplices with the same density as before do not count any more. Collective. */
     void change_densities(std::vector<Received> &received,
                           const std::shared_ptr<const NodePartition> &partition);
     void add_unmoved(unsigned int cell, const std::vector<const NodalVector *> &fields);
-    /** Brings what received cells have given back to their owners. Collective. */
+    /** Sends the covered parts of received cells back to their owners. Collective. */
     void return_covered(const std::vector<Received> &received);
 
     unsigned int n_fields;

@@ -44,13 +44,13 @@ namespace tombolo
     /** Whether no simplex of a cell is turned over or flat. */
     static bool are_positive(const typename SubCells<dim>::Corners &corners);
 
-    /** The volumes of the sub-cells [L^dim]; with @p positive_ones without simplices that are
+    /** The volumes of the sub-cells [L^dim]; with @p only_positive without simplices that are
      * turned over. */
     static std::array<double, SubCells<dim>::n_sub_cells>
-    volumes(const typename SubCells<dim>::Corners &corners, bool positive_ones = false);
+    volumes(const typename SubCells<dim>::Corners &corners, bool only_positive = false);
   };
 
-  /** The barycentric coordinates of a simplex as functions of the place. */
+  /** The barycentric coordinates of a simplex as functions of the point. */
   template <int dim>
   class BarycentricCoordinates
   {
@@ -58,7 +58,7 @@ namespace tombolo
     /** Of a simplex whose volume is not zero. */
     explicit BarycentricCoordinates(const typename CellSimplices<dim>::Vertices &vertices);
 
-    void evaluate(const dealii::Point<dim> &place, double (&coordinates)[dim + 1]) const;
+    void evaluate(const dealii::Point<dim> &point, double (&coordinates)[dim + 1]) const;
 
   private:
     dealii::Point<dim> origin;
@@ -85,8 +85,8 @@ namespace tombolo
              const NodalVector &position)
   {
     std::vector<typename SubCells<dim>::Corners> result;
-    for (const auto &of_cell : nodes)
-      result.push_back(corners_at<dim>(of_cell, position));
+    for (const auto &cell_nodes : nodes)
+      result.push_back(corners_at<dim>(cell_nodes, position));
     return result;
   }
 
@@ -110,12 +110,12 @@ namespace tombolo
     std::array<unsigned int, SubCells<dim>::n_sub_cells> points_of_sub_cell{};
 
     /** The same by vertex and simplex, eight simplices at a time; those beyond repeat the first. */
-    std::uint8_t of_vertex[dim + 1][n_padded];
+    std::uint8_t vertex_points[dim + 1][n_padded];
     /** The shares by corner and point; points beyond repeat the first. */
-    double of_corner[n_corners][16];
+    double corner_shares[n_corners][16];
     /** The shares by point and corner, and their sums over the vertices of each simplex. Corners
      * beyond are zero. */
-    double of_point[n_points][8], of_simplex[n_simplices][8];
+    double point_shares[n_points][8], simplex_shares[n_simplices][8];
 
     /** The simplices, as bits, that have at least one of these @p points, which are 16 bits. */
     unsigned int simplices_at(const unsigned int points) const
@@ -125,7 +125,7 @@ namespace tombolo
 
     /** A matrix of the corners, by rows, from one of the points: Pᵀ M P with the shares P. */
     std::array<double, n_corners * n_corners>
-    matrix_of_corners(const double (&of_points)[n_points][n_points]) const
+    matrix_of_corners(const double (&point_matrix)[n_points][n_points]) const
     {
       EightDoubles rows[n_corners];
       for (EightDoubles &row : rows)
@@ -134,7 +134,7 @@ namespace tombolo
       {
         EightDoubles half = 0.;
         for (unsigned int q = 0; q < n_points; ++q)
-          half += of_points[p][q] * load_eight(of_point[q]);
+          half += point_matrix[p][q] * load_eight(point_shares[q]);
         for (unsigned int a = 0; a < n_corners; ++a)
           if (shares[p][a] != 0.)
             rows[a] += shares[p][a] * half;
@@ -162,7 +162,8 @@ namespace tombolo
     std::array<unsigned int, 256> simplices_of_low{}, simplices_of_high{}; // by bits of points
   };
 
-  /** A cell by the places of its points (SimplexPoints), and its simplices, eight at a time. */
+  /** A cell by the coordinates of its points (SimplexPoints), and its simplices, eight at a
+   * time. */
   template <int dim>
   class SimplexLanes
   {
@@ -174,13 +175,13 @@ namespace tombolo
 
     explicit SimplexLanes(const typename SubCells<dim>::Corners &corners);
 
-    double place[dim][16]; ///< of points; those beyond repeat the first
+    double coordinates[dim][16]; ///< of points; those beyond repeat the first
 
     dealii::Point<dim> point(const unsigned int number) const
     {
       dealii::Point<dim> result;
       for (unsigned int d = 0; d < dim; ++d)
-        result[d] = place[d][number];
+        result[d] = coordinates[d][number];
       return result;
     }
 
@@ -194,17 +195,17 @@ namespace tombolo
 
     Edges edges(const unsigned int group) const
     {
-      const auto &of_vertex = SimplexPoints<dim>::instance().of_vertex;
+      const auto &vertex_points = SimplexPoints<dim>::instance().vertex_points;
       Edges result;
       EightDoubles(&e)[dim][dim] = result.edge;
       EightDoubles(&c)[dim][dim] = result.cofactor;
       TOMBOLO_UNROLL
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const double centre = place[d][SimplexPoints<dim>::centre];
+        const double centre = coordinates[d][SimplexPoints<dim>::centre];
         TOMBOLO_UNROLL
         for (unsigned int k = 0; k < dim; ++k)
-          e[k][d] = pick_eight(place[d], of_vertex[k] + std::size_t(8) * group) - centre;
+          e[k][d] = pick_eight(coordinates[d], vertex_points[k] + std::size_t(8) * group) - centre;
       }
       if constexpr (dim == 2)
       {
@@ -240,14 +241,14 @@ namespace tombolo
   template <int dim>
   SimplexLanes<dim>::SimplexLanes(const typename SubCells<dim>::Corners &corners)
   {
-    const auto &shares = SimplexPoints<dim>::instance().of_corner;
+    const auto &shares = SimplexPoints<dim>::instance().corner_shares;
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int first = 0; first < 16; first += 8)
       {
         EightDoubles sum = corners[0][d] * load_eight(shares[0] + first);
         for (unsigned int a = 1; a < corners.size(); ++a)
           sum += corners[a][d] * load_eight(shares[a] + first);
-        store_eight(sum, place[d] + first);
+        store_eight(sum, coordinates[d] + first);
       }
   }
 } // namespace tombolo

@@ -18,7 +18,7 @@ namespace tombolo
     constexpr unsigned int n_points = SimplexPoints<dim>::n_points;
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
     const SimplexLanes<dim> lanes(corners);
-    double of_simplices[dim][dim][SimplexLanes<dim>::n_padded]; // without the centre
+    double simplex_products[dim][dim][SimplexLanes<dim>::n_padded]; // without the centre
     for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
     {
       const auto edges = lanes.edges(group);
@@ -29,26 +29,26 @@ namespace tombolo
           EightDoubles product = edges.cofactor[v][0] * edges.cofactor[w][0];
           for (unsigned int d = 1; d < dim; ++d)
             product += edges.cofactor[v][d] * edges.cofactor[w][d];
-          store_eight(factor * product, of_simplices[v][w] + std::size_t(8) * group);
+          store_eight(factor * product, simplex_products[v][w] + std::size_t(8) * group);
         }
     }
-    double of_points[n_points][n_points] = {};
+    double point_matrix[n_points][n_points] = {};
     for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
       for (unsigned int v = 0; v < dim; ++v)
         for (unsigned int w = 0; w < dim; ++w)
-          of_points[points.vertices[s][v]][points.vertices[s][w]] +=
-              of_simplices[std::max(v, w)][std::min(v, w)][s];
+          point_matrix[points.vertices[s][v]][points.vertices[s][w]] +=
+              simplex_products[std::max(v, w)][std::min(v, w)][s];
     // The sum of every row is zero.
     constexpr unsigned int centre = SimplexPoints<dim>::centre;
     for (unsigned int p = 0; p < centre; ++p)
     {
       double sum = 0;
       for (unsigned int q = 0; q < centre; ++q)
-        sum += of_points[p][q];
-      of_points[p][centre] = of_points[centre][p] = -sum;
-      of_points[centre][centre] += sum;
+        sum += point_matrix[p][q];
+      point_matrix[p][centre] = point_matrix[centre][p] = -sum;
+      point_matrix[centre][centre] += sum;
     }
-    return points.matrix_of_corners(of_points);
+    return points.matrix_of_corners(point_matrix);
   }
 
   /** ∂x/∂X around nodes, the mean over what is there initially: a vector of each column. */
@@ -67,17 +67,17 @@ namespace tombolo
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
     const auto add_cell = [&](const std::size_t c)
     {
-      const SimplexLanes<dim> of_lattice(lattice[c]);
+      const SimplexLanes<dim> lattice_lanes(lattice[c]);
       const SimplexLanes<dim> present(corners_at<dim>(nodes[c], position));
       // ∂x/∂X times the volume, and this one.
-      double of_simplices[dim * dim + 1][SimplexLanes<dim>::n_padded];
+      double simplex_values[dim * dim + 1][SimplexLanes<dim>::n_padded];
       for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
       {
-        const auto edges = of_lattice.edges(group), moved = present.edges(group);
+        const auto edges = lattice_lanes.edges(group), moved = present.edges(group);
         const auto store = [&](const EightDoubles &value, const unsigned int entry)
         {
           store_eight(SimplexLanes<dim>::volume_factor * value,
-                      of_simplices[entry] + std::size_t(8) * group);
+                      simplex_values[entry] + std::size_t(8) * group);
         };
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int b = 0; b < dim; ++b)
@@ -89,20 +89,20 @@ namespace tombolo
           }
         store(edges.determinant, dim * dim);
       }
-      double of_corners[dim * dim + 1][8];
+      double corner_values[dim * dim + 1][8];
       for (unsigned int entry = 0; entry <= dim * dim; ++entry)
       {
         EightDoubles sum = 0.;
         for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
-          sum += of_simplices[entry][s] * load_eight(points.of_simplex[s]);
-        store_eight(sum, of_corners[entry]);
+          sum += simplex_values[entry][s] * load_eight(points.simplex_shares[s]);
+        store_eight(sum, corner_values[entry]);
       }
       for (unsigned int k = 0; k < n; ++k)
       {
-        *volume.node(nodes[c][k]) += of_corners[dim * dim][k];
+        *volume.node(nodes[c][k]) += corner_values[dim * dim][k];
         for (unsigned int b = 0; b < dim; ++b)
           for (unsigned int a = 0; a < dim; ++a)
-            result[b].node(nodes[c][k])[a] += of_corners[a * dim + b][k];
+            result[b].node(nodes[c][k])[a] += corner_values[a * dim + b][k];
       }
     };
     std::vector<NodalVector *> sums{&volume};
@@ -123,13 +123,13 @@ namespace tombolo
   }
 
   /**
-   * Places for inner nodes that are to the present positions of all other nodes as in the lattice
-   * of the start: the displacement from the lattice is harmonic there, with the functions of
-   * CellSimplices. So a lattice that was deformed affinely stays what it is, whatever its grading.
+   * Positions of inner nodes from the present positions of all other nodes: the displacement from
+   * the initial lattice is harmonic there, with the functions of CellSimplices. So a lattice that
+   * was deformed affinely stays what it is, whatever its grading.
    *
    * @p nodes and @p lattice: local numbers and initial corners of the cells of the part on this
-   * rank; @p is_free (scalar, owned nodes): positive where a node is placed anew; @p position gets
-   * the places, with current ghosts. @p initial: initial positions. @p reduction: see
+   * rank; @p is_free (scalar, owned nodes): positive where a node is placed anew; @p position
+   * receives the result, with current ghosts. @p initial: initial positions. @p reduction: see
    * CellMatrices::solve(). Collective.
    */
   template <int dim>
@@ -152,15 +152,15 @@ namespace tombolo
     constexpr double tolerance = 1e-14;
     matrices.solve(nothing, preconditioner, tolerance, displacement, reduction);
     position.fill(
-        [&](const unsigned int i, double *const place)
+        [&](const unsigned int i, double *const value)
         {
           for (unsigned int d = 0; d<dim && * is_free.node(i)> 0.; ++d)
-            place[d] = initial.node(i)[d] + displacement.node(i)[d];
+            value[d] = initial.node(i)[d] + displacement.node(i)[d];
         });
   }
 
   /**
-   * A step of inner nodes towards places at which the initial positions, as functions of the
+   * A step of inner nodes towards positions at which the initial positions, as functions of the
    * present ones, are harmonic (Winslow). Cells stay apart there where place_inner_nodes() would
    * fold them, above a cavity of the surface. Returns displacements, zero elsewhere.
    *

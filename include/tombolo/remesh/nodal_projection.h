@@ -17,37 +17,37 @@
 
 namespace tombolo
 {
-  /** The largest of the values that cells of all ranks give to each node. First raise(), then
-   * share(), then the rest. */
+  /** The largest of the values of the cells of all ranks at each node. First raise(), then share(),
+   * then the rest. */
   class NodeMaxima
   {
   public:
-    /** Nodes that get no value have @p nothing. */
+    /** Nodes without a value have @p nothing. */
     explicit NodeMaxima(const std::shared_ptr<const NodePartition> &partition,
                         const double nothing = -1e300)
-        : of_nodes(std::make_unique<Vector>(partition->scalars()))
+        : maxima(std::make_unique<Vector>(partition->scalars()))
     {
       for (unsigned int i = 0; i < partition->n_owned() + partition->n_ghosts(); ++i)
-        of_nodes->local_element(i) = nothing;
+        maxima->local_element(i) = nothing;
     }
 
     void raise(const unsigned int node, const double value)
     {
-      double &of_node = of_nodes->local_element(node);
-      of_node = std::max(of_node, value);
+      double &node_maximum = maxima->local_element(node);
+      node_maximum = std::max(node_maximum, value);
     }
 
     /** Collective. */
     void share()
     {
-      of_nodes->compress(dealii::VectorOperation::max);
-      of_nodes->update_ghost_values();
+      maxima->compress(dealii::VectorOperation::max);
+      maxima->update_ghost_values();
     }
 
     /** Of an owned or ghost node. */
     double operator[](const unsigned int node) const
     {
-      return of_nodes->local_element(node);
+      return maxima->local_element(node);
     }
 
     template <typename Nodes>
@@ -61,7 +61,7 @@ namespace tombolo
 
   private:
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
-    std::unique_ptr<Vector> of_nodes; // a Vector that is copied or moved loses its ghosts
+    std::unique_ptr<Vector> maxima; // a Vector that is copied or moved loses its ghosts
   };
 
   template <int dim>
@@ -123,9 +123,9 @@ namespace tombolo
       NodeMaxima next(field.partition());
       for (const RemapCell<dim> &cell : cells)
       {
-        const double of_cell = result.largest_of(cell.nodes);
+        const double cell_maximum = result.largest_of(cell.nodes);
         for (const unsigned int node : cell.nodes)
-          next.raise(node, of_cell);
+          next.raise(node, cell_maximum);
       }
       next.share();
       result = std::move(next);
@@ -142,14 +142,14 @@ namespace tombolo
    *
    * in the present body, with the functions of CellSimplices and the exact integrals of
    * CellOverlap. d_J is what node J has of @p mass_after beyond the integrals, and never less than
-   * zero: the mass of other parts there, and what the lumped masses of cells that stay have. Nodes
-   * that have moved get for d what the field is in the mean around them. One shift of all nodes
-   * keeps Σ m z. Linear fields stay where d is zero or nodes stay, constant ones everywhere. Nodes
-   * that have lost all cells have zero.
+   * zero: the mass of other parts there, and what the lumped masses of cells that stay have. At
+   * nodes that have moved, d is multiplied by the mean of the field around them. One shift of all
+   * nodes keeps Σ m z. Linear fields stay where d is zero or nodes stay, constant ones everywhere.
+   * Nodes that have lost all cells have zero.
    *
    * @p field number @p number of the overlap, node_stride slots; @p mass and @p mass_after: scalar,
-   * in the measure of ρ, at owned nodes. @p field gets the values of after, with current ghosts.
-   * Collective.
+   * in the measure of ρ, at owned nodes. @p field receives the values of after, with current
+   * ghosts. Collective.
    */
   template <int dim>
   void project_nodal_field(const CellOverlap<dim> &overlap, const unsigned int number,
@@ -175,7 +175,7 @@ namespace tombolo
     {
       if (!(*after.node(i) > 0.))
       {
-        // A node that has lost all of its cells gives what it had to the others.
+        // The content of a node that has lost all of its cells is distributed to the others.
         if (!(*mass.node(i) > 0.) || *mass_after.node(i) > 0.)
           continue;
         for (unsigned int slot = 0; slot < node_stride; ++slot)
@@ -199,7 +199,7 @@ namespace tombolo
     }
     constexpr double tolerance = 1e-15;
     matrices.solve(right_side, weight, tolerance, field);
-    // What the iterations and masses that shrink left of the sums.
+    // Restores the sums, which the iterations and masses that shrink have changed.
     for (unsigned int i = 0; i < n_owned; ++i)
     {
       sums[2 * node_stride] += new_mass(i);
@@ -218,8 +218,8 @@ namespace tombolo
   /**
    * Keeps a field of project_nodal_field() between the values that it had @p before, with ghosts,
    * at nodes up to two cells away: a projection overshoots beside steep gradients. What this adds
-   * or takes goes to where there is room for it around cells that have moved, so that Σ m z stays.
-   * @p mass: m⁺, at owned nodes. Collective.
+   * or removes is distributed where there is room for it around cells that have moved, so that Σ m
+   * z stays. @p mass: m⁺, at owned nodes. Collective.
    */
   template <int dim>
   void limit_nodal_field(const CellOverlap<dim> &overlap, const NodalVector &before,
@@ -272,25 +272,25 @@ namespace tombolo
   template <int dim>
   std::array<double, SubCells<dim>::n_corners>
   masses_of_corners(const typename SubCells<dim>::Corners &corners,
-                    const double *const of_sub_cells)
+                    const double *const sub_cell_masses)
   {
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-    double of_simplices[SimplexLanes<dim>::n_padded];
-    SimplexLanes<dim>(corners).find_volumes(of_simplices);
+    double simplex_volumes[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(simplex_volumes);
     std::array<double, SubCells<dim>::n_sub_cells> volumes{};
     for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
     {
       // Simplices that are turned over, as there can be next to void cells, have nothing.
-      of_simplices[s] = std::max(0., of_simplices[s]);
-      volumes[points.sub_cell[s]] += of_simplices[s];
+      simplex_volumes[s] = std::max(0., simplex_volumes[s]);
+      volumes[points.sub_cell[s]] += simplex_volumes[s];
     }
     std::array<double, SubCells<dim>::n_corners> result{};
     for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
     {
       const unsigned int sub_cell = points.sub_cell[s];
-      const double mass = of_sub_cells[sub_cell] / volumes[sub_cell] * of_simplices[s];
+      const double mass = sub_cell_masses[sub_cell] / volumes[sub_cell] * simplex_volumes[s];
       for (unsigned int k = 0; k < result.size(); ++k)
-        result[k] += mass * points.of_simplex[s][k] / (dim + 1);
+        result[k] += mass * points.simplex_shares[s][k] / (dim + 1);
     }
     return result;
   }

@@ -45,16 +45,16 @@ namespace tombolo
   };
 
   /**
-   * The conservative remap of the state of points: a sub-cell of after gets the means, weighted by
-   * mass, of what it covers of the sub-cells of before, in which the state is linear: a least
+   * The conservative remap of the state of points: a sub-cell of after receives the means, weighted
+   * by mass, of what it covers of the sub-cells of before, in which the state is linear: a least
    * squares gradient over the cells around, limited so that nothing exceeds the values around. Σ m
    * s stays to round-off for each component, bounds are kept, and linear fields away from extrema
-   * are exact at the centres of mass. In the end the sub-cells of a cell get the same density,
-   * where those with too much give to those with too little.
+   * are exact at the centres of mass. In the end the sub-cells of a cell have the same density, by
+   * an exchange between those with too much and those with too little.
    *
-   * The values of cells that have not moved stay but for this exchange. Void cells of after
-   * have neither mass nor values. Throws a RunError where a sub-cell has left all cells, and there
-   * is none around to take its mass. Collective.
+   * The values of cells that have not moved stay but for this exchange. Void cells of after have
+   * neither mass nor values. Throws a RunError where a sub-cell has left all cells, and there is
+   * none around to receive its mass. Collective.
    */
   template <int dim>
   void remap_points(const CellOverlap<dim> &overlap,
@@ -62,15 +62,15 @@ namespace tombolo
 
   /** The values of sub-cells where every cell has one point: linear in each cell, with limited
    * slopes, so that the means of remap_points() over cells conserve, keep bounds and are of second
-   * order as well. @p of_cells has one value a cell; RemapCell::mass are the masses of the
+   * order as well. @p cell_values has one value a cell; RemapCell::mass are the masses of the
    * sub-cells. Collective. */
   template <int dim>
   PointValues values_of_sub_cells(const std::vector<RemapCell<dim>> &cells,
                                   const std::shared_ptr<const NodePartition> &partition,
-                                  const PointValues &of_cells);
+                                  const PointValues &cell_values);
 
-  /** Puts the means and the masses of sub-cells into the cells that have moved. */
+  /** Sets the means and the masses of cells that have moved from those of their sub-cells. */
   template <int dim>
-  void set_means_of_cells(const std::vector<RemapCell<dim>> &cells, const PointValues &of_sub_cells,
-                          PointValues &of_cells);
+  void set_means_of_cells(const std::vector<RemapCell<dim>> &cells,
+                          const PointValues &sub_cell_values, PointValues &cell_values);
 } // namespace tombolo

@@ -26,7 +26,7 @@ namespace tombolo
     /** Of lists that are read eight entries at a time. */
     using Numbers = std::array<std::uint8_t, 16>;
 
-    /** What a plane leaves of a shape. */
+    /** The rest of a shape behind a plane. */
     struct Rest
     {
       /** Unless vertices are on sides of the plane that those of a convex polyhedron cannot be
@@ -74,10 +74,10 @@ namespace tombolo
     std::vector<Fan> fans;               // by shape
   };
 
-  /** What an old and a new simplex have in common, in pieces that are simplices. */
+  /** The common part of an old and a new simplex, in pieces that are simplices. */
   namespace SimplexOverlap
   {
-    /** A place by its barycentric coordinates in the new simplex. */
+    /** A point by its barycentric coordinates in the new simplex. */
     template <int dim>
     struct Vertex
     {
@@ -214,9 +214,9 @@ namespace tombolo
   };
 
   /**
-   * What old simplices have in common with one new simplex, many at a time: tetrahedra are cut as
-   * convex polyhedra (ClippedTetrahedra), plane by plane for all of them. So processors need not
-   * guess what a plane leaves of the next one.
+   * The common parts of old simplices and one new simplex, many at a time: tetrahedra are cut as
+   * convex polyhedra (ClippedTetrahedra), plane by plane for all of them. So there are no branches
+   * by what a plane leaves.
    */
   template <int dim>
   class SimplexOverlaps
@@ -225,7 +225,7 @@ namespace tombolo
     /** Coordinates of 16 points in the new simplex, by coordinate. */
     using Points = double[dim + 1][16];
 
-    /** Forgets all old simplices. Buffers are kept. */
+    /** Removes all old simplices. Buffers are kept. */
     void clear()
     {
       n_polyhedra = 0;
@@ -237,7 +237,7 @@ namespace tombolo
     /** Cuts away what is outside of the new simplex. */
     void clip();
 
-    /** The simplices that may have something left, by the order in which they came. */
+    /** The simplices that may have a rest, by the order in which they were added. */
     const std::vector<unsigned int> &left() const
     {
       return kept;

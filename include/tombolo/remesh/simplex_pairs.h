@@ -27,9 +27,9 @@ namespace tombolo
       const SimplexLanes<dim> lanes(corners);
       for (unsigned int d = 0; d < dim; ++d)
       {
-        std::copy_n(lanes.place[d], 16, place[d]);
-        lower[d] = *std::min_element(place[d], place[d] + 16);
-        upper[d] = *std::max_element(place[d], place[d] + 16);
+        std::copy_n(lanes.coordinates[d], 16, coordinates[d]);
+        lower[d] = *std::min_element(coordinates[d], coordinates[d] + 16);
+        upper[d] = *std::max_element(coordinates[d], coordinates[d] + 16);
       }
       for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
       {
@@ -43,14 +43,14 @@ namespace tombolo
         double gradient[dim + 1][dim][8];
         for (unsigned int d = 0; d < dim; ++d)
         {
-          EightDoubles of_centre = 0.;
+          EightDoubles centre_gradient = 0.;
           for (unsigned int k = 0; k < dim; ++k)
           {
             const EightDoubles value = inverse * edges.cofactor[k][d];
             store_eight(value, gradient[k][d]);
-            of_centre -= value;
+            centre_gradient -= value;
           }
-          store_eight(of_centre, gradient[dim][d]);
+          store_eight(centre_gradient, gradient[dim][d]);
         }
         for (unsigned int s = 8 * group; s < std::min(8 * (group + 1), n_simplices); ++s)
           for (unsigned int d = 0; d < dim; ++d)
@@ -61,7 +61,7 @@ namespace tombolo
     }
 
     dealii::Point<dim> lower, upper;             ///< of the box around its points
-    alignas(64) double place[dim][16];           ///< of points; those beyond repeat the first
+    alignas(64) double coordinates[dim][16];     ///< of points; those beyond repeat the first
     double volume[SimplexPoints<dim>::n_padded]; ///< of simplices
     /** Bits of the simplices that count: those that are not turned over or flat, or some of them.
      */
@@ -89,17 +89,17 @@ namespace tombolo
   class SimplexPairs
   {
   public:
-    /** An old simplex that may have something in common with the new one. */
+    /** An old simplex that may overlap the new one. */
     struct Pair
     {
       /** The coordinates of the old simplex at the vertices of the new one, rows. In two
        * dimensions the last row repeats the first. */
       alignas(64) double old_at_new[4][4];
-      unsigned int cell; ///< its place in the order of add_cell()
+      unsigned int cell; ///< its index in the order of add_cell()
       unsigned int simplex;
     };
 
-    /** Forgets all old cells. */
+    /** Removes all old cells. */
     void clear_cells()
     {
       cells.clear();
@@ -124,21 +124,21 @@ namespace tombolo
       cells.push_back(&cell);
     }
 
-    /** Goes on to another new simplex, of a positive volume, with all old simplices that may have
-     * something in common with it. */
-    void start(const SimplexCell<dim> &of_new, const unsigned int simplex)
+    /** Begins another new simplex, of a positive volume, with all old simplices that may overlap
+     * it. */
+    void start(const SimplexCell<dim> &new_cell, const unsigned int simplex)
     {
       overlaps.clear();
       n_pairs = 0;
-      set_place(of_new, simplex);
+      set_simplex(new_cell, simplex);
       for (unsigned int first = 0; first < cells.size(); first += 8)
       {
         unsigned int is_apart = 0;
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const double *const of_group = box.data() + (std::size_t(first) / 8 * dim + d) * 16;
-          is_apart |= bits_of(load_eight(of_group) > upper[d]) |
-                      bits_of(load_eight(of_group + 8) < lower[d]);
+          const double *const group_box = box.data() + (std::size_t(first) / 8 * dim + d) * 16;
+          is_apart |= bits_of(load_eight(group_box) > upper[d]) |
+                      bits_of(load_eight(group_box + 8) < lower[d]);
         }
         for (unsigned int is_near = ~is_apart & 0xFFu; is_near != 0; is_near &= is_near - 1)
           add_pairs(first + first_bit(is_near));
@@ -167,27 +167,27 @@ namespace tombolo
       return static_cast<unsigned int>(__builtin_ctz(bits));
     }
 
-    void set_place(const SimplexCell<dim> &of_new, const unsigned int simplex)
+    void set_simplex(const SimplexCell<dim> &new_cell, const unsigned int simplex)
     {
       const std::uint8_t *const points = SimplexPoints<dim>::instance().vertices[simplex].data();
       for (unsigned int d = 0; d < dim; ++d)
       {
-        lower[d] = upper[d] = origin[d] = of_new.place[d][points[0]];
+        lower[d] = upper[d] = origin[d] = new_cell.coordinates[d][points[0]];
         for (unsigned int k = 0; k < 4; ++k)
         {
-          const double of_vertex = of_new.place[d][points[k <= dim ? k : 0]];
-          std::fill_n(place[d] + 4 * k, 4, of_vertex);
-          lower[d] = std::min(lower[d], of_vertex);
-          upper[d] = std::max(upper[d], of_vertex);
+          const double vertex_coordinate = new_cell.coordinates[d][points[k <= dim ? k : 0]];
+          std::fill_n(vertex_lanes[d] + 4 * k, 4, vertex_coordinate);
+          lower[d] = std::min(lower[d], vertex_coordinate);
+          upper[d] = std::max(upper[d], vertex_coordinate);
         }
         for (unsigned int k = 0; k < dim; ++k)
-          gradient[k][d] = of_new.gradients(simplex)[d][k + 1];
+          gradient[k][d] = new_cell.gradients(simplex)[d][k + 1];
       }
     }
     void add_pairs(const unsigned int number)
     {
       const SimplexCell<dim> &cell = *cells[number];
-      const SimplexPoints<dim> &of_cell = SimplexPoints<dim>::instance();
+      const SimplexPoints<dim> &simplex_points = SimplexPoints<dim>::instance();
       alignas(64) typename SimplexOverlaps<dim>::Points points; // in the new simplex
       unsigned int in_front[dim + 1] = {};
       for (unsigned int first = 0; first < 16; first += 8)
@@ -195,7 +195,7 @@ namespace tombolo
         EightDoubles offset[dim], last = 1.;
         TOMBOLO_UNROLL
         for (unsigned int d = 0; d < dim; ++d)
-          offset[d] = load_eight(cell.place[d] + first) - origin[d];
+          offset[d] = load_eight(cell.coordinates[d] + first) - origin[d];
         TOMBOLO_UNROLL
         for (unsigned int k = 0; k < dim; ++k)
         {
@@ -212,8 +212,8 @@ namespace tombolo
       }
       // Those that are not all behind one side of the new simplex.
       unsigned int candidates = cell.counts;
-      for (const unsigned int of_side : in_front)
-        candidates &= of_cell.simplices_at(of_side);
+      for (const unsigned int side_points : in_front)
+        candidates &= simplex_points.simplices_at(side_points);
       const std::size_t first_pair = n_pairs;
       if (pairs.size() < n_pairs + SimplexPoints<dim>::n_simplices)
         pairs.resize(n_pairs + SimplexPoints<dim>::n_simplices);
@@ -222,35 +222,36 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         TOMBOLO_UNROLL
       for (unsigned int half = 0; half < 2; ++half)
-        offset[d][half] = load_eight(place[d] + std::size_t(8) * half) -
-                          cell.place[d][SimplexPoints<dim>::centre];
+        offset[d][half] = load_eight(vertex_lanes[d] + std::size_t(8) * half) -
+                          cell.coordinates[d][SimplexPoints<dim>::centre];
       for (; candidates != 0; candidates &= candidates - 1)
         add_pair(cell, number, first_bit(candidates), offset);
       for (std::size_t pair = first_pair; pair < n_pairs; ++pair)
-        overlaps.add(points, of_cell.vertices[pairs[pair].simplex].data());
+        overlaps.add(points, simplex_points.vertices[pairs[pair].simplex].data());
     }
-    /** @p offset: the vertices of the new simplex from the centre of the old cell, as place. */
+    /** @p offset: the vertices of the new simplex from the centre of the old cell, as
+     * vertex_lanes. */
     TOMBOLO_ALWAYS_INLINE void add_pair(const SimplexCell<dim> &cell, const unsigned int number,
                                         const unsigned int simplex,
                                         const EightDoubles (&offset)[dim][2])
     {
       Pair &pair = pairs[n_pairs];
       // Coordinates at the centre; with an entry beyond, which is always in front.
-      alignas(32) static constexpr double of_centre[4] = {0., 0., dim == 2 ? 1. : 0., 1.};
-      const double(&of_old)[dim][4] = cell.gradients(simplex);
-      EightDoubles low = repeat_four(of_centre), high = low; // of two vertices each
+      alignas(32) static constexpr double centre_coordinates[4] = {0., 0., dim == 2 ? 1. : 0., 1.};
+      const double(&old_gradients)[dim][4] = cell.gradients(simplex);
+      EightDoubles low = repeat_four(centre_coordinates), high = low; // of two vertices each
       TOMBOLO_UNROLL
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const EightDoubles of_component = repeat_four(of_old[d]);
-        low += offset[d][0] * of_component;
-        high += offset[d][1] * of_component;
+        const EightDoubles component_gradient = repeat_four(old_gradients[d]);
+        low += offset[d][0] * component_gradient;
+        high += offset[d][1] * component_gradient;
       }
       store_eight(low, pair.old_at_new[0]);
       store_eight(high, pair.old_at_new[2]);
       pair.cell = number;
       pair.simplex = simplex;
-      // Unless the new one is behind a side of the old one; a sum in place of a branch, which would
+      // Unless the new one is behind a side of the old one; a sum instead of a branch, which would
       // follow no pattern.
       const unsigned int in_front = bits_of(std::experimental::max(low, high) > 0.);
       n_pairs += ((in_front | (in_front >> 4)) & 15u) == 15u ? 1 : 0;
@@ -258,9 +259,9 @@ namespace tombolo
 
     std::vector<const SimplexCell<dim> *> cells;
     std::vector<double> box; // of cells: lower and upper ends by component, eight cells at a time
-    dealii::Point<dim> lower, upper;        // of the new simplex
-    double origin[dim], gradient[dim][dim]; // of coordinates but the first
-    alignas(64) double place[dim][16];      // each component of vertices four times
+    dealii::Point<dim> lower, upper;          // of the new simplex
+    double origin[dim], gradient[dim][dim];   // of coordinates but the first
+    alignas(64) double vertex_lanes[dim][16]; // each component of vertices four times
     SimplexOverlaps<dim> overlaps;
     std::vector<Pair> pairs; // the first n_pairs of them, and room for those of one cell
     std::size_t n_pairs = 0;
