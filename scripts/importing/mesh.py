@@ -257,6 +257,17 @@ class Mesh:
                 total += max(cross_area(points, order) for order in ((0, 2, 1, 3), (0, 1, 2, 3), (0, 3, 1, 2)))
         return total
 
+    def is_outward(self, face):
+        """Whether the nodes of a face of the boundary go round against the clock as seen from outside; in the plane it is not
+        asked."""
+        if len(face) == 2:
+            return True
+        a, b, c, d = (self.points[node] for node in face)
+        cell = self.cells[self.boundary_faces[tuple(sorted(face))]].nodes
+        one, other = ([y - x for x, y in zip(*ends)] for ends in ((a, c), (b, d)))
+        out = [sum(self.points[node][k] for node in face) / 4 - sum(self.points[node][k] for node in cell) / 8 for k in range(3)]
+        return sum(out[k] * (one[k - 2] * other[k - 1] - one[k - 1] * other[k - 2]) for k in range(3)) > 0
+
     def nodes_of_groups(self, names):
         return {node for name in names for c in self.groups.get(name, ()) for node in self.cells[c].nodes}
 

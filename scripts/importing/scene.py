@@ -10,6 +10,9 @@ from .text import DeckError
 PARTICLES = "momentum consistent particle"
 MOST_NODES_OF_A_PREDICATE = 100
 LARGEST_RATIO_OF_DENSITIES = 1000
+STEPS_OF_INTEGRAL = 20
+# Of the flow stress of Johnson and Cook: no temperature is above the reference.
+WITHOUT_SOFTENING = {"Thermal exponent": "1", "Melting temperature": "2e+09", "Reference temperature": "1e+09"}
 KINDS = (("Conditions", "Condition"), ("Initial conditions", "Initial condition"), ("Contacts", "Contact"),
          ("Body contacts", "Body contact"), ("Processes", "Process"))
 
@@ -110,14 +113,12 @@ class Scene:
         corners = nodes & self.nodes_of_cells()
         if on_faces and on_faces == corners:
             return {"Boundary": name or self.new_set(corners)}
-        predicate = self.box_of(nodes)
-        if predicate is None and len(nodes) <= MOST_NODES_OF_A_PREDICATE:
-            predicate = " || ".join("(" + self.near(range(mesh.dimension), mesh.points[node], mesh.points[node]) + ")"
-                                    for node in sorted(nodes))
+        predicate = self.predicate_of(nodes)
         if predicate is not None:
             return {"Where": predicate}
         if not on_faces:
-            raise NotUnderstood(f"its {len(nodes)} nodes make no face of the boundary")
+            raise NotUnderstood(f"its {len(nodes)} nodes make no face of the boundary" + (
+                ", and others lie where they do" if self.has_others_at(nodes) else ""))
         self.report.remark(f'{len(corners) - len(on_faces)} of {len(corners)} nodes of "{name}" are on none of its faces: '
                            "conditions leave them out.")
         return {"Boundary": name or self.new_set(corners)}
@@ -150,7 +151,37 @@ class Scene:
             self.mesh.surfaces[name] = [tuple(face) for face in faces]
         return name
 
-    def box_of(self, nodes):
+    def at_start(self, nodes):
+        """Entries of an initial condition that select nodes: parts, a predicate, or a predicate in a part. Nothing where
+        there are none."""
+        names = self.parts_of_nodes(nodes)
+        if names:
+            return {} if len(names) == len(self.parts) else {"Part": ", ".join(names)}
+        nodes = set(nodes) & self.nodes_of_cells()
+        for part in (None, *self.parts):
+            among = self.nodes_of_part(part) if part else None
+            predicate = self.predicate_of(nodes, among) if part is None or nodes <= among else None
+            if predicate is not None:
+                return {**({"Part": part.name} if part else {}), "Where": predicate}
+        return None
+
+    def predicate_of(self, nodes, among=None):
+        """A predicate of a box, or of the places of few nodes, that these nodes alone fulfil, if there is one: of all nodes
+        or among some."""
+        predicate, points = self.box_of(nodes, among), self.mesh.points
+        if predicate is not None or len(nodes) > MOST_NODES_OF_A_PREDICATE or self.has_others_at(nodes, among):
+            return predicate
+        return " || ".join("(" + self.near(range(self.mesh.dimension), points[node], points[node]) + ")"
+                           for node in sorted(nodes))
+
+    def has_others_at(self, nodes, among=None):
+        """Whether other nodes lie where these do, as where bodies touch."""
+        def at(node):
+            return tuple(round(x / self.tolerance()) for x in self.mesh.points[node])
+        places = {at(node) for node in nodes}
+        return any(at(node) in places for node in (self.nodes_of_elements() if among is None else among) - set(nodes))
+
+    def box_of(self, nodes, among=None):
         """A predicate of a box that has these nodes alone, if there is one."""
         if not nodes:
             raise NotUnderstood("none of its nodes is one of a cell")
@@ -158,7 +189,7 @@ class Scene:
         points = [mesh.points[node] for node in nodes]
         low, high = ([end(point[d] for point in points) for d in range(dimension)] for end in (min, max))
         eps = self.tolerance()
-        everything = self.places_of_elements()
+        everything = self.places_of_elements() if among is None else [mesh.points[node] for node in among]
         inside = sum(all(a - eps <= x <= b + eps for x, a, b in zip(point, low, high)) for point in everything)
         if inside != len(nodes):
             return None
@@ -310,6 +341,18 @@ def plastic_curve(points, fail):
     return points
 
 
+def integral(points):
+    """Of a table over time, with points between where it bends."""
+    way, result = 0.0, []
+    for (t, v), (next_t, next_v) in zip(points, points[1:]):
+        steps = 1 if v == next_v else STEPS_OF_INTEGRAL
+        for k in range(steps):
+            share = k / steps
+            result.append((t + share * (next_t - t), way + share * (next_t - t) * (v + share * (next_v - v) / 2)))
+        way += (next_t - t) * (v + next_v) / 2
+    return [*result, (points[-1][0], way)]
+
+
 def interpolated(points, x):
     """The value of a table, constant beyond its ends."""
     if x <= points[0][0]:
@@ -336,12 +379,32 @@ def at_one_temperature(constants, temperature, remarks):
     return result
 
 
-def tabular_over_rates(rows):
-    """Of (strain rate, points of a curve): a table over all their strains, constant beyond a curve's end."""
+def over_temperature(points):
+    """The text of pairs of temperature and value."""
+    return ", ".join(f"{number(temperature)}: {number(value)}" for temperature, value in points)
+
+
+def expansion_increments(points, zero, fail):
+    """Of coefficients that give the whole expansion since a temperature, those of its increments: the derivative of
+    α(T) (T - zero) for α that is linear between temperatures and constant beyond them."""
+    if any(b <= a for (a, _), (b, _) in zip(points, points[1:])):
+        fail("the temperatures of an expansion must increase.")
+    if len(points) < 2:
+        return points
+    gap = 1e-6 * (points[-1][0] - points[0][0])
+    result = [(points[0][0] - gap, points[0][1])]
+    for (t, a), (next_t, b) in zip(points, points[1:]):
+        slope = (b - a) / (next_t - t)
+        result += [(t + gap, a + slope * (t - zero)), (next_t - gap, b + slope * (next_t - zero))]
+    return [*result, (points[-1][0] + gap, points[-1][1])]
+
+
+def tabular_over(entry, rows):
+    """Of (strain rate or temperature, points of a curve): a table over all their strains, constant beyond a curve's end."""
     strains = sorted({strain for _, points in rows for strain, _ in points})
     return {"Flow stress": "tabular", "tabular": {
         "Plastic strains": ", ".join(map(number, strains)),
-        "Strain rates": ", ".join(number(rate) for rate, _ in rows),
+        entry: ", ".join(number(value) for value, _ in rows),
         "Flow stresses": "; ".join(", ".join(number(interpolated(points, strain)) for strain in strains) for _, points in rows)}}
 
 

@@ -78,6 +78,7 @@ class DynaCards(DeckTest):
                 ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 2, 3, 3, 7), "SBOXID = 7 is not understood"),
                 ("TIEBREAK_SURFACE_TO_SURFACE", card(1, 2, 3, 3), "a layer of particles that shares its nodes with both"),
                 ("AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", card(1, 2, 3, 3), "a layer of particles that shares its nodes"),
+                ("TIED_SURFACE_TO_SURFACE_FAILURE", card(1, 2, 3, 3), "a layer of particles that shares its nodes"),
                 ("SURFACE_TO_SURFACE_TIED_WELD", card(1, 2, 3, 3), "with a `Bonding temperature`"),
                 ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 9, 3, 3), "none of its parts has solid elements"),
                 ("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 9, 3, 2), "there is no part set 9"),
@@ -85,6 +86,7 @@ class DynaCards(DeckTest):
             with self.subTest(reason):
                 self.check(of(keyword, sides), reason + ", so that this is left out" if "not" in reason else reason,
                            "!Body contact: joint")
+        self.check(of("SURFACE_TO_SURFACE", card(1, 2, 3, 3), card(2, 7)), "FS = 2 names a table of friction", "!set Friction = 2")
         self.check(of("AUTOMATIC_SURFACE_TO_SURFACE", card(1, 2, 3, 3), card(0, 0, 0, 0, 0, 0, 0, "1.0E-6")),
                    "DT = 1.0E-6 is not understood, so that this is left out")
 
@@ -203,6 +205,92 @@ class DynaCards(DeckTest):
         self.check(replaced(BAR, (END, "*DAMPING_GLOBAL\n" + card(0, 1000) + "\n*CONTROL_TIMESTEP\n" +
                                   card(0, 0.8, 0, 0, "-1.0E-7") + "\n" + END)),
                    "set Rate = 1000", "set Target time step = 8e-08", "set Safety factor = 0.8")
+
+    def test_numbers_of_two_things_are_refused(self):
+        for keyword, cards in (("PART", "twin\n" + card(1, 1, 1)), ("SECTION_SOLID", card(1, 1)),
+                               ("MAT_ELASTIC", card(1, "7.85E-9", 1000.0)), ("SET_NODE_LIST", card(1) + "\n" + card(17)),
+                               ("DEFINE_CURVE", card(1) + "\n" + card(0, 1, width=20) + "\n" + card(1, 1, width=20))):
+            with self.subTest(keyword), self.assertRaisesRegex(DeckError, "two .* of number 1|has the number 1 of another"):
+                self.converted(replaced(BAR, (END, f"*{keyword}\n{cards}\n{END}")), "deck.k")
+
+    def test_fields_that_have_no_counterpart_are_said(self):
+        for cards, *parts in (
+                ("*CONTROL_TIMESTEP\n" + card(0, 1.2, 0, 0, "1.0E-7"), "TSSFAC = 1.2 is not used", "DT2MS = 1.0E-7 is not used",
+                 "!set Target", "!set Safety"),
+                ("*CONTROL_IMPLICIT_GENERAL\n" + card(2), "IMFLAG = 2 is not used", "!quasi-static"),
+                ("*CONTROL_IMPLICIT_GENERAL\n" + card(1) + "\n*CONTROL_IMPLICIT_DYNAMICS\n" + card(1),
+                 "steps of motion (*CONTROL_IMPLICIT_DYNAMICS) are explicit here", "!quasi-static"),
+                ("*DEFINE_CURVE\n" + card(7) + "\n" + card(0, 0, width=20) + "\n" + card("1.0E-7", 1, width=20) +
+                 "\n*LOAD_BODY_Z\n" + card(7), "the curve 7 ends at the time 1e-07, and the run at 1e-06")):
+            with self.subTest(parts[0]):
+                self.check(replaced(BAR, (END, cards + "\n" + END)), *parts)
+        self.check(replaced(BAR, (card(1, 2), card(1, 11))), "ELFORM = 11 is no hexahedron of one or of eight points")
+
+    def test_velocities_of_single_nodes_count(self):
+        text = replaced(BAR, (END, "*INITIAL_VELOCITY_NODE\n" + card(1, 7.0) + "\n*INITIAL_VELOCITY\n" + card(0) + "\n" +
+                              card(3.0) + "\n" + END))
+        self.check(text, "set Initial conditions = flight 1, flight 2", "flight 1 set Velocity = 3; 0; 0",
+                   "set Velocity = 7; 0; 0")
+
+    def test_body_loads_of_a_set_of_parts(self):
+        loads = "*LOAD_BODY_X\n" + card(6, 2.0) + "\n*LOAD_BODY_PARTS\n" + card(3) + "\n*SET_PART_LIST\n" + card(3) + "\n"
+        # The punch has nodes where the blank has some.
+        self.check(replaced(PRESS, (END, loads + card(1) + "\n" + END)), "the parts of *LOAD_BODY_PARTS are neither all nor those "
+                   "of a box, so that this is left out", "!set Function = -2*table")
+        text = replaced(BAR, ("*SECTION", "*PART\nend\n" + card(2, 1, 1) + "\n*SECTION"), ("       4       1", "       4       2"))
+        self.check(replaced(text, (END, loads.replace(card(6, 2.0), card(1, 2.0)) + card(2) + "\n" + END)),
+                   "set Type = gravity set Where = x > 2.999996 && x < 4.000004 set Function = -2*table(deck_curve_1.csv, t); 0; 0")
+        self.check(replaced(PRESS, (END, loads + card(1, 2) + "\n" + END)), "set Type = gravity set Function = -2*table")
+
+    def test_parts_of_one_material_with_other_heat(self):
+        heat = "".join("*MAT_THERMAL_ISOTROPIC\n" + card(k) + "\n" + card("4.5E8", 10 * k) + "\n" for k in (8, 9))
+        parts = "".join(f"*PART\n{name}\n" + card(k, 1, 1, 0, 0, 0, 0, thermal) + "\n"
+                        for k, name, thermal in ((1, "bar", 8), (2, "end", 9), (3, "tip", 9)))
+        elements = [line for line in BAR.split("\n") if line.startswith(("       3       1", "       4       1"))]
+        self.check(replaced(BAR, (BAR[BAR.index("*PART"):BAR.index("*SECTION")], heat + parts), *(
+            (line, line[:15] + str(k) + line[16:]) for k, line in enumerate(elements, 2))),
+            "set Materials = material 1, material 1 (2)", "set Conductivity = 80", "set Conductivity = 90",
+            "subsection Part: tip set Cells = group part 3 set Formulation = fully integrated hexahedron set Material = material 1 (2)")
+
+    def test_tables_of_temperature(self):
+        curves = "".join(f"*DEFINE_CURVE\n{card(k)}\n{card(0, s, width=20)}\n{card(0.1, s + 50, width=20)}\n"
+                         for k, s in ((51, 300), (52, 100)))
+        material = ("*MAT_106\n" + card(1, "7.85E-9", 210000, 0.3, 300, 0, 50) + "\n" + card(0) + "\n" +
+                    card(0, 0, 0, 0, 0, 0, 0, -60) + "\n" + card(0, 0, 20.0) + "\n*DEFINE_TABLE\n" + card(50) + "\n" +
+                    card(20.0, width=20) + "\n" + card(520.0, width=20) + "\n" + curves + "*DEFINE_CURVE\n" + card(60) + "\n" +
+                    card(20, "1E-5", width=20) + "\n" + card(1020, "2E-5", width=20) + "\n*MAT_THERMAL_ISOTROPIC\n" + card(9) +
+                    "\n" + card("4.5E8", 50) + "\n")
+        text = replaced(BAR, (ELASTIC, material), (card(1, 1, 1), card(1, 1, 1, 0, 0, 0, 0, 9)))
+        # The expansion from 20 to 1020 is 0.02: the mean of its increments.
+        self.check(text, "set Temperatures = 20, 520 set Flow stresses = 300, 350; 100, 150", "!Strain rates",
+                   "set Thermal expansion = 19.999: 1e-05, 20.001: 1e-05, 1019.999: 3e-05, 1020.001: 2e-05")
+        with self.assertRaisesRegex(DeckError, "LCALPH of material 1: 61 is no"):
+            self.converted(text.replace("-60", "-61"), "deck.k")
+
+    def test_johnson_cook_without_temperatures(self):
+        material = ("*MAT_JOHNSON_COOK\n" + card(1, "7.85E-9", 80000, 210000, 0.3) + "\n" + card(90, 292, 0.31) + "\n" + card(0) +
+                    "\n" + card(0) + "\n")
+        self.check(replaced(BAR, (ELASTIC, material)), "TM is not above TR: there is no thermal softening",
+                   "set Melting temperature = 2e+09", "set Reference rate = 1", "CP = 0: plastic work does not heat", "!Taylor-Quinney")
+
+    def test_a_pressure_pulls_where_segments_go_round_the_other_way(self):
+        def of(*segments):
+            return replaced(BAR, (END, "*SET_SEGMENT\n" + card(3) + "\n" + "".join(card(*one) + "\n" for one in segments) +
+                                  "*LOAD_SEGMENT_SET\n" + card(3, 1, 2.0) + "\n" + END))
+        end, foot, inward = (17, 18, 19, 20), (1, 4, 3, 2), (20, 19, 18, 17)
+        self.check(of(end, foot), "set Function = 2*table", "!pulls")
+        self.check(of(inward), "set Function = -2*table", "the segments go round as seen from inside: a pressure on them pulls")
+        self.check(of(inward, foot), "its segments go round both ways", "!set Type = pressure")
+
+    def test_moduli_and_sets_that_are_wrong(self):
+        with self.assertRaisesRegex(DeckError, "ETAN of material 1 is 210000. Allowed is a tangent modulus below E = 210000"):
+            self.converted(replaced(BAR, ("*MAT_ELASTIC", "*MAT_003"), (card(0.3), card(0.3, 300, 210000.0))), "deck.k")
+        with self.assertRaisesRegex(DeckError, "has pairs of a first and a last number"):
+            self.converted(replaced(BAR, ("*SET_NODE_LIST\n", "*SET_NODE_LIST_GENERATE\n"), (card(1, 2, 3, 4), card(1, 2, 3))), "deck.k")
+        with self.assertRaisesRegex(DeckError, 'There are two parameters "e", 1.0 and 2.0'):
+            self.converted(replaced(BAR, ("*PART\n", "*PARAMETER\nR  e       1.0\nR  e       2.0\n*PART\n")), "deck.k")
+        with self.assertRaisesRegex(DeckError, "has 9 numbers. Allowed are eight on a card"):
+            self.converted(replaced(BAR, (card(1, 2, 3, 4), "1,2,3,4,5,6,7,8,9")), "deck.k")
 
 
 main()

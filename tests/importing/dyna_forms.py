@@ -57,6 +57,9 @@ FORMS = {
         r"(?m)^(.{16})(.+)$", rf"\1\n\2{card(0, 0, width=8)}", ELEMENTS).replace("*ELEMENT_SO\nLID", "*ELEMENT_SOLID")),
     "tabs": lambda bar: bar.replace(ELEMENTS, re.sub(r"(\d) +", r"\1\t", re.sub(r"(?m)^ +", "", ELEMENTS))),
     "wide fields": wide,
+    "wide fields of a keyword alone": lambda bar: bar.replace(ELEMENTS, "*ELEMENT_SOLID %\n" + "".join(
+        card(*line.split()) + "\n" for line in ELEMENTS.split("\n")[1:-1])),
+    "blanks about a sign of equality": lambda bar: wide(bar).replace("LONG=Y", "LONG = Y"),
     "exponents without letters": lambda bar: bar.replace("7.85E-09", " 7.85-09").replace("  210000.0", "    2.1+05"),
     "exponents of Fortran": lambda bar: bar.replace("7.85E-09", "7.85D-09").replace(
         "        4.000000", "    4.000000D+00"),

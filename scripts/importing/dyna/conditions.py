@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Supports, drives and loads: *BOUNDARY_..., *LOAD_..., TC of *NODE."""
 
-from ..scene import NotUnderstood, number
+from ..scene import NotUnderstood, integral, number
 
 AXES = "xyz"
 NEVER = 1e19
@@ -69,8 +69,9 @@ def local_axes(converter, directions, what):
 
 
 def is_at_rest(converter):
-    return any(record.peek("IMFLAG") == 1 for section in converter.deck.named("CONTROL_IMPLICIT_GENERAL")
-               for record in section.records())
+    def says(keyword, field):
+        return any(record.peek(field) == 1 for section in converter.deck.named(keyword) for record in section.records())
+    return says("CONTROL_IMPLICIT_GENERAL", "IMFLAG") and not says("CONTROL_IMPLICIT_DYNAMICS", "IMASS")
 
 
 def times(converter, record):
@@ -287,16 +288,8 @@ def rigid_motion(converter, record):
 
 def integrated(converter, number_of_curve):
     """A curve of velocity as one of displacement, with points between where it bends."""
-    points, way, result = converter.curves[number_of_curve].points, 0.0, []
-    for (t, v), (next_t, next_v) in zip(points, points[1:]):
-        steps = 1 if v == next_v else 20
-        for k in range(steps):
-            share = k / steps
-            result.append((t + share * (next_t - t), way + share * (next_t - t) * (v + share * (next_v - v) / 2)))
-        way += (next_t - t) * (v + next_v) / 2
-    result.append((points[-1][0], way))
     key = f"{number_of_curve}_integrated"
-    converter.integrated[key] = result
+    converter.integrated[key] = integral(converter.curves[number_of_curve].points)
     return key
 
 
@@ -340,8 +333,19 @@ def pressure(converter, record):
     birth, death = record.number("AT"), record.number("DT")
     if record.unused():
         return
+    factor *= way_of_segments(converter, converter.mesh.surfaces.get(name, ()), record.line)
     yield "Conditions", "pressure", {"Boundary": name, "Type": "pressure",
                                      "Function": pressure_of_time(converter, factor, curve, birth, death)}
+
+
+def way_of_segments(converter, faces, line):
+    """1 where segments of the boundary are numbered as seen from outside, -1 where a pressure on them pulls."""
+    ways = {converter.mesh.is_outward(face) for face in faces}
+    if len(ways) > 1:
+        raise NotUnderstood("its segments go round both ways: it would press on some and pull on others")
+    if ways == {False}:
+        converter.report.note(line.place, "the segments go round as seen from inside: a pressure on them pulls.")
+    return -1 if ways == {False} else 1
 
 
 def pressure_of_time(converter, factor, curve, birth, death):
@@ -370,6 +374,7 @@ def pressure_on_segments(converter, section):
         wanted = [face for face, _ in faces if tuple(sorted(face)) in converter.mesh.boundary_faces]
         if len(wanted) < len(faces):
             raise NotUnderstood(f"{len(faces) - len(wanted)} of its segments are no faces of the boundary")
+        factor *= way_of_segments(converter, wanted, faces[0][1].line)
         name = converter.scene.new_surface(wanted, f"segments of {place}".replace('"', ""))
         converter.scene.add("Conditions", "pressure", {
             "Boundary": name, "Type": "pressure",
@@ -384,8 +389,27 @@ def body_load(converter, record):
     factor, curve = function_of_time(converter, record)
     if record.unused():
         return
-    yield "Conditions", "gravity", {"Type": "gravity", "Function": components(
+    yield "Conditions", "gravity", {"Type": "gravity", **where_of_body_loads(converter), "Function": components(
         converter, axis, times_table(converter, -factor, curve), "0")}
+
+
+def where_of_body_loads(converter):
+    """*LOAD_BODY_PARTS restricts all of them to a set of parts."""
+    for section in converter.deck.named("LOAD_BODY_PARTS"):
+        section.is_read = True
+        for record in section.records():
+            number_of_set = record.integer("PSID")
+            if number_of_set not in converter.mesh.sets.parts_of_set:
+                raise NotUnderstood(f"there is no part set {number_of_set}")
+            nodes = converter.mesh.nodes_of_groups(
+                f"part {part}" for part in converter.mesh.sets.parts_of_set[number_of_set])
+            if converter.scene.at_start(nodes) == {}:
+                return {}
+            predicate = converter.scene.box_of(nodes)
+            if predicate is None:
+                raise NotUnderstood("the parts of *LOAD_BODY_PARTS are neither all nor those of a box")
+            return {"Where": predicate}
+    return {}
 
 
 def temperature(converter, record):

@@ -12,7 +12,7 @@ KINDS = re.compile("SURFACE_TO_SURFACE|NODES_TO_SURFACE|SINGLE_SURFACE|AUTOMATIC
 OFFSET = re.compile("(_CONSTRAINED|_BEAM)?_OFFSET")
 # What is not read, by a part of its name, and what to take instead.
 OTHER_KINDS = (
-    ("TIEBREAK", "no contact here holds bodies until a stress (nearest are `Type = tied`, which does not break, or a layer of "
+    ("TIEBREAK|FAILURE", "no contact here holds bodies until a stress (nearest are `Type = tied`, which does not break, or a layer of "
                  "particles that shares its nodes with both and has `Bond failure = principal stress`)"),
     ("TIED_WELD", "it is no tie from the start (take `Type = touching` with a `Bonding temperature`)"),
     ("DRAWBEAD", "beads are no contacts here (take a `traction` on the sheet, or make the bead a part of the tool)"),
@@ -150,6 +150,8 @@ def contact(converter, record):
         record.number("FD")
     else:
         converter.numerical(record, "FD")
+    if friction == 2 and record.peek("FD") > 0:
+        raise NotUnderstood("FS = 2 names a table of friction by FD")
     if not 0 <= friction <= STICKING:
         raise NotUnderstood(f"FS = {friction:g} is not understood (0 to {STICKING} are)")
     converter.until_the_end(record, "DT")

@@ -2,6 +2,7 @@
 """*CONTROL_..., *DATABASE_..., *DAMPING_...: how long, in which steps, and what is written."""
 
 from ..scene import NotUnderstood, number
+from .conditions import is_at_rest
 
 
 def termination(converter, record):
@@ -9,11 +10,15 @@ def termination(converter, record):
 
 
 def time_step(converter, record):
-    """TSSFAC is of a similar limit. DT2MS below zero adds mass where steps are smaller."""
-    factor = record.number("TSSFAC") or 0.9
-    if 0 < factor <= 1 and factor != 0.9:
+    """TSSFAC is of a similar limit. DT2MS below zero adds mass where steps are smaller; above zero it changes all masses."""
+    factor = record.peek("TSSFAC") or 0.9
+    if 0 < factor <= 1:
+        record.number("TSSFAC")
+    else:
+        factor = 0.9
+    if factor != 0.9:
         converter.scene.sections.setdefault("Time step", {})["Safety factor"] = number(factor)
-    if record.number("DT2MS") < 0:
+    if record.peek("DT2MS") < 0:
         converter.scene.sections["Scaling"] = {"Target time step": number(-record.number("DT2MS") * factor)}
 
 
@@ -24,10 +29,14 @@ def viscosity(converter, record):
 
 
 def implicit(converter, record):
-    if record.integer("IMFLAG") == 1:
+    if is_at_rest(converter):
+        record.integer("IMFLAG")
         converter.scene.head["Time integration"] = "quasi-static"
         if record.number("DT0"):
             converter.scene.sections["Statics"] = {"Largest step": number(record.number("DT0"))}
+    elif record.peek("IMFLAG") == 1:
+        converter.report.note(record.line.place, f"*{record.section.keyword}: steps of motion (*CONTROL_IMPLICIT_DYNAMICS) are "
+                              "explicit here.")
 
 
 def damping(converter, record):
@@ -132,7 +141,8 @@ def try_to_add(converter, section, line, add, members, *further):
 
 
 RECORDS = {"CONTROL_TERMINATION": termination, "CONTROL_TIMESTEP": time_step, "CONTROL_BULK_VISCOSITY": viscosity,
-           "CONTROL_IMPLICIT_GENERAL": implicit, "DAMPING_GLOBAL": damping, "DATABASE_BINARY_D3PLOT": pictures,
+           "CONTROL_IMPLICIT_GENERAL": implicit, "CONTROL_IMPLICIT_DYNAMICS": lambda converter, record: record.integer("IMASS"),
+            "DAMPING_GLOBAL": damping, "DATABASE_BINARY_D3PLOT": pictures,
            "DATABASE_GLSTAT": statistics, "DATABASE_MATSUM": further("part history"),
            "DATABASE_NODOUT": interval("probes", "Interval"),
            "DATABASE_ELOUT": interval("point history", "Time between rows"),

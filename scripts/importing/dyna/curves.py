@@ -39,6 +39,12 @@ class Used(dict):
         self.used.add(number)
         return super().__getitem__(number)
 
+    def define(self, number, thing, section):
+        """Adds a thing; two of one number are refused."""
+        if number in self:
+            section.line.fail(f"*{section.keyword} has the number {number} of another one before it.")
+        self[number] = thing
+
     def unused(self):
         return [(number, thing) for number, thing in self.items() if number not in self.used]
 
@@ -48,13 +54,13 @@ class Curves(Used):
 
     def __init__(self, deck, report):
         super().__init__()
-        self.tables = {}
+        self.report, self.tables, self.of_time = report, {}, set()
         sections = deck.named("DEFINE_CURVE", "DEFINE_TABLE", "DEFINE_TABLE_2D")
         for section in sections:
             section.is_read = True
             if section.name == "DEFINE_CURVE":
                 curve = Curve(section, report)
-                self[curve.number] = curve
+                self.define(curve.number, curve, section)
         for place, section in enumerate(sections):
             if section.name == "DEFINE_TABLE_2D":
                 self.add_named_curves(section)
@@ -91,4 +97,13 @@ class Curves(Used):
         """A curve as a function of time."""
         curve = self[number]
         curve.check_times()
+        self.of_time.add(number)
         return curve
+
+    def remark_early_ends(self, end):
+        """Curves of time that end before the run, unless they end at zero."""
+        for number in sorted(self.of_time):
+            time, value = self[number].points[-1]
+            if end and time < (1 - 1e-6) * end and value != 0:
+                self.report.note(self[number].line.place, f"the curve {number} ends at the time {time:g}, and the run at {end:g}. "
+                                 "Here it keeps its last value, and in LS-DYNA it is zero or goes on, by the version: add points.")

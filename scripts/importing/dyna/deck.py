@@ -241,7 +241,7 @@ class Deck(Files):
         if text.startswith("$"):
             return None
         if text.startswith("*"):
-            return self.begin(line, text[1:].upper().split())
+            return self.begin(line, re.sub(r"\s*=\s*", "=", text[1:].upper()).split())
         if self.section is None:
             if text.strip():
                 line.fail(f'"{text[:40]}" stands before the first keyword (*KEYWORD, *NODE, ...).')
@@ -267,13 +267,14 @@ class Deck(Files):
             self.formats[-1] = Format("LONG=Y" in words, "I10=Y" in words)
         form = self.formats[-1]
         form = Format((form.is_long or line.text.endswith("+")) and not line.text.endswith("-"),
-                      form.has_wide_integers)
+                      form.has_wide_integers or line.text.endswith("%"))
         self.section = Section(self, line, keyword, form, self.transforms[-1])
         if keyword.startswith("INCLUDE_") and not keyword.startswith(("INCLUDE_PATH", "INCLUDE_TRANSFORM")):
             line.fail(f"*{keyword} is not allowed: the mesh could be in the file that it names. Write all into one file, "
                       "name the file by *INCLUDE, or make the lines comments ($) if that file has nothing of the "
                       "mesh.")
-        if keyword.startswith(("NODE_TRANSFORM", "ELEMENT_GENERATE", "ELEMENT_SOLID_NURBS")):
+        if keyword.startswith(("NODE_TRANSFORM", "NODE_MERGE", "PART_MOVE", "PART_DUPLICATE", "ELEMENT_GENERATE",
+                               "ELEMENT_SOLID_NURBS")):
             line.fail(f"*{keyword} is not allowed: it makes or moves nodes or elements. Write the mesh with *NODE and "
                       "*ELEMENT_SOLID alone.")
         self.sections.append(self.section)
@@ -295,7 +296,13 @@ class Deck(Files):
                 if PARAMETER.sub("", line.text.upper()).strip():
                     line.fail("*PARAMETER: a card has pairs of type (R, I or C) with name, and value, each 10 columns "
                               "wide.")
-            self.parameters.update((name.lower(), value) for _, name, value in pairs)
+            for _, name, value in pairs:
+                self.define(line, name.lower(), value)
+
+    def define(self, line, name, value):
+        """A parameter; of two of one name LS-DYNA takes the first."""
+        if self.parameters.setdefault(name, value) != value:
+            line.fail(f'There are two parameters "{name}", {self.parameters[name]} and {value}.')
 
     def read_expressions(self, section):
         """On each card type and name, "R young", in 10 columns or before a comma, then an expression of those before.
@@ -316,7 +323,7 @@ class Deck(Files):
                 value = value_of_expression(text, {name: value for name, value in known.items() if value is not None})
             except ExpressionError as error:
                 line.fail(f"*PARAMETER_EXPRESSION: {error}.")
-            self.parameters[name] = str(int(value)) if kind == "I" else repr(float(value))
+            self.define(line, name, str(int(value)) if kind == "I" else repr(float(value)))
 
     def with_parameter(self, text, line):
         """The text, or the value of the parameter that it names."""

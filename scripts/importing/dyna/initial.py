@@ -27,9 +27,7 @@ def velocity(converter, record):
 
 
 def velocity_of_node(converter, record):
-    where = converter.scene.selection([converter.mesh.node(record.integer("NID"), record.line)])
-    if "Where" not in where:
-        raise NotUnderstood("the node is on a face of its own")
+    where = converter.nodes_as_parts([converter.mesh.node(record.integer("NID"), record.line)])
     yield "Initial conditions", "flight", {**where, "Velocity": "; ".join(velocity_of(converter, record))}
 
 

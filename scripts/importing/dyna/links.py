@@ -4,7 +4,6 @@
 from ..links import Link, Links
 from ..scene import NotUnderstood
 from .cards import form_of
-from .curves import Used
 
 MODELS = ("MAT_S01", "MAT_S02")
 
@@ -39,10 +38,8 @@ class LinkReader:
         self.part_numbers = {element.part for element in self.elements}
         self.parts = {}
         sections = converter.deck.sections
-        self.materials = Used((record.integer("MID"), record) for record in converter.records_of(
-            *(section for section in sections if form_of(section.name) in MODELS)))
-        self.forms = Used((record.integer("SECID"), record) for record in converter.records_of(
-            *converter.deck.named("SECTION_DISCRETE")))
+        self.materials = converter.by_number("MID", *(section for section in sections if form_of(section.name) in MODELS))
+        self.forms = converter.by_number("SECID", *converter.deck.named("SECTION_DISCRETE"))
 
     def connect(self):
         """Before the conditions: their ends are known."""

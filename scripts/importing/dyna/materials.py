@@ -3,7 +3,8 @@
 
 from math import exp
 
-from ..scene import at_one_temperature, linear_hardening, number, plastic_curve, tabular, tabular_over_rates
+from ..scene import (WITHOUT_SOFTENING, at_one_temperature, expansion_increments, linear_hardening, number, over_temperature,
+                     plastic_curve, tabular, tabular_over)
 from .cards import form_of
 
 MODELS = ("MAT_001", "MAT_003", "MAT_004", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
@@ -51,7 +52,12 @@ class Material:
 
     def slope(self, tangent):
         """Of the stress over the plastic strain."""
-        return self.modulus * tangent / (self.modulus - tangent) if tangent < self.modulus else 0
+        self.check_tangent(tangent, self.modulus)
+        return self.modulus * tangent / (self.modulus - tangent)
+
+    def check_tangent(self, tangent, modulus):
+        if not tangent < modulus:
+            self.line.fail(f"ETAN of material {self.number} is {tangent:g}. Allowed is a tangent modulus below E = {modulus:g}.")
 
     def read_plastic_kinematic(self):
         record = self.record
@@ -80,21 +86,25 @@ class Material:
             self.remarks.append(f"{rate}, {exponent}: the strain rate is the plastic one.")
 
     def read_failure_strain(self, name):
-        """Programs write a large number for none."""
-        if 0 < self.record.number(name) < NO_FAILURE:
-            self.failure_strain = self.record.number(name)
+        """Programs write a large number for none. One below zero means a subroutine of the user, and is not read."""
+        if 0 < self.record.peek(name) < NO_FAILURE:
+            self.failure_strain = self.record.peek(name)
+        if self.record.peek(name) > 0:
+            self.record.number(name)
 
     def curve_of_flow(self, number_of_curve):
-        """Points of a curve, or of that of the lowest strain rate of a table, of which self.rows has all."""
+        """Points of a curve, or of the first curve of a table over strain rates, of *MAT_106 over temperatures, of which
+        self.rows has all."""
         curves = self.curves
         if number_of_curve in curves.tables:
             table = curves.tables[number_of_curve]
-            if table[0][0] < 0:  # then all are natural logarithms
+            if table[0][0] < 0 and self.kind != "MAT_106":  # then all are natural logarithms
                 table = [(exp(rate), curve) for rate, curve in table]
                 self.remarks.append(f"LCSS = {number_of_curve}: between its rates stresses are linear in the rate, not in its "
                                     "logarithm.")
             if len(table) > 1:
-                self.remarks.append(f"LCSS = {number_of_curve} is a table over strain rates: they are plastic ones.")
+                if self.kind != "MAT_106":
+                    self.remarks.append(f"LCSS = {number_of_curve} is a table over strain rates: they are plastic ones.")
                 self.rows = [(rate, self.curve_of_flow(curve)) for rate, curve in table]
                 return self.rows[0][1] if all(points for _, points in self.rows) else None
             number_of_curve = table[0][1]
@@ -134,7 +144,8 @@ class Material:
         self.read_failure_strain("FAIL")
 
     def flow_of(self, points):
-        return tabular_over_rates(self.rows) if self.rows else tabular(points)
+        over = "Temperatures" if self.kind == "MAT_106" else "Strain rates"
+        return tabular_over(over, self.rows) if self.rows else tabular(points)
 
     def read_over_temperature(self):
         """Up to eight temperatures, the first of constants that do not change."""
@@ -152,8 +163,7 @@ class Material:
             return
         for _, modulus, _, _, stress, tangent in columns:
             self.refuse_zero("yield stress (SIGY)", stress)
-            if not tangent < modulus:
-                self.line.fail(f"ETAN of material {self.number} is not below E.")
+            self.check_tangent(tangent, modulus)
         self.flow = {"Flow stress": "tabular", "tabular": {
             "Plastic strains": "0, 1", **({"Temperatures": ", ".join(number(row[0]) for row in columns)} if n > 1 else {}),
             "Flow stresses": "; ".join(f"{number(s)}, {number(s + e * t / (e - t))}" for _, e, _, _, s, t in columns)}}
@@ -172,22 +182,34 @@ class Material:
             points = [(e, stress + sum(q * (1 - exp(-c * e)) for q, c in terms)) for e in strains]
         self.flow = self.flow_of(points) if points and len(points) > 1 else self.hardening(stress, 0)
         for field, entry in (("LCE", "Young's modulus"), ("LCPR", "Poisson's ratio"), ("LCALPH", "Thermal expansion")):
-            curve = record.integer(field)
-            if curve and curve in self.curves:
-                self.moduli[entry] = ", ".join(f"{number(x)}: {number(y)}" for x, y in self.curves[curve].points)
+            points = self.points_over_temperature(field)
+            if field == "LCALPH" and record.peek(field) < 0:
+                points = expansion_increments(points, record.number("TREF"), self.line.fail)
+            if points:
+                self.moduli[entry] = over_temperature(points)
         if record.number("ALPHA") and "Thermal expansion" not in self.moduli:
             self.moduli["Thermal expansion"] = number(record.number("ALPHA"))
-        curve = record.integer("LCSIGY")
-        if curve and curve in self.curves:
-            self.scale_by_temperature(self.curves[curve].points)
+        points = self.points_over_temperature("LCSIGY")
+        if points:
+            self.scale_by_temperature(points)
         self.read_rates("C", "P")
         record.number("TREF")
 
+    def points_over_temperature(self, field):
+        """Of the curve that a field names; of LCALPH a number below zero names one as well."""
+        curve = abs(self.record.integer(field)) if field == "LCALPH" else self.record.integer(field)
+        if not curve:
+            return []
+        if curve not in self.curves:
+            self.line.fail(f"{field} of material {self.number}: {curve} is no *DEFINE_CURVE of this file.")
+        return self.curves[curve].points
+
     def scale_by_temperature(self, points):
-        """Yield stresses over the temperature scale the table."""
+        """Yield stresses over the temperature scale the table, unless it is over the temperature itself."""
         rows = self.flow.get("tabular") or {"Plastic strains": "0", "Flow stresses": number(points[0][1])}
-        if "Strain rates" in rows:
-            self.remarks.append("A table is over the temperature or over the strain rate: that of the lowest rate is taken.")
+        if "Temperatures" in rows:
+            self.remarks.append("LCSIGY is left out: LCSS is a table over the temperature.")
+            return
         stresses = [float(text) for text in rows["Flow stresses"].split(";")[0].split(",")]
         self.flow = {"Flow stress": "tabular", "tabular": {
             "Plastic strains": rows["Plastic strains"], "Temperatures": ", ".join(number(x) for x, _ in points),
@@ -209,6 +231,16 @@ class Material:
                      "Specific heat capacity": number(record.number("CP")),
                      "Initial temperature": number(record.number("TR")),
                      "johnson cook": {name: number(record.number(field)) for name, field in names}}
+        cook = self.flow["johnson cook"]
+        if not record.number("TM") > record.number("TR"):
+            self.remarks.append("TM is not above TR: there is no thermal softening.")
+            cook.update(WITHOUT_SOFTENING)
+        if record.number("C") == 0 and record.number("EPSO") == 0:
+            cook["Reference rate"] = 1
+        if record.number("CP") == 0:
+            self.remarks.append("CP = 0: plastic work does not heat.")
+            for entry in ("#heat", "Taylor-Quinney coefficient", "Specific heat capacity"):
+                del self.flow[entry]
         self.read_damage()
 
     def read_damage(self):

@@ -162,6 +162,8 @@ class DynaMesh(Mesh):
             for record in section.records():
                 if record.lines:
                     record.line.integer(record.fields["PID"].text if record.fields else "", "the number of a part")
+                    if record.integer("PID") in self.titles:
+                        record.line.fail(f"There are two parts of number {record.integer('PID')}.")
                     self.titles[record.integer("PID")] = record.title
         for part in sorted(set(self.part_of_cell)):
             self.titles.setdefault(part, "")

@@ -4,7 +4,9 @@
 from ..mesh import usable
 from ..scene import PARTICLES, Part, number
 from .cards import PARTS
+from .materials import Material
 
+LAGRANGIAN = (-2, -1, 0, 1, 2, 3)  # those of solids that move with it, of one and of eight points
 ELEMENTS_OF_ELFORM = {0: "hexahedron", 1: "hexahedron"}  # others: fully integrated hexahedron
 # What CON1 of a rigid material holds, along the axes; CON2 about them.
 HELD = {0: "", 1: "x", 2: "y", 3: "z", 4: "xy", 5: "yz", 6: "zx", 7: "xyz"}
@@ -17,6 +19,7 @@ class PartReader:
         self.converter, self.scene, self.report = converter, converter.scene, converter.report
         self.names = {}
         self.rigid = set()  # numbers of rigid parts
+        self.uses = {}      # equations of state with thermal materials, by numbers of materials
         self.touches_itself = any(section.name.startswith("CONTACT_") and
                                   ("SINGLE_SURFACE" in section.name or "AUTOMATIC_GENERAL" in section.name)
                                   for section in converter.deck.sections)
@@ -36,20 +39,16 @@ class PartReader:
             converter.forget(record)
             return
         form, material, equation, thermal = (record.integer(field) for field in ("SECID", "MID", "EOSID", "TMID"))
-        materials = converter.materials
-        if equation in converter.equations and material in materials:
-            if not materials[material].equation:
-                materials[material].give_equation(converter.equations[equation])
-        elif equation:
+        if equation and equation not in converter.equations:
             report.note(record.line.place, f"the equation of state {equation} of part {number_of_part} is not "
                         "understood.")
-        if material not in materials:
+        if material not in converter.materials:
             report.note(record.line.place, f"the material {material} of part {number_of_part} is "
                         f"{converter.unread_material(material)}: write its section.")
-        elif thermal in converter.thermal:
-            materials[material].heat = converter.heat_of(converter.thermal[thermal])
-        elif thermal:
-            report.note(record.line.place, f"the thermal material {thermal} of part {number_of_part} is not understood.")
+        else:
+            material = self.material_with(material, equation, thermal)
+            if thermal and thermal not in converter.thermal:
+                report.note(record.line.place, f"the thermal material {thermal} of part {number_of_part} is not understood.")
         if form not in converter.forms:
             report.note(record.line.place, f"there is no *SECTION_SOLID {form}: part {number_of_part} is of one-point "
                         "hexahedra.")
@@ -60,6 +59,27 @@ class PartReader:
         self.names[number_of_part] = name
         section = converter.forms[form] if form in converter.forms else None
         self.scene.parts.append(self.part(name, number_of_part, section, material))
+
+    def material_with(self, number_of_material, equation, thermal):
+        """The number of a material with these two; a further one where parts before have it with others."""
+        converter = self.converter
+        uses = self.uses.setdefault(number_of_material, [])
+        is_new = (equation, thermal) not in uses
+        if is_new:
+            uses.append((equation, thermal))
+        k = uses.index((equation, thermal)) + 1
+        result = number_of_material if k == 1 else f"{number_of_material} ({k})"
+        if is_new:
+            if k > 1:
+                record = converter.materials[number_of_material].record
+                converter.materials.define(result, Material(record, converter.curves), record.section)
+                converter.materials[result].number = result
+            material = converter.materials[result]
+            if equation in converter.equations:
+                material.give_equation(converter.equations[equation])
+            if thermal in converter.thermal:
+                material.heat = converter.heat_of(converter.thermal[thermal])
+        return result
 
     def part(self, name, number_of_part, section, material):
         name_of_material = f"material {material}"
@@ -80,6 +100,9 @@ class PartReader:
         if of_material and of_material.has_damage:
             limits["Erosion damage"] = 1
         formulation = ELEMENTS_OF_ELFORM.get(elform, "fully integrated hexahedron")
+        if section is not None and section.name == "SECTION_SOLID" and elform not in LAGRANGIAN:
+            self.report.note(section.line.place, f"*{section.section.keyword}: ELFORM = {elform} is no hexahedron of one or of "
+                             "eight points; it is taken as fully integrated.")
         if self.scene.mesh.dimension == 2:
             formulation = "fully integrated hexahedron"
         return Part(name, group, formulation, name_of_material, {**limits, **viscosity})

@@ -15,8 +15,8 @@ OF_THE_MESH = ("KEYWORD", "TITLE", "INCLUDE", "INCLUDE_PATH", "INCLUDE_TRANSFORM
                "PARAMETER_EXPRESSION", "PARAMETER_EXPRESSION_LOCAL", "DEFINE_TRANSFORMATION", "NODE", "ELEMENT_SOLID", "ELEMENT_SOLID_H20", "ELEMENT_SOLID_H27", "ELEMENT_SHELL")
 # Of these a field that is not understood leaves the thing out: it would act elsewhere, or at another time.
 STRICT = {**conditions.RECORDS, **initial.RECORDS, **contacts.RECORDS}
-# They depend on others.
-LAST = ("CONTACT_",)
+# They depend on others, or count where others do as well.
+LAST = ("CONTACT_", "INITIAL_VELOCITY_NODE")
 
 
 def scene_of(deck, mesh, target, report):
@@ -38,8 +38,8 @@ class Converter:
         self.systems, self.vectors = conditions.local_systems(deck), conditions.vectors(deck)
         self.records += [curve.record for curve in self.curves.values()]
         self.read_materials()
-        self.forms = Used((record.integer("SECID"), record) for record in self.records_of(
-            *deck.named("SECTION_SOLID", "SECTION_SOLID_SPG", *(("SECTION_SHELL",) if mesh.dimension == 2 else ()))))
+        self.forms = self.by_number("SECID", *deck.named(
+            "SECTION_SOLID", "SECTION_SOLID_SPG", *(("SECTION_SHELL",) if mesh.dimension == 2 else ())))
         self.viscosity = {}
         for section in deck.named("CONTROL_BULK_VISCOSITY"):
             for record in section.records():
@@ -59,21 +59,29 @@ class Converter:
             self.read(section)
         self.links.write()
         control.intervals_of_histories(self)
+        self.curves.remark_early_ends(self.scene.end_time)
         self.report_what_is_left_out()
 
     def read_materials(self):
-        self.materials = {}
+        self.materials = Used()
         for section in self.deck.sections:
             if form_of(section.name) in MODELS:
                 for record in self.records_of(section):
                     material = Material(record, self.curves)
-                    self.materials[material.number] = material
+                    self.materials.define(material.number, material, section)
         refuse_mixed_units((material.density, material.number, material.line.place)
                            for material in self.materials.values())
-        self.equations = Used((record.integer("EOSID"), record) for record in self.records_of(
-            *(section for section in self.deck.sections if form_of(section.name) in EOS)))
-        self.thermal = Used((record.integer("TMID"), record) for record in self.records_of(
-            *(section for section in self.deck.sections if form_of(section.name) == "MAT_THERMAL_ISOTROPIC")))
+        self.equations = self.by_number("EOSID", *(
+            section for section in self.deck.sections if form_of(section.name) in EOS))
+        self.thermal = self.by_number("TMID", *(
+            section for section in self.deck.sections if form_of(section.name) == "MAT_THERMAL_ISOTROPIC"))
+
+    def by_number(self, field, *sections):
+        """Records by the number that a field of them has."""
+        result = Used()
+        for record in self.records_of(*sections):
+            result.define(record.integer(field), record, record.section)
+        return result
 
     def unread_material(self, number_of_material):
         """Words for a material of a kind that is not read, or that is not there."""
@@ -202,13 +210,10 @@ class Converter:
 
     def nodes_as_parts(self, nodes):
         """Entries of an initial condition."""
-        names = self.scene.parts_of_nodes(nodes)
-        if names:
-            return {} if len(names) == len(self.scene.parts) else {"Part": ", ".join(names)}
-        predicate = self.scene.box_of(set(nodes) & self.scene.nodes_of_cells())
-        if predicate is None:
+        entries = self.scene.at_start(nodes)
+        if entries is None:
             raise NotUnderstood("its nodes are neither those of parts nor those of a box")
-        return {"Where": predicate}
+        return entries
 
     def part_names(self, numbers):
         names = [self.parts.names[part] for part in numbers if part in self.parts.names]

@@ -46,6 +46,8 @@ class Sets:
         for field in record.unused():
             self.report.unused(field.line.place, section.keyword, f"{field.name} = {field.text}")
         one = Set(section, match[1], match[2].removeprefix("_LIST"), number, record.title, lines)
+        if (WORDS[match[1]], number) in self.known:
+            section.line.fail(f"There are two {WORDS[match[1]]}s of number {number}.")
         self.known[WORDS[match[1]], number] = one
 
     @staticmethod
@@ -72,7 +74,6 @@ class Sets:
     def members_of(self, one, name, outer):
         """Indices of nodes or cells, faces, or numbers of parts."""
         members = []
-        n_fields = 1 if one.form == "_COLUMN" else 8
         for line in one.lines:
             if not line.text.strip():
                 continue
@@ -82,14 +83,18 @@ class Sets:
             if one.kind == "SEGMENT" and one.form != "_ADD":
                 members.append(self.segment(one, line))
                 continue
-            numbers = one.section.integers(line)[:n_fields] if one.form != "_COLUMN" else \
-                one.section.integers(line, n_fields=1)
+            fields = one.section.fields(line)[:1 if one.form == "_COLUMN" else None]
+            numbers = [line.integer(text, "a number of a set") if text else 0 for text in fields]
+            if len(numbers) > 8:
+                line.fail(f"A card of *{one.section.keyword} has {len(numbers)} numbers. Allowed are eight on a card.")
             if one.form == "_COLUMN" and any(one.section.values(line)[1:]):
                 self.report.count(line.place, f"attributes of *{one.section.keyword} are not used.")
             if one.form == "_ADD":
                 for number in filter(None, numbers):
                     members += self.of_set(one, number, line, name, outer)
             elif one.form == "_GENERATE":
+                if len(numbers) % 2:
+                    line.fail(f"A card of *{one.section.keyword} has pairs of a first and a last number.")
                 for first, last in zip(numbers[::2], numbers[1::2]):
                     members += self.of_range(one, first, last)
             else:
@@ -167,8 +172,8 @@ class Sets:
         return [c for part in parts for c in self.cells_of_part.get(part, ())]
 
     def outer_faces(self, cells):
-        """Faces of cells that no other cell of the mesh has."""
+        """Faces of cells that no other cell of the mesh has, round against the clock as seen from outside."""
         if self.n_cells_of_face is None:
             self.n_cells_of_face = Counter(tuple(sorted(face)) for c in range(len(self.mesh.cells))
                                            for face in self.mesh.faces(c))
-        return [face for c in cells for face in self.mesh.faces(c) if self.n_cells_of_face[tuple(sorted(face))] == 1]
+        return [face[::-1] for c in cells for face in self.mesh.faces(c) if self.n_cells_of_face[tuple(sorted(face))] == 1]
