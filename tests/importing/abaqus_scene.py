@@ -164,6 +164,7 @@ class AbaqusScene(DeckTest):
                 (("*DENSITY\n 8.96E-9\n", ""), 'line 26: the material "COPPER" has no *DENSITY'),
                 (("124000.", "-1."), "line 29: the Young's modulus"),
                 ((" FOOT, 3, 3", " FEET, 3, 3"), 'There is no set of nodes "FEET"'),
+                ((" FOOT, 3, 3", " FOOT, 3, 1"), "line 46: the last degree of freedom is 1, and the first one is 3"),
                 ((" TOP, P, 10.", " TIP, P, 10."), 'There is no *SURFACE "TIP"'),
                 ((" 0., 0., 1E-6, 1.", " 0., 0., 0., 1."), 'the times of the amplitude "RAMP" must increase'),
                 (("AMPLITUDE=RAMP", "AMPLITUDE=RUMP"), 'There is no *AMPLITUDE "RUMP"'),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""*BOUNDARY, *CLOAD, *DLOAD, *DSLOAD, films and fluxes, *INITIAL CONDITIONS."""
+"""*BOUNDARY, *CLOAD, *DLOAD, *DSLOAD, films and fluxes."""
 
-from ..scene import NotUnderstood, number
+from ..scene import NotUnderstood, interpolated, number
 from .deck import key
 from .node_forces import NodeForces
 from .transforms import Transforms
@@ -17,13 +17,17 @@ class Amplitude:
         self.section, self.name = section, section.name_in("NAME")
         self.is_total = key(section.get("TIME", "STEP TIME")).startswith("TOTAL")
         self.definition = key(section.get("DEFINITION", "TABULAR"))
-        if key(section.get("VALUE", "RELATIVE")) != "RELATIVE":
-            section.known.discard("VALUE")
+        self.is_absolute = key(section.get("VALUE", "RELATIVE")) == "ABSOLUTE"
         numbers = [value for row in section.rows() for value in row.numbers()]
         self.points = list(zip(numbers[::2], numbers[1::2]))
 
     def points_at(self, begin):
         """Points over the time of a step that begins at a total time."""
+        if self.definition not in ("TABULAR", "SMOOTH STEP"):
+            raise NotUnderstood(f"the amplitude \"{self.name}\" has DEFINITION={self.definition} (TABULAR and SMOOTH STEP "
+                                "are understood)")
+        if self.is_absolute:
+            raise NotUnderstood(f'the amplitude "{self.name}" has VALUE=ABSOLUTE (RELATIVE is understood)')
         times = [time for time, _ in self.points]
         if len(times) < 2 or any(b <= a for a, b in zip(times, times[1:])):
             self.section.line.fail(f'the times of the amplitude "{self.name}" must increase, of two points at least.')
@@ -35,9 +39,6 @@ class Amplitude:
                     x = k / SMOOTH_STEPS
                     points.append((t + x * (next_t - t), a + (b - a) * x ** 3 * (10 - 15 * x + 6 * x * x)))
             points.append(self.points[-1])
-        elif self.definition != "TABULAR":
-            raise NotUnderstood(f"the amplitude \"{self.name}\" has DEFINITION={self.definition} (TABULAR and SMOOTH STEP "
-                                "are understood)")
         return [(time - (begin if self.is_total else 0), value) for time, value in points]
 
 
@@ -50,12 +51,16 @@ class Conditions:
         self.amplitudes, self.used_amplitudes = {}, set()
         for section in converter.deck.named("AMPLITUDE"):
             one = Amplitude(section)
+            if key(one.name) in self.amplitudes:
+                section.line.fail(f'There are two of *AMPLITUDE called "{one.name}".')
             self.amplitudes[key(one.name)] = one
         self.transforms = Transforms(converter)
         self.held = {}     # by target: values by degree of freedom, as text, with the kind
         self.loads = {}    # entries of loads by what they act on
         self.begun = set()    # keywords whose OP=NEW a step has seen
-        self.last_texts = {}  # of their functions, and those of their last values
+        self.tables = {}      # name, factor and points of tables, by the texts of their functions
+        self.last_texts = {}  # of their functions, and their last values
+        self.of_total_time = {}  # amplitudes and their factors, by the texts of their functions
 
     # Functions of time.
 
@@ -68,16 +73,27 @@ class Conditions:
             if amplitude is None:
                 section.line.fail(f'There is no *AMPLITUDE "{name}".')
             self.used_amplitudes.add(key(name))
-            points = amplitude.points_at(step.begin)
-            suffix = f"_{step.name}" if amplitude.is_total and step.begin else ""
-            file = self.scene.table("amplitude_" + "".join(c if c.isalnum() else "_" for c in amplitude.name + suffix),
-                                    points)
-            last = [v for t, v in points if t <= step.time] or [points[0][1]]
-            return f"{number(value)}*table({file}, t)", value * last[-1]
+            return self.of_amplitude(amplitude, value)
         if step.ramps and step.time and value != before:
             time = "t" if step.time == 1 else f"t/{number(step.time)}"
             return f"{number(before)} + {number(value - before)}*{time}" if before else f"{number(value)}*{time}", value
         return number(value), value
+
+    def of_amplitude(self, amplitude, value):
+        """The same of a value times an amplitude."""
+        step = self.converter.step
+        points = amplitude.points_at(step.begin)
+        suffix = f"_{step.name}" if amplitude.is_total and step.begin else ""
+        name = "amplitude_" + "".join(c if c.isalnum() else "_" for c in amplitude.name + suffix)
+        text = f"{number(value)}*table({self.scene.table(name, points)}, t)"
+        self.tables[text] = name, value, points
+        if amplitude.is_total:
+            self.of_total_time[text] = amplitude, value
+        return text, value * interpolated(points, step.time)
+
+    def in_next_step(self, text, last):
+        """A function that no further step gives anew stays as it is at the end, but for those of the total time."""
+        return self.of_amplitude(*self.of_total_time[text]) if text in self.of_total_time else (number(last), last)
 
     # At nodes.
 
@@ -86,19 +102,37 @@ class Conditions:
         if kind is None:
             raise NotUnderstood(f"TYPE={section.get('TYPE')} is not understood (DISPLACEMENT and VELOCITY are)")
         fixed = section.has("FIXED")
-        for row in section.rows():
+
+        def read(row):
             target = row.text(0)
             words = key(row.text(1))
             if words in SYMMETRIES:
                 for dof in SYMMETRIES[words]:
                     self.hold(section, row, target, dof, 0.0, kind)
-                continue
+                return
             if fixed:
                 raise NotUnderstood("FIXED is not understood")
             first = row.line.integer(row.text(1), "a degree of freedom")
             last = row.line.integer(row.text(2), "a degree of freedom") if row.text(2) else first
+            if last < first:
+                row.line.fail(f"the last degree of freedom is {last}, and the first one is {first}.")
             for dof in range(first, last + 1):
                 self.hold(section, row, target, dof, row.number(3), kind)
+        self.each_row(section, read)
+
+    def each_row(self, section, read):
+        """Reads the rows of a keyword. Those that are not understood are left out, and others are used."""
+        left_out = {}
+        for row in section.rows():
+            try:
+                read(row)
+            except NotUnderstood as reason:
+                left_out.setdefault(str(reason), []).append(row)
+        for reason, rows in left_out.items():
+            self.report.leave_out(section, [row.line for row in rows], f"{reason}, so that this is left out "
+                                  f"({rows[0].line.place})")
+            for row in rows:
+                row.is_read = [True] * len(row)
 
     def hold(self, section, row, target, dof, value, kind):
         rigid = self.converter.rigid_of(row.line, target)
@@ -109,9 +143,11 @@ class Conditions:
             return
         if not (1 <= dof <= 6 or dof == TEMPERATURE):
             raise NotUnderstood(f"the degree of freedom {dof} is not understood (1 to 3 and {TEMPERATURE} are)")
-        name = target if rigid is None else ("rigid", rigid)
+        name = key(target) if rigid is None else ("rigid", rigid)
         values = self.held.setdefault(name, {"line": row.line})
-        at_start = self.converter.initial_temperature if dof == TEMPERATURE else 0.0
+        at_start = 0.0
+        if dof == TEMPERATURE:
+            at_start = self.converter.initial.temperature_of(next(iter(self.converter.all_nodes_of(row.line, target)), None))
         before = values[dof][2] if dof in values and values[dof][0] == kind else at_start
         step = self.converter.step
         if kind == "displacement" and dof != TEMPERATURE and not step.ramps and value != 0 and \
@@ -121,17 +157,18 @@ class Conditions:
         values[dof] = (kind, text, last)
 
     def begin_step(self):
-        """What was prescribed before stays as it was at the end."""
+        """What was prescribed before goes on."""
         for values in self.held.values():
-            for dof, (kind, _, last) in self.items(values):
-                values[dof] = (kind, number(last), last)
+            for dof, (kind, text, last) in self.items(values):
+                values[dof] = (kind, *self.in_next_step(text, last))
         for target, (word, entries, place) in list(self.loads.items()):
-            text = self.last_texts.get(target)
-            if text:
-                entries = {name: value.replace(text[0], text[1]) if isinstance(value, str) else value
+            if target in self.last_texts:
+                text, last = self.last_texts[target]
+                next_text, last = self.in_next_step(text, last)
+                entries = {name: value.replace(text, next_text) if isinstance(value, str) else value
                            for name, value in entries.items()}
                 self.loads[target] = (word, entries, place)
-                self.last_texts[target] = (text[1], text[1])
+                self.last_texts[target] = (next_text, last)
 
     def conditions_of_step(self):
         """Names of conditions of what is held now."""
@@ -213,7 +250,7 @@ class Conditions:
     def value(self, section, target, what, value):
         text, last = self.function(section, value, self.last_of(section, target, what))
         self.converter.last_loads[section.name, key(target), what] = last
-        self.last_texts[section.name, key(target), what] = (text, number(last))
+        self.last_texts[section.name, key(target), what] = (text, last)
         return text
 
     def concentrated(self, section):
@@ -257,11 +294,14 @@ class Conditions:
 
     def distributed(self, section):
         """*DLOAD: P1 to P6 on faces of elements, GRAV, BX, BY, BZ."""
-        for row in section.rows():
+        def read(row):
             target, word, value = row.text(0), key(row.text(1)), row.number(2)
             if word == "GRAV":
-                direction = [row.number(k) for k in range(3, 3 + self.mesh.dimension)]
-                row.number(5)
+                direction = [row.number(k) for k in range(3, 6)]
+                if abs(sum(x * x for x in direction) - 1) > 1e-4:
+                    self.report.note(row.line.place, f"*DLOAD: the direction of GRAV is no unit vector; {value:g} times this "
+                                     "vector acts, as in CalculiX.")
+                direction = direction[:self.mesh.dimension]
                 text = self.value(section, target, word, value)
                 self.keep(section, target, word, "gravity", {
                     "Type": "gravity", **self.where_of_elements(row.line, target),
@@ -274,6 +314,7 @@ class Conditions:
                     row.line.place)
             else:
                 raise NotUnderstood(f"{word} is not understood (P1 to P6 and GRAV are)")
+        self.each_row(section, read)
 
     def where_of_elements(self, line, target):
         """Entries of a body force, which acts on nodes."""
@@ -290,7 +331,7 @@ class Conditions:
 
     def on_surfaces(self, section):
         """*DSLOAD: P, and TRVEC with a direction."""
-        for row in section.rows():
+        def read(row):
             target, word, value = row.text(0), key(row.text(1)), row.number(2)
             name = self.converter.surface_of(row.line, target)
             text = self.value(section, target, word, value)
@@ -304,24 +345,27 @@ class Conditions:
             else:
                 raise NotUnderstood(f"{word} is not understood (P and TRVEC are)")
             self.keep(section, target, word, "load", entries, row.line.place)
+        self.each_row(section, read)
 
     def flux(self, section):
         """*DSFLUX (a surface, S) and *DFLUX (elements, S1 to S6)."""
-        for row in section.rows():
+        def read(row):
             target, word, value = row.text(0), key(row.text(1)), row.number(2)
             name = self.thermal_surface(section, row, target, word, "S")
             self.keep(section, target, word, "flux", {"Boundary": name, "Type": "heat flux", "Function": self.value(
                 section, target, word, value)}, row.line.place)
+        self.each_row(section, read)
 
     def film(self, section):
         """*SFILM (a surface, F) and *FILM (elements, F1 to F6): sink temperature and coefficient."""
-        for row in section.rows():
+        def read(row):
             target, word = row.text(0), key(row.text(1))
             name = self.thermal_surface(section, row, target, word, "F")
             self.keep(section, target, word, "film", {
                 "Boundary": name, "Type": "convection", "Ambient temperature": self.value(section, target, word,
                                                                                          row.number(2)),
                 "Film coefficient": number(row.number(3))}, row.line.place)
+        self.each_row(section, read)
 
     def thermal_surface(self, section, row, target, word, letter):
         if word == letter:
@@ -330,52 +374,6 @@ class Conditions:
             faces = self.converter.faces_of_elements(row.line, target, "S" + word[1:])
             return self.converter.name_of_faces(faces, f"{target} {word}")
         raise NotUnderstood(f"{word} is not understood ({letter} and {letter}1 to {letter}6 are)")
-
-    # At the start.
-
-    def initial(self, section):
-        kind = key(section.get("TYPE"))
-        if kind == "VELOCITY":
-            values = {}
-            for row in section.rows():
-                dof = row.line.integer(row.text(1), "a degree of freedom")
-                if 1 <= dof <= self.mesh.dimension:
-                    values.setdefault(row.text(0), {"line": row.line})[dof] = row.number(2)
-            for target, components in values.items():
-                velocity = "; ".join(number(components.get(d, 0)) for d in range(1, self.mesh.dimension + 1))
-                self.scene.add("Initial conditions", "flight", {
-                    **self.where_at_start(components["line"], target), "Velocity": velocity}, components["line"].place)
-        elif kind == "TEMPERATURE":
-            for row in section.rows():
-                target, value = row.text(0), row.number(1)
-                if value != self.converter.initial_temperature:
-                    self.scene.add("Initial conditions", "heat", {
-                        **self.where_at_start(row.line, target), "Temperature": number(value)}, row.line.place)
-        elif kind == "STRESS":
-            for row in section.rows():
-                target = row.text(0)
-                xx, yy, zz, xy, xz, yz = (row.number(k) for k in range(1, 7))
-                nodes = self.converter.nodes_of_elements(row.line, target)
-                self.scene.add("Initial conditions", "stress", {
-                    **self.parts_or_box(nodes, target),
-                    "Stress": "; ".join(map(number, (xx, yy, zz, yz, xz, xy)))}, row.line.place)
-        else:
-            raise NotUnderstood(f"TYPE={kind} is not understood (VELOCITY, TEMPERATURE and STRESS are)")
-
-    def where_at_start(self, line, target):
-        rigid = self.converter.rigid_of(line, target)
-        if rigid is not None:
-            return {"Part": rigid}
-        return self.parts_or_box(self.converter.nodes_of(line, target), target)
-
-    def parts_or_box(self, nodes, target):
-        names = self.scene.parts_of_nodes(nodes)
-        if names:
-            return {} if len(names) == len(self.scene.parts) else {"Part": ", ".join(names)}
-        predicate = self.scene.box_of(set(nodes) & self.scene.nodes_of_cells())
-        if predicate is None:
-            raise NotUnderstood(f'the nodes of "{target}" are neither those of parts nor those of a box')
-        return {"Where": predicate}
 
     def begin_anew(self, section):
         """OP=NEW ends what was prescribed by the keyword before this step."""

@@ -9,6 +9,7 @@ from .deck import key
 MOST_PAIRS = 45
 # Of springs of contacts in motion that are called hard: a fifth of a cell on each side gives way as they do.
 HARD = 10
+STICKING = 10  # the largest coefficient of friction here
 
 
 def interactions(deck):
@@ -21,7 +22,7 @@ def interactions(deck):
             result[current] = 0.0
         elif section.name == "FRICTION" and current is not None:
             rows = section.rows()
-            result[current] = rows[0].number(0) if rows else 0.0
+            result[current] = STICKING if section.has("ROUGH") else rows[0].number(0) if rows else 0.0
         elif section.name == "SURFACE BEHAVIOR" and current is not None and \
                 key(section.get("PRESSURE-OVERCLOSURE")) == "HARD":
             section.rows()
@@ -84,7 +85,8 @@ class Contacts:
                 one.is_read = True
             elif one.name == "CONTACT PROPERTY ASSIGNMENT":
                 for row in one.rows():
-                    row.text(0), row.text(1)
+                    if any(row.fields[:2]):
+                        continue  # of two surfaces alone
                     name = key(row.text(2))
                     if self.friction.get(name):
                         extra = {"Friction": number(self.friction[name])}

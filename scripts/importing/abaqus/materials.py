@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*MATERIAL and the keywords below it as sections of materials."""
 
-from ..scene import at_one_temperature, interpolated, linear_hardening, number, plastic_curve
+from ..scene import (WITHOUT_SOFTENING, at_one_temperature, expansion_increments, interpolated, linear_hardening, number,
+                     over_temperature, plastic_curve, tabular_over)
 from .deck import key
 from .hardening import KinematicHardening
-
-# Of the flow stress of Johnson and Cook: no temperature is above the reference.
-WITHOUT_SOFTENING = {"Thermal exponent": "1", "Melting temperature": "2e+09", "Reference temperature": "1e+09"}
 
 # Of the time of a step in which heat crosses a body, where steps are steady.
 STEADY_SHARE = 1e-4
@@ -27,7 +25,8 @@ class Material:
         self.line, self.name = section.line, name
         self.density, self.constants, self.flow, self.damage, self.equation = None, {}, {}, {}, {}
         self.heat, self.eta, self.remarks = {}, None, []
-        self.rate = None
+        self.rate = self.power_law = None
+        self.curves_by_rate = {}  # of *PLASTIC
         self.kinematic = None
         self.temperature_dependent = False
         self.readers = {"DENSITY": self.read_density, "ELASTIC": self.read_elastic, "PLASTIC": self.read_plastic,
@@ -93,6 +92,10 @@ class Material:
         if not curves:
             section.line.fail("*PLASTIC has no data.")
         curves = {t: plastic_curve(points, section.line.fail) for t, points in sorted(curves.items())}
+        self.curves_by_rate[section.number("RATE", 0.0)] = curves
+        if len(self.curves_by_rate) > 1:
+            self.take_curves_by_rate()
+            return
         if len(curves) == 1:
             points = list(curves.values())[0]
             if len(points) == 1:
@@ -108,6 +111,14 @@ class Material:
                                            for points in curves.values())
         self.flow = {"Flow stress": "tabular", "tabular": table}
 
+    def take_curves_by_rate(self):
+        """Each *PLASTIC has a curve of one strain rate."""
+        rows = sorted(self.curves_by_rate.items())
+        if any(len(curves) > 1 for _, curves in rows):
+            self.line.fail(f'the material "{self.name}" has *PLASTIC over the strain rate (RATE) and over the temperature. '
+                           "Allowed is one of them.")
+        self.flow = tabular_over("Strain rates", [(rate, next(iter(curves.values()))) for rate, curves in rows])
+
     def read_cyclic(self, section):
         if self.kinematic:
             self.kinematic.read_cyclic(section)
@@ -121,6 +132,8 @@ class Material:
         row = section.rows()[0] if section.rows() else None
         if kind.replace("-", " ") == "JOHNSON COOK" and row is not None:
             self.rate = row.number(0), row.number(1)
+        elif kind in ("", "POWER LAW") and row is not None and row.number(0) > 0 and row.number(1) >= 1:
+            self.power_law = {"Cowper-Symonds rate": number(row.number(0)), "Cowper-Symonds exponent": number(row.number(1))}
         else:
             self.remarks.append(f"*RATE DEPENDENT ({section.line.place}): there is no such dependence on the strain rate "
                                 "here, and it is left out.")
@@ -131,9 +144,9 @@ class Material:
         kind = key(section.get("TYPE", "ISO"))
         if not kind.startswith("ISO"):
             section.line.fail(f"*EXPANSION with TYPE={kind} is not possible: expansion is isotropic here.")
-        section.get("ZERO")
-        self.constants["Thermal expansion"] = at_temperatures(
-            [(values[0], t) for values, t in self.value_with_temperature(section)])
+        points = sorted((t, values[0]) for values, t in self.value_with_temperature(section))
+        points = expansion_increments(points, section.number("ZERO", 0.0), section.line.fail)
+        self.constants["Thermal expansion"] = number(points[0][1]) if len(points) == 1 else over_temperature(points)
 
     def read_conductivity(self, section):
         kind = key(section.get("TYPE", "ISO"))
@@ -227,8 +240,8 @@ class Material:
             self.kinematic, self.flow = None, kinematic.isotropic(temperature)
         else:
             self.flow = kinematic.entries(has_heat, temperature)
-        if self.kinematic and self.rate:
-            self.remarks.append("*RATE DEPENDENT without HARDENING=JOHNSON COOK is left out.")
+        if self.kinematic and (self.rate or self.power_law):
+            self.remarks.append("*RATE DEPENDENT is left out: kinematic hardening has none.")
 
     def heating(self, has_heat, is_adiabatic):
         """How much of the plastic work heats."""
@@ -245,6 +258,10 @@ class Material:
                                     "Reference rate": number(reference)}
         elif self.rate:
             self.remarks.append("*RATE DEPENDENT without HARDENING=JOHNSON COOK is left out.")
+        if self.power_law and "Strain rates" not in flow.get(flow["Flow stress"], {}) and "johnson cook" not in flow:
+            flow[flow["Flow stress"]] = {**flow[flow["Flow stress"]], **self.power_law}
+        elif self.power_law:
+            self.remarks.append("*RATE DEPENDENT, TYPE=POWER LAW is left out: the flow stress depends on the strain rate already.")
         heats = self.eta is not None and (has_heat or is_adiabatic)
         if self.eta is not None and not heats:
             self.remarks.append("Plastic work does not heat: no step has heat or is ADIABATIC.")
@@ -264,6 +281,8 @@ def read_materials(deck):
         if section.name == "MATERIAL":
             section.is_read = True
             name = section.name_in("NAME")
+            if key(name) in materials:
+                section.line.fail(f'There are two of *MATERIAL called "{name}".')
             current = materials[key(name)] = Material(section, name)
         elif current and section.name in current.readers:
             section.is_read = True

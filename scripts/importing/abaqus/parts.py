@@ -2,7 +2,7 @@
 """*SOLID SECTION and *RIGID BODY as parts."""
 
 from ..mesh import usable
-from ..scene import Part, number
+from ..scene import Part, integral, number
 from .deck import key
 
 NEED_DEGREE_1 = ("CONTACT PAIR", "CONTACT", "TIE", "RIGID BODY")
@@ -136,12 +136,19 @@ class Parts:
         elif free:
             part.entries["Rotation"] = "free"
 
-    @staticmethod
-    def integrated(line, text):
-        """A constant velocity as a displacement."""
-        if "t" in text:
-            line.fail("a velocity of a rigid body that changes in time is not possible here: prescribe its displacement.")
-        return f"{text}*t"
+    def integrated(self, line, text):
+        """A velocity as a displacement."""
+        step, table = self.converter.step, self.converter.conditions.tables.get(text)
+        if "t" not in text:
+            return f"{text}*t"
+        if not table or step.begin:
+            line.fail("a velocity of a rigid body that changes in time is an amplitude in the first step here: prescribe its "
+                      "displacement.")
+        name, factor, points = table
+        # An amplitude has its first value before, and its last value after its points.
+        before = [(0.0, points[0][1])] if points[0][0] > 0 else []
+        points = [*before, *points, (points[-1][0] + step.time, points[-1][1])]
+        return f"{number(factor)}*table({self.scene.table(name + '_integrated', integral(points))}, t)"
 
     def push(self, name, dof, text):
         part = self.scene.part(name)

@@ -8,6 +8,7 @@ from .conditions import Conditions
 from .contacts import Contacts
 from .deck import key
 from .histories import HistoryReader
+from .initial import InitialConditions
 from .links import LinkReader
 from .materials import read_materials
 from .mesh import Entry
@@ -32,7 +33,8 @@ class Converter:
         refuse_mixed_units((material.density, f'"{material.name}"', material.line.place)
                            for material in self.materials.values() if material.density)
         self.model, self.steps = steps_of(deck, report)
-        self.initial_temperature = self.temperature_at_start()
+        self.initial = InitialConditions(self)
+        self.initial_temperature = self.initial.temperature
         self.viscosity = self.read_viscosity()
         self.parts = Parts(self)
         if not self.scene.parts:
@@ -44,6 +46,7 @@ class Converter:
         self.read_sections(self.model)
         self.is_model = False
         self.make_steps()
+        self.initial.write()
         self.links.write()
         self.report_what_is_left_out()
 
@@ -66,12 +69,6 @@ class Converter:
             if k not in self.parts.used_materials:
                 self.report.note(material.line.place, f'*MATERIAL "{material.name}" is used by nothing.')
 
-    def temperature_at_start(self):
-        for section in self.deck.named("INITIAL CONDITIONS"):
-            if key(section.get("TYPE")) == "TEMPERATURE" and section.rows():
-                return section.rows()[0].number(1)
-        return 0.0
-
     def read_viscosity(self):
         for section in self.deck.named("BULK VISCOSITY"):
             rows = section.rows()
@@ -81,7 +78,7 @@ class Converter:
         return {}
 
     def readers(self):
-        return {**self.conditions.readers(), **self.contacts.readers(), "INITIAL CONDITIONS": self.conditions.initial,
+        return {**self.conditions.readers(), **self.contacts.readers(), "INITIAL CONDITIONS": self.initial.read,
                 "AMPLITUDE": lambda section: section.rows()}
 
     def read_sections(self, sections):
@@ -106,7 +103,7 @@ class Converter:
                 if section.name == "OUTPUT":
                     read_output(section, step, self.scene)
                 elif section.name in ("FIXED MASS SCALING", "VARIABLE MASS SCALING"):
-                    read_mass_scaling(section, step)
+                    self.read_mass_scaling(section, step)
             self.histories.read(step)
             self.read_sections(step.sections)
             names = self.conditions.conditions_of_step()
@@ -125,6 +122,12 @@ class Converter:
                 for part in self.scene.parts:
                     if part.formulation == "rigid":
                         self.scene.stages[step.name][f"Part: {part.name}"] = {"rigid": dict(part.entries)}
+
+    def read_mass_scaling(self, section, step):
+        """That of a set of elements is understood where it has all cells."""
+        name = section.get("ELSET")
+        if not name or len(self.cells_of(None, section.line, name)) == len(self.mesh.cells):
+            read_mass_scaling(section, step)
 
     def report_what_is_left_out(self):
         for k, amplitude in self.conditions.amplitudes.items():
@@ -217,8 +220,14 @@ class Converter:
         entry = Entry(line, text)
         bodies = [self.mesh.body_of(entry.instance, line)] if entry.instance else self.mesh.bodies
         name = entry.name or text
+        if not name:
+            raise NotUnderstood("one of its surfaces is not named, and a surface does not meet itself here")
         found = [(body, body.content.surfaces[key(name)]) for body in bodies if key(name) in body.content.surfaces]
         if not found:
+            for section in self.deck.named("SURFACE"):
+                if key(section.options.get("NAME", "")) == key(name):
+                    raise NotUnderstood(f'the *SURFACE "{text}" ({section.line.place}) is of TYPE={section.get("TYPE")}, which is '
+                                        "not read")
             line.fail(f'There is no *SURFACE "{text}".')
         body, surface = found[0]
         prefix = body.name + "." if body.name else ""

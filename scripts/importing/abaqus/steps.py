@@ -69,6 +69,9 @@ def steps_of(deck, report):
             section.is_read = True
             for option in ("NLGEOM", "INC"):
                 section.get(option)
+            names = [step.name for step in steps]
+            if current.name in names:
+                current.name += f" ({len(steps) + 1})"
             steps.append(current)
         elif section.name == "END STEP":
             begin += current.time if current else 0
@@ -109,10 +112,11 @@ def read_output(section, step, scene):
 def read_mass_scaling(section, step):
     section.is_read = True
     factor, dt = section.get("FACTOR"), section.get("DT")
-    if factor and not section.get("ELSET"):
+    if factor:
         step.entries["Scaling"] = {"Mass factor": factor}
     elif dt:
-        section.get("TYPE"), section.get("ELSET")
+        if key(section.get("TYPE")) != "BELOW MIN":
+            section.known.discard("TYPE")
         step.entries["Scaling"] = {"Target time step": dt}
     else:
         section.is_read = False
