@@ -64,6 +64,15 @@ class AbaqusConditions(DeckTest):
         self.check(replaced(text, ("CENTRIF, 1., 0., 0., 0., 0., 0., 1.", "GRAV, 9810., 0., -1., -1.")),
                    "the direction of GRAV is no unit vector", "set Function = 0; (9810)*-1; (9810)*-1")
 
+    def test_options_that_give_numbers_another_meaning(self):
+        for change, reason, lost in (
+                (("*BOUNDARY\n FOOT", "*BOUNDARY, SUBMODEL, STEP=1\n FOOT"), "SUBMODEL is not understood", "!set Conditions = support"),
+                (("*DSLOAD, AMP", "*DSLOAD, TIME DELAY=1E-7, AMP"), "TIME DELAY is not understood", "!set Type = pressure"),
+                (("*BOUNDARY\n FOOT", "*INITIAL CONDITIONS, TYPE=STRESS, GEOSTATIC\n BAR, -5., 0., -8., 2., 0.5\n*BOUNDARY\n FOOT"),
+                 "GEOSTATIC is not understood", "!set Stress")):
+            with self.subTest(reason):
+                self.check(replaced(IMPACT, change), reason + ", so that this is left out", lost)
+
     def test_a_rigid_body_with_a_velocity_over_time(self):
         text = replaced(
             TIED, (HEAT, "*AMPLITUDE, NAME=A\n 0., 0., 1E-6, 1.\n"), ("C3D8T", "C3D8R"),
@@ -78,8 +87,9 @@ class AbaqusConditions(DeckTest):
         surface = "*SURFACE INTERACTION, NAME=I\n*FRICTION, ROUGH\n*SURFACE, NAME=W, TYPE=CYLINDER\n 0., 0., 0., 1., 0., 0.\n"
         for pair, *parts in (("TOP,", "a surface does not meet itself here", "!set Slave"),
                              ("TOP, W", 'the *SURFACE "W" (line 50) is of TYPE=CYLINDER, which is not read', "!set Slave"),
-                             ("TOP, TOP", "set Friction = 10")):
-            text = replaced(IMPACT, ("*STEP", surface + f"*CONTACT PAIR, INTERACTION=I\n {pair}\n*STEP"))
+                             ("TOP, TOP", "set Friction = 10"), ("TOP, TOP, TIED", "set Type = tied", "!set Friction")):
+            pair, tied, _ = pair.partition(", TIED")
+            text = replaced(IMPACT, ("*STEP", surface + f"*CONTACT PAIR, INTERACTION=I{tied and ', TIED'}\n {pair}\n*STEP"))
             scene, said = self.scene(text, "deck.inp")
             for part in parts:
                 (self.assertNotIn if part[0] == "!" else self.assertIn)(part.lstrip("!"), scene + said)

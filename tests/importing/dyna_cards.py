@@ -282,6 +282,20 @@ class DynaCards(DeckTest):
         self.check(of(inward), "set Function = -2*table", "the segments go round as seen from inside: a pressure on them pulls")
         self.check(of(inward, foot), "its segments go round both ways", "!set Type = pressure")
 
+    def test_places_and_units_in_files_that_are_moved(self):
+        wall = "*RIGIDWALL_PLANAR\n" + card(0) + "\n" + card(-1, 0, 0, 0, 0, 0) + "\n"
+        move = "*DEFINE_TRANSFORMATION\n" + card(1) + "\n" + card("TRANSL", 1.0) + "\n"
+        body = BAR[BAR.index("*NODE"):BAR.index("*DEFINE_CURVE")]
+
+        def of(further, scale, number):
+            self.write("body.k", body + further)
+            cards = "\n".join(("body.k", card(0), card(0), card(1, 1, scale), card(number)))
+            return replaced(BAR, (body, move + "*INCLUDE_TRANSFORM\n" + cards + "\n"))
+        self.check(of("", 1, 1), "set Boundary = node set 1")
+        for further, scale, number in ((wall, 1, 1), ("*LOAD_BODY_X\n" + card(1, 2.0) + "\n", 0.001, 0)):
+            with self.assertRaisesRegex(DeckError, r'of "body.k": \*.* is in a file of \*INCLUDE_TRANSFORM'):
+                self.converted(of(further, scale, number), "deck.k")
+
     def test_moduli_and_sets_that_are_wrong(self):
         with self.assertRaisesRegex(DeckError, "ETAN of material 1 is 210000. Allowed is a tangent modulus below E = 210000"):
             self.converted(replaced(BAR, ("*MAT_ELASTIC", "*MAT_003"), (card(0.3), card(0.3, 300, 210000.0))), "deck.k")

@@ -8,8 +8,17 @@ from .transforms import Transforms
 
 SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCASTRE": (1, 2, 3, 4, 5, 6),
               "PINNED": (1, 2, 3), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5), "ZASYMM": (1, 2, 6)}
+# Options by which the numbers of a condition are others.
+OTHER_MEANINGS = ("SUBMODEL", "USER", "IMAGINARY", "LOAD CASE", "TIME DELAY", "SECTOR", "FILM AMPLITUDE", "GEOSTATIC",
+                  "SECTION POINTS", "REBAR", "FILE")
 TEMPERATURE = 11
 SMOOTH_STEPS = 20
+
+
+def refuse_other_meanings(section):
+    for option in OTHER_MEANINGS:
+        if option in section.options:
+            raise NotUnderstood(f"{option} is not understood")
 
 
 class Amplitude:
@@ -387,7 +396,7 @@ class Conditions:
     def readers(self):
         """By keyword; each says first what ends."""
         def after(read):
-            return lambda section: (self.begin_anew(section), read(section))
+            return lambda section: (refuse_other_meanings(section), self.begin_anew(section), read(section))
         return {keyword: after(read) for keyword, read in self.all_readers().items()}
 
     def all_readers(self):

@@ -13,8 +13,8 @@ STICKING = 10  # the largest coefficient of friction here
 
 
 def interactions(deck):
-    """Coefficients of friction of *SURFACE INTERACTION by name, and the names of those that are said to be hard."""
-    result, hard, current = {}, set(), None
+    """Coefficients of friction of *SURFACE INTERACTION by name, and the kinds of their behaviour that are read."""
+    result, kinds, current = {}, {}, None
     for section in deck.sections:
         if section.name == "SURFACE INTERACTION":
             section.is_read = True
@@ -24,18 +24,18 @@ def interactions(deck):
             rows = section.rows()
             result[current] = STICKING if section.has("ROUGH") else rows[0].number(0) if rows else 0.0
         elif section.name == "SURFACE BEHAVIOR" and current is not None and \
-                key(section.get("PRESSURE-OVERCLOSURE")) == "HARD":
+                key(section.get("PRESSURE-OVERCLOSURE")) in ("HARD", "TIED"):
             section.rows()
-            hard.add(current)
+            kinds[current] = key(section.get("PRESSURE-OVERCLOSURE"))
         elif section.name in ("STEP", "CONTACT PAIR", "TIE", "MATERIAL"):
             current = None
-    return result, hard
+    return result, kinds
 
 
 class Contacts:
     def __init__(self, converter):
         self.converter, self.scene = converter, converter.scene
-        self.friction, self.hard = interactions(converter.deck)
+        self.friction, self.kinds = interactions(converter.deck)
 
     def behaviour_of(self, section, option="INTERACTION"):
         name = section.get(option)
@@ -44,15 +44,17 @@ class Contacts:
         if key(name) not in self.friction:
             section.line.fail(f'There is no *SURFACE INTERACTION "{name}".')
         value = self.friction[key(name)]
+        if self.kinds.get(key(name)) == "TIED":
+            return {"Type": "tied"}
         return {**({"Friction": number(value)} if value else {}), **self.stiffness_of(name)}
 
     def stiffness_of(self, name):
         """At rest springs are stiff already."""
         is_at_rest = any(step.is_static for step in self.converter.steps)
-        return {"Stiffness": number(HARD)} if key(name) in self.hard and not is_at_rest else {}
+        return {"Stiffness": number(HARD)} if self.kinds.get(key(name)) == "HARD" and not is_at_rest else {}
 
     def pair(self, section):
-        behaviour = self.behaviour_of(section)
+        behaviour = {"Type": "tied"} if section.has("TIED") else self.behaviour_of(section)
         for option in ("TYPE", "SMALL SLIDING", "MECHANICAL CONSTRAINT", "CPSET", "ADJUST"):
             if option in ("SMALL SLIDING", "ADJUST") and option in section.options:
                 continue
@@ -62,6 +64,9 @@ class Contacts:
 
     def tie(self, section):
         section.get("NAME")
+        for option in ("CYCLIC SYMMETRY", "MULTISTAGE", "FLUID PERIODIC"):
+            if option in section.options:
+                raise NotUnderstood(f"{option} is not understood")
         if any(step.has_heat for step in self.converter.steps):
             self.converter.report.note(section.line.place, "*TIE: no heat goes from one side to the other here, unless the "
                                        "Body contact has a Conductance.")

@@ -4,6 +4,7 @@
 from collections import Counter
 
 from ..scene import NotUnderstood, number
+from .conditions import refuse_other_meanings
 from .deck import key
 
 
@@ -28,6 +29,7 @@ class InitialConditions:
         return self.temperatures.get(node, (0.0, None))[0]
 
     def read(self, section):
+        refuse_other_meanings(section)
         kind = key(section.get("TYPE"))
         if kind == "VELOCITY":
             for row in section.rows():

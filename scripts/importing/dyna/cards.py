@@ -102,7 +102,7 @@ REPEATED = {"PART", "PART_CONTACT", "SECTION_SOLID", "SECTION_SHELL", "SECTION_D
             "LOAD_NODE_POINT", "LOAD_NODE", "LOAD_SEGMENT_SET", "LOAD_SEGMENT"}
 # What *INCLUDE_TRANSFORM adds to the number of a field: IDPOFF, IDSOFF and so on.
 OFFSETS = {"PID": "P", "MID": "M", "EOSID": "M", "TMID": "M", "SECID": "R", "HGID": "R", "NSID": "S", "NSIDEX": "S",
-           "SSID": "S", "SID": "S", "LCID": "F", "LCSS": "F", "LCSR": "F", "TBID": "F", "LCE": "F", "LCPR": "F",
+           "SSID": "S", "SID": "S", "PSID": "S", "LCID": "F", "LCSS": "F", "LCSR": "F", "TBID": "F", "LCE": "F", "LCPR": "F",
            "LCSIGY": "F", "LCALPH": "F", "CID": "D", "VID": "D", "BOXID": "D", "NID": "N", "N1": "N", "N2": "N", "N3": "N",
            "N4": "N"}
 

@@ -92,6 +92,9 @@ class PartReader:
         if of_material and of_material.equation:
             viscosity = viscosity or {"Linear bulk viscosity": 0.06, "Quadratic bulk viscosity": 1.5}
         if section is not None and section.name == "SECTION_SOLID_SPG":
+            if of_material and (of_material.failure_strain or of_material.has_damage):
+                self.report.note(of_material.line.place, f"part {number_of_part} is of particles: what breaks them is FS of its "
+                                 "*SECTION, and not the failure of the material.")
             return Part(name, group, PARTICLES, name_of_material, {**self.entries_of_spg(section), **viscosity})
         elform = section.integer("ELFORM") if section is not None else 1
         limits = {}

@@ -15,12 +15,21 @@ OF_THE_MESH = ("KEYWORD", "TITLE", "INCLUDE", "INCLUDE_PATH", "INCLUDE_TRANSFORM
                "PARAMETER_EXPRESSION", "PARAMETER_EXPRESSION_LOCAL", "DEFINE_TRANSFORMATION", "NODE", "ELEMENT_SOLID", "ELEMENT_SOLID_H20", "ELEMENT_SOLID_H27", "ELEMENT_SHELL")
 # Of these a field that is not understood leaves the thing out: it would act elsewhere, or at another time.
 STRICT = {**conditions.RECORDS, **initial.RECORDS, **contacts.RECORDS}
+OF_PLACES = ("RIGIDWALL_", "INITIAL_VELOCITY_GENERATION", "DEFINE_COORDINATE", "DEFINE_VECTOR", "DEFINE_BOX")
 # They depend on others, or count where others do as well.
 LAST = ("CONTACT_", "INITIAL_VELOCITY_NODE")
 
 
 def scene_of(deck, mesh, target, report):
     return Converter(deck, mesh, target, report).scene
+
+
+def refuse_moved(section):
+    """What has places or units and stands in a file that *INCLUDE_TRANSFORM moves or scales: nodes alone are."""
+    has_units = section.name not in OF_THE_MESH and not section.name.startswith(("SET_", "PART", "SECTION_SOLID", "DATABASE_HISTORY"))
+    if section.name.startswith(OF_PLACES) and section.transform.moves() or has_units and section.transform.lengths() != 1:
+        section.line.fail(f"*{section.keyword} is in a file of *INCLUDE_TRANSFORM, which moves or scales the nodes alone here. Write "
+                          "it into a file that is as it is.")
 
 
 class Converter:
@@ -32,6 +41,7 @@ class Converter:
         self.histories = Histories(self.scene, self.scene.output())
         for section in deck.sections:
             section.is_read = getattr(section, "is_read", False) or section.name in OF_THE_MESH
+            refuse_moved(section)
             if section.name == "TITLE" and section.lines:
                 self.scene.title = usable(section.lines[0].text) or self.scene.title
         self.curves = Curves(deck, report)

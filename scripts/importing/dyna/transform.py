@@ -27,6 +27,13 @@ class Transform:
                                       "deck.")
         return cls(offsets, values[2] or 1.0, int(cards[3][0]), outer)
 
+    def lengths(self):
+        """The factor of all lengths."""
+        return self.scale * (self.outer.lengths() if self.outer else 1.0)
+
+    def moves(self):
+        return bool(self.transformation or (self.outer and self.outer.moves()))
+
     def number(self, kind, value):
         """A number of a kind of things that are named with offsets."""
         if value > 0:
