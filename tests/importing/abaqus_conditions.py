@@ -64,6 +64,35 @@ class AbaqusConditions(DeckTest):
         self.check(replaced(text, ("CENTRIF, 1., 0., 0., 0., 0., 0., 1.", "GRAV, 9810., 0., -1., -1.")),
                    "the direction of GRAV is no unit vector", "set Function = 0; (9810)*-1; (9810)*-1")
 
+    def test_what_ends_in_a_step_begins_anew(self):
+        def step(name, text):
+            return f"*STEP, NAME={name}, NLGEOM\n*STATIC\n 1., 1.\n{text}*END STEP\n"
+        text = replaced(IMPACT, (STEP, step("A", "*DSLOAD\n TOP, P, 10.\n*BOUNDARY\n 9, 3, 3, -0.01\n") + step(
+            "B", "*DSLOAD, OP=NEW\n*BOUNDARY, OP=NEW\n FOOT, 3, 3\n 9, 3, 3, -0.03\n") + step("C", "*DSLOAD\n TOP, P, 20.\n")))
+        self.check(text, "set Function = 10*t", "set Function = 20*t", "set Function = free; free; -0.01 + -0.02*t", "!10 + 10*t")
+
+    def test_a_rigid_body_through_steps(self):
+        text = replaced(
+            TIED, (HEAT, "*AMPLITUDE, NAME=A\n 0., 0., 1E-6, 1.\n*AMPLITUDE, NAME=B\n 0., 1., 1E-6, 2.\n"), ("C3D8T", "C3D8R"),
+            ("*TIE, NAME=T\n B2.LOWER, B1.UPPER\n", "*NODE\n 1, 0.5, 0.5, 2.\n*RIGID BODY, REF NODE=1, ELSET=B2.ALL\n"))
+
+        def steps(*texts):
+            return text[:text.index("*STEP")] + "".join(f"*STEP, NAME={name}\n*DYNAMIC, EXPLICIT\n , 1E-6\n{one}*END STEP\n"
+                                                        for name, one in zip("KLMN", texts))
+        held, drive = "*BOUNDARY\n 1, 1, 2\n 1, 4, 6\n", "*BOUNDARY, AMPLITUDE={}\n 1, 3, 3, 0.01\n"
+        self.check(steps(held + drive.format("A"), "", drive.format("B"), "*BOUNDARY, OP=NEW\n B1.FOOT, 1, 3\n"),
+                   "set Displacement = 0; 0; 0.01*table(deck_amplitude_A.csv, t)", "set Displacement = 0; 0; 0 ",
+                   "set Displacement = 0; 0; 0.01*table(deck_amplitude_B.csv, t) + -0.01", "set Displacement = free; free; free", runs=True)
+        # At rest in the second step, and in free flight in the last one.
+        for name, begin, end in (("K", 0, 0.01), ("L", 0.01, 0.01), ("M", 0.01, 0.02), ("N", 0.02, 0.03)):
+            position = self.rows(f"{name}/rigid_bodies.csv")["B2.ALL position z"]
+            self.assertAlmostEqual(position[0] - 2, begin, 9)
+            self.assertAlmostEqual(position[-1] - 2, end, 9)
+        self.check(steps(held + "*CLOAD, AMPLITUDE=A\n 1, 3, 5.\n", "", "*CLOAD, OP=NEW\n"),
+                   "set Force = 0; 0; 5*table(deck_amplitude_A.csv, t)", "set Force = 0; 0; 5 ")
+        self.assertNotIn("Force", self.scene(steps(held, held), "deck.inp")[0])
+        self.assertEqual(self.scene(steps(held + "*CLOAD\n 1, 3, 5.\n", "*CLOAD, OP=NEW\n"), "deck.inp")[0].count("set Force"), 1)
+
     def test_options_that_give_numbers_another_meaning(self):
         for change, reason, lost in (
                 (("*BOUNDARY\n FOOT", "*BOUNDARY, SUBMODEL, STEP=1\n FOOT"), "SUBMODEL is not understood", "!set Conditions = support"),

@@ -66,6 +66,7 @@ class Conditions:
         self.transforms = Transforms(converter)
         self.held = {}     # by target: values by degree of freedom, as text, with the kind
         self.loads = {}    # entries of loads by what they act on
+        self.at_begin = {}   # displacements at the begin of the step, by target and degree of freedom
         self.begun = set()    # keywords whose OP=NEW a step has seen
         self.tables = {}      # name, factor and points of tables, by the texts of their functions
         self.last_texts = {}  # of their functions, and their last values
@@ -157,8 +158,10 @@ class Conditions:
         at_start = 0.0
         if dof == TEMPERATURE:
             at_start = self.converter.initial.temperature_of(next(iter(self.converter.all_nodes_of(row.line, target)), None))
-        before = values[dof][2] if dof in values and values[dof][0] == kind else at_start
+        before = values[dof][2] if dof in values and values[dof][0] == kind else self.at_begin.get((name, dof), at_start)
         step = self.converter.step
+        if rigid is not None and value != 0 and kind == "displacement" and dof in values and values[dof][0] != kind:
+            raise NotUnderstood("a rigid body with a velocity in the step before has no displacement here")
         if kind == "displacement" and dof != TEMPERATURE and not step.ramps and value != 0 and \
                 not section.get("AMPLITUDE") and not self.converter.is_model:
             raise NotUnderstood("a displacement without AMPLITUDE is a jump, which an explicit step does not have")
@@ -166,7 +169,13 @@ class Conditions:
         values[dof] = (kind, text, last)
 
     def begin_step(self):
-        """What was prescribed before goes on."""
+        """What was prescribed before goes on, and what has ended begins anew. Displacements of rigid parts count from the begin
+        of a step."""
+        if self.converter.step is not self.converter.steps[0]:
+            self.at_begin = {(target, dof): last for target, values in self.held.items()
+                             for dof, (kind, _, last) in self.items(values) if kind == "displacement"}
+        last_loads = self.converter.last_loads
+        self.converter.last_loads = {target: last_loads[target] for target in last_loads if target in self.loads}
         for values in self.held.values():
             for dof, (kind, text, last) in self.items(values):
                 values[dof] = (kind, *self.in_next_step(text, last))
@@ -182,6 +191,7 @@ class Conditions:
     def conditions_of_step(self):
         """Names of conditions of what is held now."""
         names = []
+        self.converter.parts.release()
         for targets, values in self.alike():
             line = values["line"]
             nodes = [node for target in targets for node in self.converter.all_nodes_of(line, target)]
@@ -197,7 +207,10 @@ class Conditions:
             for axes, where in groups:
                 names += self.conditions_at(where, axes, values)
         for word, entries, place in self.loads.values():
-            names.append(self.add(word, entries, place))
+            if isinstance(word, tuple):
+                self.converter.parts.push(*word, entries["Force"])
+            else:
+                names.append(self.add(word, entries, place))
         return names
 
     def conditions_at(self, where, axes, values):
@@ -222,7 +235,7 @@ class Conditions:
         result = {}
         for target, values in self.held.items():
             if target[:1] == ("rigid",):
-                self.converter.parts.drive(target[1], values)
+                self.converter.parts.drive(target[1], values, {dof: self.at_begin.get((target, dof), 0.0) for dof in values})
                 continue
             key_of_target = target
             if target.isdigit():
@@ -248,7 +261,7 @@ class Conditions:
         name = next((name for name, members in self.mesh.node_sets.items() if set(members) == set(nodes)), "")
         return self.scene.selection(nodes, name)
 
-    # Loads. Each is a word, entries and a place, by what it acts on.
+    # Loads. Each is a word, or a rigid part with a degree of freedom, entries and a place, by what it acts on.
 
     def keep(self, section, target, what, word, entries, place):
         self.loads[section.name, key(target), what] = (word, entries, place)
@@ -270,7 +283,7 @@ class Conditions:
                 raise NotUnderstood(f"the degree of freedom {dof} is not understood (1 to {self.mesh.dimension} are)")
             rigid = self.converter.rigid_of(row.line, target)
             if rigid is not None:
-                self.converter.parts.push(rigid, dof, self.value(section, target, dof, value))
+                self.keep(section, target, dof, (rigid, dof), {"Force": self.value(section, target, dof, value)}, row.line.place)
                 continue
             forces = NodeForces(self.mesh, self.scene.nodes_of_cells())
             # Those at the middle of edges carry as well.

@@ -14,6 +14,7 @@ class Parts:
     def __init__(self, converter):
         self.converter, self.scene, self.mesh = converter, converter.scene, converter.mesh
         self.rigid, self.used_materials = {}, {}
+        self.free = {}  # entries of rigid parts that nothing holds, by name
         self.type_of_cell, self.thickness = {}, {}
         for body in self.mesh.bodies:
             for block in body.content.blocks:
@@ -103,13 +104,21 @@ class Parts:
         node = self.converter.all_nodes_of(section.line, reference, section.scope)[0]
         part.entries["Origin"] = ", ".join(map(number, self.mesh.points[node][:self.mesh.dimension]))
         self.rigid[node] = part.name
+        self.free[part.name] = dict(part.entries)
 
-    def drive(self, name, values):
-        """What a step prescribes of the reference node of a rigid part."""
+    def release(self):
+        """Rigid parts as they are where a step prescribes nothing."""
+        for name, entries in self.free.items():
+            self.scene.part(name).entries = dict(entries)
+
+    def drive(self, name, values, at_begin):
+        """What a step prescribes of the reference node of a rigid part, and its displacements at the begin of the step."""
         part = self.scene.part(name)
         terms = ["free"] * self.mesh.dimension
         turns = {}
         for dof, (kind, text, last) in ((dof, value) for dof, value in values.items() if dof != "line"):
+            if kind == "displacement" and at_begin[dof]:
+                text = number(last - at_begin[dof]) if text == number(last) else f"{text} + {number(-at_begin[dof])}"
             if dof <= 3:
                 if kind == "velocity" and text != "0":
                     text = self.integrated(values["line"], text)
