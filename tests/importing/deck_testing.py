@@ -63,17 +63,17 @@ class DeckTest(unittest.TestCase):
             self.mesh(text, name, dimension)
         return str(context.exception)
 
-    def scene(self, text, name="deck.k"):
+    def scene(self, text, name="deck.k", **options):
         """The scene, whose files are written, and all that is said of it, on one blank between words."""
-        result = self.converted(text, name)
+        result = self.converted(text, name, **options)
         for path, content in result.files().items():
             path.write_text(content, encoding="utf-8")
         prm = self.directory / name
         return " ".join(prm.with_suffix(".prm").read_text(encoding="utf-8").split()), "\n".join(result.report.summary())
 
-    def check_scene(self, text, name, *parts, runs=False):
+    def check_scene(self, text, name, *parts, runs=False, **options):
         """What is written and said has these parts, or has them not (!). --validate finds nothing wrong."""
-        scene, said = self.scene(text, name)
+        scene, said = self.scene(text, name, **options)
         for part in parts:
             if part.startswith("!"):
                 self.assertNotIn(part[1:], scene + said)

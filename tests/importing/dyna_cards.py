@@ -5,7 +5,7 @@
     dyna_cards.py PROJECT_DIRECTORY PROGRAM
 """
 
-from deck_testing import DeckError, DeckTest, card, main, replaced, text_of
+from deck_testing import DeckError, DeckTest, card, main, part_of, replaced, text_of
 
 PRESS, BAR = text_of("press.k"), text_of("bar.k")
 ELASTIC = BAR[BAR.index("*MAT_ELASTIC"):BAR.index("*NODE")]
@@ -13,8 +13,8 @@ END = "*END"
 
 
 class DynaCards(DeckTest):
-    def check(self, text, *parts):
-        self.check_scene(text, "deck.k", *parts)
+    def check(self, text, *parts, **options):
+        self.check_scene(text, "deck.k", *parts, **options)
 
     def test_a_rigid_punch_presses_a_blank(self):
         self.check(PRESS, "set Formulation = rigid", "set Displacement = 0; 0; -1*table(deck_curve_6_integrated.csv, t)",
@@ -231,6 +231,34 @@ class DynaCards(DeckTest):
                               card(3.0) + "\n" + END))
         self.check(text, "set Initial conditions = flight 1, flight 2", "flight 1 set Velocity = 3; 0; 0",
                    "set Velocity = 7; 0; 0")
+
+    def test_an_axis_of_two_nodes_is_left_out(self):
+        self.check(replaced(BAR, (END, "*INITIAL_VELOCITY_GENERATION\n" + card(1, 2, 10.0) + "\n" + card(0, 0, 0, -999, 1, 2) + "\n" + END)),
+                   "NX = -999, by which nodes give the axis, is not understood", "!set Spin")
+
+    def test_the_plane(self):
+        points = ((0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1))
+        nodes = "*NODE\n" + "".join(card(k, width=8) + card(x, y, width=16) + "\n" for k, (x, y) in enumerate(points, 1))
+        shells = "*ELEMENT_SHELL\n" + card(1, 1, 1, 2, 5, 4, width=8) + "\n" + card(2, 1, 2, 3, 6, 5, width=8) + "\n"
+        text = BAR[:BAR.index("*SECTION")] + "*SECTION_SHELL\n" + card(1, 13) + "\n" + ELASTIC + nodes + shells + (
+            part_of(BAR, "*DEFINE_CURVE", "*BOUNDARY_PRES"))
+        for cards, *parts in (
+                ("*INITIAL_VELOCITY_GENERATION\n" + card(1, 2, 10.0, 1, 2) + "\n" + card(3, 4, 0, 0, 0, -2), "set Velocity = 1; 2",
+                 "set Spin = -10 set Centre of spin = 3, 4"),
+                ("*INITIAL_VELOCITY_GENERATION\n" + card(1, 2, 10.0) + "\n" + card(0, 0, 0, 1), "in two dimensions nodes turn about z"),
+                ("*INITIAL_VELOCITY\n" + card(0) + "\n" + card(1, 0, 3), "VZ = 3 is not understood", "!set Velocity"),
+                ("*RIGIDWALL_PLANAR\n" + card(0) + "\n" + card(0, 0, -1, 0, 0, 0), "its normal has no length in the plane"),
+                ("*BOUNDARY_PRESCRIBED_MOTION_NODE\n" + card(3, 3, 0, 1), "in two dimensions there is nothing along z"),
+                ("*BOUNDARY_SPC_NODE\n" + card(3, 0, 0, 0, 1), "!set Type = displacement")):
+            with self.subTest(parts[0]):
+                self.check(text + cards + "\n", *parts, dimension=2)
+        rigid = replaced(text, ("*MAT_ELASTIC", "*MAT_RIGID"), (card(0.3), card(0.3) + "\n" + card(1, 3, 4)))
+        for dof, *parts in ((7, "set Displacement = free; free", "set Angle = 1*table(deck_curve_1.csv, t)", "!set Axis"),
+                            (3, "DOF = 3 is none of two dimensions (1, 2 and 7 are)", "set Rotation = about the axis")):
+            self.check(rigid + "*BOUNDARY_PRESCRIBED_MOTION_RIGID\n" + card(1, dof, 2, 1) + "\n", *parts, dimension=2)
+        self.check(replaced(text, (card(1, 13), card(1, 12))), "ELFORM = 12 is plane stress", dimension=2)
+        with self.assertRaisesRegex(DeckError, "ELFORM = 15 is axisymmetric"):
+            self.check(replaced(text, (card(1, 13), card(1, 15))), dimension=2)
 
     def test_body_loads_of_a_set_of_parts(self):
         loads = "*LOAD_BODY_X\n" + card(6, 2.0) + "\n*LOAD_BODY_PARTS\n" + card(3) + "\n*SET_PART_LIST\n" + card(3) + "\n"

@@ -8,6 +8,9 @@ NEVER = 1e19
 
 
 def components(converter, axes, text="0", other="free"):
+    """Functions along axes. Supports along z alone are none in two dimensions."""
+    if text != "0" and not set(axes) & set(AXES[:converter.mesh.dimension]):
+        raise NotUnderstood("in two dimensions there is nothing along z")
     return "; ".join(text if axis in axes else other for axis in AXES[:converter.mesh.dimension])
 
 
@@ -139,7 +142,11 @@ def support(converter, record):
     if not entries and are_ends(converter, record, nodes, {AXES.index(axis): "0" for axis in axes}):
         return
     where = converter.node_set(record)
-    yield "Conditions", "support", fixed(converter, where, axes, entries) if axes else None
+    yield "Conditions", "support", fixed(converter, where, axes, entries) if is_support(converter, axes) else None
+
+
+def is_support(converter, axes):
+    return bool(set(axes) & set(AXES[:converter.mesh.dimension]))
 
 
 def support_of_nodes(converter, section):
@@ -151,7 +158,7 @@ def support_of_nodes(converter, section):
         if "BIRTH" in record.fields:
             entries.update(times(converter, record))
         converter.refuse_unused(record)
-        if axes and (entries or not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes})):
+        if is_support(converter, axes) and (entries or not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes})):
             alike = (tuple(axes), tuple(entries.items()))
             nodes.setdefault(alike, []).append(node)
             first.setdefault(alike, record)
@@ -261,6 +268,8 @@ def rigid_motion(converter, record):
     axis, kind = record.integer("DOF"), record.integer("VAD")
     if axis not in (1, 2, 3, 5, 6, 7):
         raise NotUnderstood(f"DOF = {axis} is not understood (1 to 3 and 5 to 7 are)")
+    if converter.mesh.dimension == 2 and axis in (3, 5, 6):
+        raise NotUnderstood(f"DOF = {axis} is none of two dimensions (1, 2 and 7 are)")
     if kind not in (0, 2):
         raise NotUnderstood(f"VAD = {kind} is not understood (0 and 2 are)")
     factor, curve = function_of_time(converter, record)
@@ -280,7 +289,8 @@ def rigid_motion(converter, record):
         if entries.get("Angle"):
             raise NotUnderstood("the part turns about another axis already")
         entries.pop("Rotation", None)
-        entries["Axis"] = ", ".join("1" if d == axis - 5 else "0" for d in range(3))
+        if converter.mesh.dimension == 3:
+            entries["Axis"] = ", ".join("1" if d == axis - 5 else "0" for d in range(3))
         entries["Angle"] = text
     record.is_used = True
     yield from ()

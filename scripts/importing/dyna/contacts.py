@@ -58,8 +58,8 @@ def plane(converter, record):
     tail = [record.number(axis + "T") for axis in "XYZ"]
     head = [record.number(axis + "H") for axis in "XYZ"]
     normal = [h - t for h, t in zip(head, tail)]
-    if not any(normal):
-        raise NotUnderstood("its normal has no length")
+    if not any(normal[:dimension]):
+        raise NotUnderstood("its normal has no length" + (" in the plane" if any(normal) else ""))
     entries["plane"] = {"Point": ", ".join(map(number, tail[:dimension])),
                         "Normal": ", ".join(map(number, normal[:dimension]))}
     if record.name.endswith("_MOVING"):
@@ -77,6 +77,8 @@ def plane(converter, record):
 
 
 def sphere(converter, record):
+    if converter.mesh.dimension == 2:
+        raise NotUnderstood("a sphere is not possible in two dimensions")
     entries = {"Surface": "sphere", **nodes_of_wall(converter, record)}
     friction_of(record, entries)
     tail = [number(record.number(axis + "T")) for axis in "XYZ"]

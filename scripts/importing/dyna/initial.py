@@ -5,8 +5,7 @@ from ..scene import NotUnderstood, number
 
 
 def velocity_of(converter, record):
-    values = [number(record.number("V" + axis)) for axis in "XYZ"]
-    return values[:converter.mesh.dimension]
+    return [number(record.number("V" + axis)) for axis in "XYZ"[:converter.mesh.dimension]]
 
 
 def velocity(converter, record):
@@ -50,11 +49,19 @@ def generated_velocity(converter, record):
     entries = {**where, "Velocity": "; ".join(values)}
     if record.number("OMEGA"):
         axis = [record.number("N" + axis) for axis in "XYZ"]
+        if axis[0] == -999:
+            raise NotUnderstood("NX = -999, by which nodes give the axis, is not understood")
         length = sum(x * x for x in axis) ** 0.5
         if not length:
             raise NotUnderstood("OMEGA has no axis")
-        entries["Spin"] = ", ".join(number(record.number("OMEGA") * x / length) for x in axis)
-        entries["Centre of spin"] = ", ".join(number(record.number(axis + "C")) for axis in "XYZ")
+        if converter.mesh.dimension == 2 and any(axis[:2]):
+            raise NotUnderstood("in two dimensions nodes turn about z")
+        spin = [record.number("OMEGA") * x / length for x in axis]
+        centre = [record.number(axis + "C") for axis in "XYZ"]
+        if converter.mesh.dimension == 2:
+            spin, centre = spin[2:], centre[:2]
+        entries["Spin"] = ", ".join(map(number, spin))
+        entries["Centre of spin"] = ", ".join(map(number, centre))
     yield "Initial conditions", "flight", entries
 
 

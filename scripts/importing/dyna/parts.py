@@ -6,6 +6,7 @@ from ..scene import PARTICLES, Part, number
 from .cards import PARTS
 from .materials import Material
 
+PLANE_STRESS, AXISYMMETRIC = 12, (14, 15)  # of *SECTION_SHELL
 LAGRANGIAN = (-2, -1, 0, 1, 2, 3)  # those of solids that move with it, of one and of eight points
 ELEMENTS_OF_ELFORM = {0: "hexahedron", 1: "hexahedron"}  # others: fully integrated hexahedron
 # What CON1 of a rigid material holds, along the axes; CON2 about them.
@@ -108,7 +109,14 @@ class PartReader:
                              "eight points; it is taken as fully integrated.")
         if self.scene.mesh.dimension == 2:
             formulation = "fully integrated hexahedron"
+            self.check_plane(section, elform)
         return Part(name, group, formulation, name_of_material, {**limits, **viscosity})
+
+    def check_plane(self, section, elform):
+        if elform in AXISYMMETRIC:
+            section.line.fail(f"ELFORM = {elform} is axisymmetric. Allowed is plane strain (ELFORM = 13).")
+        if elform == PLANE_STRESS:
+            self.report.note(section.line.place, "ELFORM = 12 is plane stress; two dimensions are plane strain here.")
 
     def entries_of_spg(self, form):
         """Fragments touch each other where bonds break and the file has a contact of everything with itself."""
@@ -142,6 +150,8 @@ class PartReader:
                              "part is free.")
         entries = {"Displacement": "; ".join("0" if axis in held else "free"
                                              for axis in "xyz"[:self.scene.mesh.dimension])}
+        if self.scene.mesh.dimension == 2:
+            return entries if "z" in turns else {**entries, "Rotation": "about the axis"}
         if turns == "xyz":
             return entries
         if len(turns) == 2:
@@ -150,4 +160,4 @@ class PartReader:
         if len(turns) == 1:
             self.report.note(record.line.place, f"*MAT_RIGID: CON2 holds the rotation about {turns} alone, which is not "
                              "possible here: the part turns freely.")
-        return {**entries, "Rotation": "free" if self.scene.mesh.dimension == 3 else "about the axis"}
+        return {**entries, "Rotation": "free"}
