@@ -2,6 +2,8 @@
 """Converts a deck; scripts/import says how it is called."""
 
 import argparse
+import errno
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -20,6 +22,26 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
+def write(files, deck):
+    """All of the files, or none."""
+    for path in files:
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if path.resolve() == deck.resolve():
+            raise DeckError("the result would take the place of the deck. Name another FILE.prm.")
+    parts = {path.with_name(path.name + ".part"): (path, content) for path, content in files.items()}
+    try:
+        for part, (_, content) in parts.items():
+            part.write_text(content, encoding="utf-8")
+        for part, (path, _) in parts.items():
+            part.replace(path)
+    except OSError as error:
+        for part in parts:
+            part.unlink(missing_ok=True)
+        path, _ = parts.get(Path(error.filename or ""), (error.filename, ""))
+        raise OSError(error.errno, error.strerror, str(path)) from None
+
+
 def complaint(program, path):
     """What the program says against a parameter file; nothing where it is valid."""
     result = subprocess.run([program, "--validate", path.name], cwd=path.parent, capture_output=True, text=True,
@@ -33,8 +55,7 @@ def main(arguments):
     try:
         result = convert(options.deck, target, options.dimension, options.mesh)
         files = result.files()
-        for path, content in files.items():
-            path.write_text(content, encoding="utf-8")
+        write(files, options.deck)
     except DeckError as error:
         print(f"import: {options.deck}: {error}", file=sys.stderr)
         return 1

@@ -18,14 +18,14 @@ class DynaScene(DeckTest):
         super().setUp()
         self.deck = DECK.read_text(encoding="utf-8")
 
-    def convert(self, *changes):
+    def convert(self, *changes, target=()):
         """Writes the deck, changed, and converts it: exit code and what was printed."""
         text = self.deck
         for old, new in changes:
             self.assertEqual(text.count(old), 1, old)
             text = text.replace(old, new)
         self.write("rod.k", text)
-        result = subprocess.run([PROJECT / "scripts" / "import", "--program", PROGRAM, "rod.k"], cwd=self.directory,
+        result = subprocess.run([PROJECT / "scripts" / "import", "--program", PROGRAM, "rod.k", *target], cwd=self.directory,
                                 capture_output=True, text=True, check=False)
         return result.returncode, result.stdout + result.stderr
 
@@ -104,6 +104,17 @@ class DynaScene(DeckTest):
         self.assertNotIn("*EOS_GRUNEISEN\n#     ", scene)
         code, printed = self.run_program("--dry-run", "rod.prm")
         self.assertEqual(code, 0, printed)
+
+    def test_all_files_are_written_or_none(self):
+        (self.directory / "rod.msh").mkdir()
+        code, printed = self.convert()
+        self.assertEqual((code, printed.strip()), (1, "import: rod.msh: Is a directory"))
+        self.assertEqual(sorted(path.name for path in self.directory.iterdir()), ["rod.k", "rod.msh"])
+        code, printed = self.convert(target=("none/rod.prm",))
+        self.assertEqual((code, printed.strip()), (1, "import: none/rod.prm: No such file or directory"))
+        code, printed = self.convert(target=("rod.k",))
+        self.assertEqual(code, 1, printed)
+        self.assertEqual((self.directory / "rod.k").read_text(), self.deck)
 
     def test_materials_in_several_units_are_refused(self):
         code, printed = self.convert((card(1, "7.85e-9", "210000.0", 0.3), card(1, 7850, "210.0e9", 0.3)))
