@@ -93,6 +93,13 @@ class AbaqusConditions(DeckTest):
         self.assertNotIn("Force", self.scene(steps(held, held), "deck.inp")[0])
         self.assertEqual(self.scene(steps(held + "*CLOAD\n 1, 3, 5.\n", "*CLOAD, OP=NEW\n"), "deck.inp")[0].count("set Force"), 1)
 
+    def test_a_rigid_body_of_the_plane(self):
+        text = ("*NODE\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 9, 0.5, 0.\n*ELEMENT, TYPE=CPE4R, ELSET=B\n 1, 1,2,3,4\n"
+                "*MATERIAL, NAME=M\n*DENSITY\n 1E-9,\n*ELASTIC\n 100., 0.3\n*SOLID SECTION, ELSET=B, MATERIAL=M\n"
+                "*RIGID BODY, REF NODE=9, ELSET=B\n*STEP\n*DYNAMIC, EXPLICIT\n , 1E-3\n*BOUNDARY, TYPE=VELOCITY\n 9, 1, 1, 5.\n{}*END STEP\n")
+        self.check(text.format(""), "set Displacement = 5*t; free", "set Rotation = free", "!set Axis")
+        self.check(text.format(" 9, 6, 6, 2.\n"), "set Angle = 2*t", "!set Rotation")
+
     def test_options_that_give_numbers_another_meaning(self):
         for change, reason, lost in (
                 (("*BOUNDARY\n FOOT", "*BOUNDARY, SUBMODEL, STEP=1\n FOOT"), "SUBMODEL is not understood", "!set Conditions = support"),

@@ -254,7 +254,7 @@ class DynaCards(DeckTest):
                 self.check(text + cards + "\n", *parts, dimension=2)
         rigid = replaced(text, ("*MAT_ELASTIC", "*MAT_RIGID"), (card(0.3), card(0.3) + "\n" + card(1, 3, 4)))
         for dof, *parts in ((7, "set Displacement = free; free", "set Angle = 1*table(deck_curve_1.csv, t)", "!set Axis"),
-                            (3, "DOF = 3 is none of two dimensions (1, 2 and 7 are)", "set Rotation = about the axis")):
+                            (3, "DOF = 3 is none of two dimensions (1, 2 and 7 are)", "set Rotation = free")):
             self.check(rigid + "*BOUNDARY_PRESCRIBED_MOTION_RIGID\n" + card(1, dof, 2, 1) + "\n", *parts, dimension=2)
         self.check(replaced(text, (card(1, 13), card(1, 12))), "ELFORM = 12 is plane stress", dimension=2)
         with self.assertRaisesRegex(DeckError, "ELFORM = 15 is axisymmetric"):

@@ -99,7 +99,7 @@ class Parts:
         part = parts[0]
         part.formulation = "rigid"
         part.entries = {"Displacement": "; ".join(["free"] * self.mesh.dimension),
-                        "Rotation": "free" if self.mesh.dimension == 3 else "about the axis"}
+                        "Rotation": "free"}
         reference = section.name_in("REF NODE")
         node = self.converter.all_nodes_of(section.line, reference, section.scope)[0]
         part.entries["Origin"] = ", ".join(map(number, self.mesh.points[node][:self.mesh.dimension]))
@@ -140,7 +140,7 @@ class Parts:
             axis = moving[0] if moving else free[0]
             if self.mesh.dimension == 3:
                 part.entries["Axis"] = ", ".join("1" if d == axis else "0" for d in range(3))
-        if len(free) == 1:
+        if len(free) == 1 and self.mesh.dimension == 3:
             part.entries["Rotation"] = "about the axis"
         elif free:
             part.entries["Rotation"] = "free"

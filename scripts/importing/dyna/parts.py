@@ -151,7 +151,7 @@ class PartReader:
         entries = {"Displacement": "; ".join("0" if axis in held else "free"
                                              for axis in "xyz"[:self.scene.mesh.dimension])}
         if self.scene.mesh.dimension == 2:
-            return entries if "z" in turns else {**entries, "Rotation": "about the axis"}
+            return entries if "z" in turns else {**entries, "Rotation": "free"}
         if turns == "xyz":
             return entries
         if len(turns) == 2:
