@@ -49,11 +49,11 @@ namespace tombolo
         }
       };
 
-      [[noreturn]] void throw_singular(const double *place)
+      [[noreturn]] void throw_singular(const double *position)
       {
         std::ostringstream message;
         message << "The deformation since the kernel's reference is singular at the particle at ("
-                << place[0] << ", " << place[1] << ", " << place[2] << ").";
+                << position[0] << ", " << position[1] << ", " << position[2] << ").";
         throw RunError(message.str());
       }
 
@@ -123,19 +123,19 @@ namespace tombolo
           const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
           // Two chains of sums hide the time that an addition takes.
           Deformation f, odd;
-          const Stencils::Row of_row = shape.row_of_gradients(row);
+          const Stencils::Row stencil = shape.row_of_gradients(row);
           const auto add = [&](const unsigned int k, Deformation &sum)
           {
-            sum.add(load_node(node(position, of_row.neighbour[k])) - centre,
-                    of_row.gradient + k * Stencils::n_gradient);
+            sum.add(load_node(node(position, stencil.neighbour[k])) - centre,
+                    stencil.gradient + k * Stencils::n_gradient);
           };
           unsigned int k = 0;
-          for (; k + 1 < of_row.size; k += 2)
+          for (; k + 1 < stencil.size; k += 2)
           {
             add(k, f);
             add(k + 1, odd);
           }
-          if (k < of_row.size)
+          if (k < stencil.size)
             add(k, f);
           f.x += odd.x;
           f.y += odd.y;
@@ -202,23 +202,24 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const Stencils::Row of_row = shape.row_of_values(row);
+        const Stencils::Row stencil = shape.row_of_values(row);
         // Two chains of sums hide the time that an addition takes.
         NodeLanes sum_acceleration = 0., sum_velocity = 0.;
         NodeLanes odd_acceleration = 0., odd_velocity = 0.;
         unsigned int k = 0;
-        for (; k + 1 < of_row.size; k += 2)
+        for (; k + 1 < stencil.size; k += 2)
         {
-          const unsigned int even = of_row.neighbour[k], odd = of_row.neighbour[k + 1];
-          sum_acceleration += load_node(node(acceleration, even)) * of_row.value[k];
-          sum_velocity += load_node(node(velocity, even)) * of_row.value[k];
-          odd_acceleration += load_node(node(acceleration, odd)) * of_row.value[k + 1];
-          odd_velocity += load_node(node(velocity, odd)) * of_row.value[k + 1];
+          const unsigned int even = stencil.neighbour[k], odd = stencil.neighbour[k + 1];
+          sum_acceleration += load_node(node(acceleration, even)) * stencil.value[k];
+          sum_velocity += load_node(node(velocity, even)) * stencil.value[k];
+          odd_acceleration += load_node(node(acceleration, odd)) * stencil.value[k + 1];
+          odd_velocity += load_node(node(velocity, odd)) * stencil.value[k + 1];
         }
-        if (k < of_row.size)
+        if (k < stencil.size)
         {
-          sum_acceleration += load_node(node(acceleration, of_row.neighbour[k])) * of_row.value[k];
-          sum_velocity += load_node(node(velocity, of_row.neighbour[k])) * of_row.value[k];
+          sum_acceleration +=
+              load_node(node(acceleration, stencil.neighbour[k])) * stencil.value[k];
+          sum_velocity += load_node(node(velocity, stencil.neighbour[k])) * stencil.value[k];
         }
         sum_acceleration += odd_acceleration;
         sum_velocity += odd_velocity;
@@ -234,7 +235,7 @@ namespace tombolo
         if (momentum != nullptr)
         {
           const NodeLanes weighted = load_node(node(row_mass, row)) * new_velocity;
-          scatter_row(of_row, weighted, momentum);
+          scatter_row(stencil, weighted, momentum);
         }
       }
     }
@@ -246,25 +247,25 @@ namespace tombolo
                                                     double *momentum)
       {
         const double *const reference = shape.reference_position.data();
-        const Stencils::Row of_row = shape.row(row);
+        const Stencils::Row stencil = shape.row(row);
         const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
         // Relative to the particle itself: Σ ∇φ = 0 only to round-off.
         Deformation h;
-        for (unsigned int k = 0; k < of_row.size; ++k)
-          h.add(load_node(node(velocity, of_row.neighbour[k])) - own_velocity,
-                of_row.gradient + k * Stencils::n_gradient);
+        for (unsigned int k = 0; k < stencil.size; ++k)
+          h.add(load_node(node(velocity, stencil.neighbour[k])) - own_velocity,
+                stencil.gradient + k * Stencils::n_gradient);
         const NodeLanes mass = load_node(node(row_mass, row));
         const NodeLanes weighted = mass * own_velocity;
         const NodeLanes slope_x = mass * h.x, slope_y = mass * h.y, slope_z = mass * h.z;
         const Axes axes(node(reference, shape.particle_node[row]));
-        for (unsigned int k = 0; k < of_row.size; ++k)
+        for (unsigned int k = 0; k < stencil.size; ++k)
         {
-          const unsigned int neighbour = of_row.neighbour[k];
+          const unsigned int neighbour = stencil.neighbour[k];
           const double *const other = node(reference, neighbour);
           const NodeLanes value = weighted + slope_x * axes.offset(other, 0) +
                                   slope_y * axes.offset(other, 1) + slope_z * axes.offset(other, 2);
           double *const target = node(momentum, neighbour);
-          store_node(load_node(target) + value * of_row.value[k], target);
+          store_node(load_node(target) + value * stencil.value[k], target);
         }
       }
 
@@ -273,32 +274,33 @@ namespace tombolo
                                                    double *result)
       {
         const double *const reference = shape.reference_position.data();
-        const Stencils::Row of_row = shape.row(row);
+        const Stencils::Row stencil = shape.row(row);
         const Axes axes(node(reference, shape.particle_node[row]));
         // Two chains of sums hide the time that an addition takes.
         Moments even, odd;
         const auto value_of = [&](const unsigned int k)
-        { return load_node(node(field, of_row.neighbour[k])) * of_row.value[k]; };
+        { return load_node(node(field, stencil.neighbour[k])) * stencil.value[k]; };
         unsigned int k = 0;
-        for (; k + 1 < of_row.size; k += 2)
+        for (; k + 1 < stencil.size; k += 2)
         {
-          even.add(value_of(k), node(reference, of_row.neighbour[k]), axes);
-          odd.add(value_of(k + 1), node(reference, of_row.neighbour[k + 1]), axes);
+          even.add(value_of(k), node(reference, stencil.neighbour[k]), axes);
+          odd.add(value_of(k + 1), node(reference, stencil.neighbour[k + 1]), axes);
         }
-        if (k < of_row.size)
-          even.add(value_of(k), node(reference, of_row.neighbour[k]), axes);
+        if (k < stencil.size)
+          even.add(value_of(k), node(reference, stencil.neighbour[k]), axes);
         const NodeLanes mass = load_node(node(row_mass, row));
         const NodeLanes slope_x = mass * (even.x + odd.x), slope_y = mass * (even.y + odd.y),
                         slope_z = mass * (even.z + odd.z);
         // The velocity gradient was taken of differences to the particle's own velocity, so what
-        // its neighbours get is taken from it: exact also where Σ ∇φ is only zero to round-off.
+        // is added to its neighbours is subtracted from it: exact also where Σ ∇φ is only zero to
+        // round-off.
         NodeLanes given = 0.;
-        for (k = 0; k < of_row.size; ++k)
+        for (k = 0; k < stencil.size; ++k)
         {
-          const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
+          const double *const gradient = stencil.gradient + k * Stencils::n_gradient;
           const NodeLanes share =
               slope_x * gradient[0] + slope_y * gradient[1] + slope_z * gradient[2];
-          double *const target = node(result, of_row.neighbour[k]);
+          double *const target = node(result, stencil.neighbour[k]);
           store_node(load_node(target) + share, target);
           given += share;
         }

@@ -60,9 +60,9 @@ namespace tombolo
     unsigned int largest = 0;
     for (unsigned int i = 0; i < coefficient_start.size(); ++i)
     {
-      const Row of_row = row(i);
-      largest = std::max(largest, of_row.size);
-      round_row(of_row.size, of_row.value, of_row.gradient,
+      const Row stencil = row(i);
+      largest = std::max(largest, stencil.size);
+      round_row(stencil.size, stencil.value, stencil.gradient,
                 all.data() + width * coefficient_start[i]);
     }
     // φ and ∇φ begin at whole blocks, for the sake of the loads that follow the stores.

@@ -113,8 +113,8 @@ namespace tombolo
 
     /** The same where the neighbours and the point have moved to @p present (node_stride doubles
      * each) and @p present_x: weights are those at @p position and @p x, offsets are present ones.
-     * So an affine motion changes no value. With @p gradient, the gradients by the present place
-     * go there, where x moves with the present place by @p inverse, ∂x/∂(present x). */
+     * So an affine motion changes no value. With @p gradient, the gradients by the present position
+     * go there, where x moves with the present position by @p inverse, ∂x/∂(present x). */
     Result evaluate_moved(const dealii::Point<dim> &x, const unsigned int n,
                           const double *const position, const double *const support,
                           const dealii::Point<dim> &present_x, const double *const present,
@@ -132,8 +132,8 @@ namespace tombolo
       for (std::vector<double> &component : offset)
         for (std::size_t k = 0; k < active.size(); ++k)
           component[k] /= sum;
-      for (dealii::Tensor<1, dim> &of_weight : weight_gradient)
-        of_weight = of_weight * inverse;
+      for (dealii::Tensor<1, dim> &node_gradient : weight_gradient)
+        node_gradient = node_gradient * inverse;
       return solve(n, sum, value, gradient);
     }
 
@@ -233,8 +233,8 @@ namespace tombolo
         first[i] = hessian[i] = 0.;
       for (std::size_t k = 0; k < active.size(); k += 8)
       {
-        const EightDoubles of_weight = load_eight(weight.data() + k);
-        const EightDoubles value = of_weight * load_eight(basis_value.data() + k);
+        const EightDoubles eight_weights = load_eight(weight.data() + k);
+        const EightDoubles value = eight_weights * load_eight(basis_value.data() + k);
         first[0] += value;
         EightDoubles at[dim];
         TOMBOLO_UNROLL
@@ -247,19 +247,19 @@ namespace tombolo
             hessian[i * (i + 1) / 2 + j] += value * at[i] * at[j];
         }
       }
-      double of_first[8], of_hessian[8];
-      store_eight(sums_of(first), of_first);
-      store_eight(sums_of(hessian), of_hessian);
+      double first_sums[8], hessian_sums[8];
+      store_eight(sums_of(first), first_sums);
+      store_eight(sums_of(hessian), hessian_sums);
       static_assert(1 + dim <= 8 && n_hessian <= 8, "Sums fit into eight doubles.");
       Sums sums;
-      sums.potential = sums.total = of_first[0];
+      sums.potential = sums.total = first_sums[0];
       if (!(sums.total > 0.))
         sums.potential = std::numeric_limits<double>::infinity();
       for (unsigned int i = 0; i < dim; ++i)
       {
-        sums.gradient[i] = of_first[1 + i];
+        sums.gradient[i] = first_sums[1 + i];
         for (unsigned int j = 0; j <= i; ++j)
-          sums.hessian[i][j] = sums.hessian[j][i] = of_hessian[i * (i + 1) / 2 + j];
+          sums.hessian[i][j] = sums.hessian[j][i] = hessian_sums[i * (i + 1) / 2 + j];
       }
       return sums;
     }
@@ -297,9 +297,9 @@ namespace tombolo
       Sums sums;
       result.n_iterations = minimize_convex(
           most, [this](const dealii::Tensor<1, dim> &trial) { return sums_at(trial); },
-          [](const Sums &of_trial)
-          { return -1. * solve_shifted(of_trial.hessian, of_trial.gradient); },
-          [](const Sums &of_trial) { return of_trial.size() < tolerance; }, multiplier, sums);
+          [](const Sums &trial_sums)
+          { return -1. * solve_shifted(trial_sums.hessian, trial_sums.gradient); },
+          [](const Sums &trial_sums) { return trial_sums.size() < tolerance; }, multiplier, sums);
       result.is_inside = sums.gradient.norm() < sufficient * sums.total;
       if (!result.is_inside)
         return result;

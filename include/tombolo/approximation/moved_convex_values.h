@@ -18,9 +18,9 @@
 namespace tombolo
 {
   /**
-   * Values of ConvexApproximation::evaluate_moved() at up to eight places with the same neighbours,
-   * one a lane: the same functions to round-off. Newton's method takes whole steps only, and gives
-   * up a place where one is not accepted.
+   * Values of ConvexApproximation::evaluate_moved() at up to eight points with the same neighbours,
+   * one a lane: the same functions to round-off. Newton's method takes whole steps only; a point
+   * where one is not accepted has no values.
    */
   template <int dim>
   class MovedConvexValues
@@ -30,7 +30,7 @@ namespace tombolo
 
     explicit MovedConvexValues(std::shared_ptr<const Kernel> kernel) : kernel(std::move(kernel)) {}
 
-    /** @p n neighbours of all places, with arrays as of ConvexApproximation::evaluate_moved(). */
+    /** @p n neighbours of all points, with arrays as of ConvexApproximation::evaluate_moved(). */
     void set_neighbours(const unsigned int n, const double *const position,
                         const double *const support, const double *const present)
     {
@@ -60,7 +60,7 @@ namespace tombolo
 
     using Places = std::array<dealii::Point<dim>, most_places>;
 
-    /** At @p n places @p x, which are now at @p present_x. Returns those that have values, as
+    /** At @p n points @p x, which are now at @p present_x. Returns those that have values, as
      * bits. */
     unsigned int evaluate(const unsigned int n, const Places &x, const Places &present_x)
     {
@@ -69,8 +69,8 @@ namespace tombolo
       constexpr unsigned int most_iterations = 30;
       n_rows = 0;
       n_active.fill(0);
-      for (unsigned int place = 0; place < n; ++place)
-        find_neighbours(place, x[place], present_x[place]);
+      for (unsigned int lane = 0; lane < n; ++lane)
+        find_neighbours(lane, x[lane], present_x[lane]);
       find_weights();
       EightDoubles multiplier[dim];
       for (EightDoubles &component : multiplier)
@@ -87,7 +87,7 @@ namespace tombolo
           break;
         EightDoubles step[dim];
         const EightDoubles predicted = find_step(sums, step);
-        // Places that are done stay.
+        // Points that have converged stay.
         const auto is_large = !(norm < tolerance);
         for (unsigned int d = 0; d < dim; ++d)
           std::experimental::where(is_large, multiplier[d]) += step[d];
@@ -107,21 +107,21 @@ namespace tombolo
       return is_found;
     }
 
-    /** The number of neighbours whose supports reach a place. */
-    unsigned int n_values(const unsigned int place) const
+    /** The number of neighbours whose supports reach a point. */
+    unsigned int n_values(const unsigned int lane) const
     {
-      return n_active[place];
+      return n_active[lane];
     }
 
     /** The neighbour of a value, below n_values(); ascending. */
-    unsigned int neighbour(const unsigned int place, const unsigned int k) const
+    unsigned int neighbour(const unsigned int lane, const unsigned int k) const
     {
-      return numbers[k * most_places + place];
+      return numbers[k * most_places + lane];
     }
 
-    double value(const unsigned int place, const unsigned int k) const
+    double value(const unsigned int lane, const unsigned int k) const
     {
-      return basis_value[k * most_places + place];
+      return basis_value[k * most_places + lane];
     }
 
   private:
@@ -131,20 +131,20 @@ namespace tombolo
       EightDoubles total, residual[dim], hessian[dim * (dim + 1) / 2];
     };
 
-    void find_neighbours(const unsigned int place, const dealii::Point<dim> &x,
+    void find_neighbours(const unsigned int lane, const dealii::Point<dim> &x,
                          const dealii::Point<dim> &present_x)
     {
       constexpr double outside = 2.; // of any support
       unsigned int row = 0;
       for (std::size_t first = 0; first < n_neighbours; first += 8)
       {
-        double of_eight[dim][8];
+        double eight_values[dim][8];
         unsigned int is_reached = 0xFFu;
         for (unsigned int d = 0; d < dim; ++d)
         {
           const EightDoubles value = (load_eight(initial[d].data() + first) - x[d]) *
                                      load_eight(inverse_support[d].data() + first);
-          store_eight(value, of_eight[d]);
+          store_eight(value, eight_values[d]);
           is_reached &= bits_of(value < 1.) & bits_of(value > -1.);
         }
         for (unsigned int k = 0; is_reached != 0; ++k, is_reached >>= 1)
@@ -161,15 +161,15 @@ namespace tombolo
           }
           for (unsigned int d = 0; d < dim; ++d)
           {
-            const std::size_t entry = (std::size_t(row) * dim + d) * most_places + place;
-            coordinate[entry] = of_eight[d][k];
+            const std::size_t entry = (std::size_t(row) * dim + d) * most_places + lane;
+            coordinate[entry] = eight_values[d][k];
             offset[entry] = moved[d][first + k] - present_x[d];
           }
-          numbers[std::size_t(row) * most_places + place] = static_cast<unsigned int>(first) + k;
+          numbers[std::size_t(row) * most_places + lane] = static_cast<unsigned int>(first) + k;
           ++row;
         }
       }
-      n_active[place] = row;
+      n_active[lane] = row;
     }
     void find_weights()
     {
@@ -181,8 +181,9 @@ namespace tombolo
         EightDoubles square = 0.;
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const EightDoubles of_row = load_eight(offset.data() + (row * dim + d) * most_places);
-          square += of_row * of_row;
+          const EightDoubles offset_component =
+              load_eight(offset.data() + (row * dim + d) * most_places);
+          square += offset_component * offset_component;
           if (d > 0)
             product *= load_eight(factor.data() + (row * dim + d) * most_places);
         }
@@ -202,11 +203,11 @@ namespace tombolo
     {
       for (std::size_t row = 0; row < n_rows; ++row)
       {
-        const double *const of_row = offset.data() + row * dim * most_places;
-        EightDoubles argument = multiplier[0] * load_eight(of_row);
+        const double *const row_offset = offset.data() + row * dim * most_places;
+        EightDoubles argument = multiplier[0] * load_eight(row_offset);
         TOMBOLO_UNROLL
         for (unsigned int d = 1; d < dim; ++d)
-          argument += multiplier[d] * load_eight(of_row + d * most_places);
+          argument += multiplier[d] * load_eight(row_offset + d * most_places);
         store_eight(argument, basis_value.data() + row * most_places);
       }
       double *const value = basis_value.data();
@@ -226,8 +227,8 @@ namespace tombolo
       for (std::size_t row = 0; row < n_rows; ++row)
       {
         const std::size_t first = row * most_places;
-        const EightDoubles of_weight = load_eight(weight.data() + first);
-        const EightDoubles value = of_weight * load_eight(basis_value.data() + first);
+        const EightDoubles row_weight = load_eight(weight.data() + first);
+        const EightDoubles value = row_weight * load_eight(basis_value.data() + first);
         sums.total += value;
         EightDoubles at[dim];
         TOMBOLO_UNROLL
@@ -271,13 +272,13 @@ namespace tombolo
         const EightDoubles shift = relative_shift * (lower[0] + lower[2] + lower[5]);
         const EightDoubles xx = lower[0] + shift, yx = lower[1], yy = lower[2] + shift,
                            zx = lower[3], zy = lower[4], zz = lower[5] + shift;
-        const EightDoubles of_xx = yy * zz - zy * zy, of_yx = zy * zx - yx * zz,
-                           of_zx = yx * zy - yy * zx;
-        const EightDoubles scale = -1. / (xx * of_xx + yx * of_yx + zx * of_zx);
-        const EightDoubles of_zy = yx * zx - xx * zy;
-        step[0] = scale * (of_xx * r[0] + of_yx * r[1] + of_zx * r[2]);
-        step[1] = scale * (of_yx * r[0] + (xx * zz - zx * zx) * r[1] + of_zy * r[2]);
-        step[2] = scale * (of_zx * r[0] + of_zy * r[1] + (xx * yy - yx * yx) * r[2]);
+        const EightDoubles cofactor_xx = yy * zz - zy * zy, cofactor_yx = zy * zx - yx * zz,
+                           cofactor_zx = yx * zy - yy * zx;
+        const EightDoubles scale = -1. / (xx * cofactor_xx + yx * cofactor_yx + zx * cofactor_zx);
+        const EightDoubles cofactor_zy = yx * zx - xx * zy;
+        step[0] = scale * (cofactor_xx * r[0] + cofactor_yx * r[1] + cofactor_zx * r[2]);
+        step[1] = scale * (cofactor_yx * r[0] + (xx * zz - zx * zx) * r[1] + cofactor_zy * r[2]);
+        step[2] = scale * (cofactor_zx * r[0] + cofactor_zy * r[1] + (xx * yy - yx * yx) * r[2]);
       }
       EightDoubles result = step[0] * r[0];
       for (unsigned int d = 1; d < dim; ++d)
@@ -286,11 +287,11 @@ namespace tombolo
     }
 
     std::shared_ptr<const Kernel> kernel;
-    // Of neighbours, padded to multiples of eight by ones that reach nothing.
+    // Of neighbours, padded to multiples of eight by neighbours that reach nothing.
     std::array<std::vector<double>, dim> initial, inverse_support, moved;
     std::size_t n_neighbours = 0;
 
-    // Of those that reach a place, by row, component and lane: rows of a lane beyond its own ones
+    // Of those that reach a point, by row, component and lane: rows of a lane beyond its own ones
     // have no weight.
     std::size_t n_rows = 0;
     std::array<unsigned int, most_places> n_active{};

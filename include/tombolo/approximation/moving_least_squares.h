@@ -31,14 +31,14 @@ namespace tombolo
 
   namespace internal
   {
-    /** Of n_lanes places of node_stride doubles, components 0 ... dim-1. */
+    /** Of n_lanes records of node_stride doubles, components 0 ... dim-1. */
     template <int dim>
-    void load_transposed(const double *const place[n_lanes], const std::size_t offset,
+    void load_transposed(const double *const record[n_lanes], const std::size_t offset,
                          Lanes (&component)[dim])
     {
       NodeLanes node[n_lanes];
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        node[lane] = load_node(place[lane] + offset);
+        node[lane] = load_node(record[lane] + offset);
       nodes_to_lanes(node, component);
     }
 
@@ -111,39 +111,39 @@ namespace tombolo
         }
       }
 
-      /** Adds up M, and puts w_J into result and ∂_k w_J in the place of their factors. */
+      /** Adds up M, and puts w_J into result and ∂_k w_J instead of their factors. */
       void multiply_weights(Lanes (&moment)[n][n])
       {
         for (unsigned int slot = 0; slot < longest; ++slot)
         {
           const std::size_t i = std::size_t(slot) * dim * n_lanes;
-          Lanes q[n], factor[dim], of_axis[dim];
+          Lanes q[n], factor[dim], axis_gradient[dim];
           for (unsigned int d = 0; d < dim; ++d)
           {
             q[d + 1] = load_lanes(&offset[i + d * n_lanes]);
             factor[d] = load_lanes(&weight[i + d * n_lanes]);
-            of_axis[d] = -load_lanes(&slope[i + d * n_lanes]) *
-                         load_lanes(&inverse_support[i + d * n_lanes]);
+            axis_gradient[d] = -load_lanes(&slope[i + d * n_lanes]) *
+                               load_lanes(&inverse_support[i + d * n_lanes]);
           }
           Lanes w;
           if (dim == 2)
           {
             w = factor[0] * factor[1];
-            of_axis[0] *= factor[1];
-            of_axis[1] *= factor[0];
+            axis_gradient[0] *= factor[1];
+            axis_gradient[1] *= factor[0];
           }
           else
           {
             constexpr unsigned int z = dim - 1;
             const Lanes xy = factor[0] * factor[1];
             w = xy * factor[z];
-            of_axis[0] *= factor[1] * factor[z];
-            of_axis[1] *= factor[0] * factor[z];
-            of_axis[z] *= xy;
+            axis_gradient[0] *= factor[1] * factor[z];
+            axis_gradient[1] *= factor[0] * factor[z];
+            axis_gradient[z] *= xy;
           }
           store_lanes(w, &result[std::size_t(slot) * n_lanes]);
           for (unsigned int d = 0; d < dim; ++d)
-            store_lanes(of_axis[d], &slope[i + d * n_lanes]);
+            store_lanes(axis_gradient[d], &slope[i + d * n_lanes]);
           moment[0][0] += w;
           for (int k = 1; k < n; ++k)
           {
@@ -295,7 +295,7 @@ namespace tombolo
     /**
      * Computes value and gradient of all rows from @p position and half widths @p support,
      * node_stride doubles per local node. @p nodes lists the local nodes that occur as particle or
-     * neighbour. A particle with a defect gets Shepard's functions, w_J/Σw, and no gradient. The
+     * neighbour. A particle with a defect has Shepard's functions, w_J/Σw, and no gradient. The
      * reference stays valid until the next call. With @p share_rows, rows that are the same are
      * kept once (RowSharing), where that at least halves what is kept; the others then have their
      * own.
@@ -533,8 +533,8 @@ namespace tombolo
                       gradient + batch.start[lane] * n_gradient_terms);
     }
 
-    /** Gives a row Shepard's functions if its moment matrix has too large a condition number, and
-     * remembers its defect. */
+    /** Sets a row to Shepard's functions if its moment matrix has too large a condition number, and
+     * records its defect. */
     void check_basis(const unsigned int row, const Stencils &shape, double *const value,
                      double *const gradient)
     {
@@ -560,7 +560,7 @@ namespace tombolo
     /** False, and without a result, where too few rows are the same. */
     bool compute_shared(Stencils &shape)
     {
-      // Enough to know whether it is worth it.
+      // Enough to estimate whether it pays.
       constexpr unsigned int n_tried_rows = 4096;
       RowSharing sharing;
       dealii::AlignedVector<double> value, gradient;

@@ -309,13 +309,13 @@ namespace tombolo
       }
       for (std::size_t c = 0; c < columns.size(); ++c)
       {
-        const unsigned int place = bin_start[column_bin[c]]++;
-        sorted_node[place] = columns[c];
+        const unsigned int index = bin_start[column_bin[c]]++;
+        sorted_node[index] = columns[c];
         for (unsigned int d = 0; d < dim; ++d)
         {
           const std::size_t slot = std::size_t(columns[c]) * node_stride + d;
-          sorted_position[d][place] = position[slot];
-          sorted_reach[d][place] = support[slot] * (1. + skin);
+          sorted_position[d][index] = position[slot];
+          sorted_reach[d][index] = support[slot] * (1. + skin);
         }
       }
       for (std::size_t b = bins.size(); b > 0; --b)
@@ -437,10 +437,10 @@ namespace tombolo
           const Lanes position = load_lanes(x[d] + i), limit = load_lanes(reach[d] + i);
           near &= (low[d] - position < limit) & (position - high[d] < limit);
         }
-        unsigned int place[n_lanes];
+        unsigned int index[n_lanes];
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          place[lane] = begin + i + lane;
-        SelectedLanes(near, n - i).append(place, out, count);
+          index[lane] = begin + i + lane;
+        SelectedLanes(near, n - i).append(index, out, count);
       }
       n_candidates = count;
     }
@@ -465,7 +465,7 @@ namespace tombolo
         key[i] = sorted_node[candidate[i]];
         is_sorted &= i == 0 || key[i - 1] < key[i];
       }
-      // Counting the smaller ones takes n² / 16 instructions, without the mispredicted branches of
+      // Counting the smaller keys takes n² / 16 instructions, without the mispredicted branches of
       // a sort.
       constexpr unsigned int largest_counted = 192;
       if (is_sorted)

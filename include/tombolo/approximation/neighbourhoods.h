@@ -25,13 +25,13 @@ namespace tombolo
   /**
    * Which particles of one part are neighbours of which: the rows of Stencils, across ranks.
    *
-   * search() takes the particles of this rank at their present positions, before any partition of
-   * nodes with the right ghosts exists. It numbers the nodes of the rows by places: own particles
-   * in their order, then those particles of other ranks that are neighbours; global_nodes() are
-   * what a partition has to contain. set_partition() turns places into local numbers, and may be
-   * called again for every new partition. Behind the places of nodes are those of images():
-   * images of particles of this rank and of others that are neighbours.
-   * Candidates are found with a skin, so that they can be kept while candidates_hold().
+   * search() finds those of the particles of this rank at their present positions, before any
+   * partition of nodes with the right ghosts exists. It numbers the nodes of the rows by indices:
+   * own particles in their order, then those particles of other ranks that are neighbours;
+   * global_nodes() are what a partition has to contain. set_partition() turns indices into local
+   * numbers, and may be called again for every new partition. Behind the indices of nodes are those
+   * of images(): images of particles of this rank and of others that are neighbours. Candidates are
+   * found with a skin, so that they can be kept while candidates_hold().
    */
   template <int dim>
   class Neighbourhoods
@@ -47,7 +47,7 @@ namespace tombolo
       is_ordered_by_offset = true;
     }
 
-    /** Particles see these images of others, from the next search on. */
+    /** Particles have these images of others as neighbours, from the next search on. */
     void set_images(const std::shared_ptr<const Images> &images)
     {
       images_of_body = images;
@@ -56,7 +56,7 @@ namespace tombolo
     /**
      * Finds the candidates of all particles of this rank, with global numbers @p particles
      * (ascending), positions and half widths with node_stride doubles for each. Particles and
-     * neighbours in the rows of @p shape are places. Collective.
+     * neighbours in the rows of @p shape are indices. Collective.
      */
     void search(const std::vector<dealii::types::global_dof_index> &particles,
                 const std::vector<double> &position, const std::vector<double> &support,
@@ -77,83 +77,84 @@ namespace tombolo
       image_source.clear();
       if (!images_of_body->empty())
         add_images(remote);
-      const auto n_places = static_cast<unsigned int>(all_positions.size() / node_stride);
+      const auto n_candidates = static_cast<unsigned int>(all_positions.size() / node_stride);
       const unsigned int n_received = n_own + static_cast<unsigned int>(remote.node.size());
-      count_up(columns, n_places);
+      count_up(columns, n_candidates);
       finder.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
-                  neighbour_place);
+                  neighbour_index);
       if (skin == 0.) // the next search is not near
         finder = NeighbourSearch<dim>();
 
-      // Of the particles received and of images only those that are neighbours keep a place, and
+      // Of the particles received and of images only those that are neighbours keep an index, and
       // the sources of these images. They stay ascending by global number, and so do the rows.
       constexpr unsigned int unused = std::numeric_limits<unsigned int>::max();
-      std::vector<unsigned int> place(n_places - n_own, unused);
-      for (const unsigned int j : neighbour_place)
+      std::vector<unsigned int> new_index(n_candidates - n_own, unused);
+      for (const unsigned int j : neighbour_index)
         if (j >= n_own)
         {
-          place[j - n_own] = 0;
+          new_index[j - n_own] = 0;
           if (j >= n_received && image_source[j - n_received] >= n_own)
-            place[image_source[j - n_received] - n_own] = 0;
+            new_index[image_source[j - n_received] - n_own] = 0;
         }
       all_nodes = particles;
       for (std::size_t k = 0; k < remote.node.size(); ++k)
-        if (place[k] != unused)
+        if (new_index[k] != unused)
         {
-          place[k] = static_cast<unsigned int>(all_nodes.size());
+          new_index[k] = static_cast<unsigned int>(all_nodes.size());
           all_nodes.push_back(remote.node[k]);
           std::copy_n(&remote.position[k * node_stride], node_stride,
-                      &all_positions[place[k] * node_stride]);
+                      &all_positions[new_index[k] * node_stride]);
           std::copy_n(&remote.support[k * node_stride], node_stride,
-                      &all_supports[place[k] * node_stride]);
+                      &all_supports[new_index[k] * node_stride]);
         }
-      // Images keep their order; what is in their way has moved to its place before.
+      // Images keep their order; what is in their way was moved before.
       unsigned int n_images = 0;
       for (std::size_t k = 0; k < all_images.size(); ++k)
-        if (place[n_received - n_own + k] != unused)
+        if (new_index[n_received - n_own + k] != unused)
         {
           const unsigned int source =
-              image_source[k] < n_own ? image_source[k] : place[image_source[k] - n_own];
-          const auto new_place = static_cast<unsigned int>(all_nodes.size()) + n_images;
-          place[n_received - n_own + k] = new_place;
+              image_source[k] < n_own ? image_source[k] : new_index[image_source[k] - n_own];
+          const auto image_index = static_cast<unsigned int>(all_nodes.size()) + n_images;
+          new_index[n_received - n_own + k] = image_index;
           all_images[n_images++] = {all_nodes[source], all_images[k].mirrors};
           std::copy_n(&all_positions[(n_received + k) * node_stride], node_stride,
-                      &all_positions[std::size_t(new_place) * node_stride]);
+                      &all_positions[std::size_t(image_index) * node_stride]);
           std::copy_n(&all_supports[(n_received + k) * node_stride], node_stride,
-                      &all_supports[std::size_t(new_place) * node_stride]);
+                      &all_supports[std::size_t(image_index) * node_stride]);
         }
       all_images.resize(n_images);
       all_positions.resize((all_nodes.size() + n_images) * node_stride);
       all_supports.resize((all_nodes.size() + n_images) * node_stride);
-      if (!place.empty())
-        for (unsigned int &j : neighbour_place)
+      if (!new_index.empty())
+        for (unsigned int &j : neighbour_index)
           if (j >= n_own)
-            j = place[j - n_own];
+            j = new_index[j - n_own];
       finish(shape);
     }
 
     /**
-     * Takes neighbours that are known, in the place of a search: those of each particle are the
-     * members `node` (ImageNode) of a list of @p of_rows, sources of images among them. Those that
-     * are no particles of this rank are at @p places, may belong to other parts, and have no
-     * supports.
+     * Sets neighbours that are known, instead of a search: those of each particle are the
+     * members `node` (ImageNode) of a list of @p neighbour_lists, sources of images among them.
+     * Those that are no particles of this rank are at @p source_positions, may belong to other
+     * parts, and have no supports.
      */
     template <typename Entry>
-    void assign(const std::vector<dealii::types::global_dof_index> &particles,
-                const std::vector<double> &position, const std::vector<double> &support,
-                const std::vector<std::vector<Entry>> &of_rows,
-                const std::map<dealii::types::global_dof_index, dealii::Point<dim>> &places,
-                Stencils &shape)
+    void
+    assign(const std::vector<dealii::types::global_dof_index> &particles,
+           const std::vector<double> &position, const std::vector<double> &support,
+           const std::vector<std::vector<Entry>> &neighbour_lists,
+           const std::map<dealii::types::global_dof_index, dealii::Point<dim>> &source_positions,
+           Stencils &shape)
     {
       n_own = static_cast<unsigned int>(particles.size());
-      std::map<ImageNode, unsigned int> others, images; // and their places
-      std::vector<unsigned int> own;                    // places, from the first particle on
+      std::map<ImageNode, unsigned int> others, images; // and their indices
+      std::vector<unsigned int> own;                    // indices, from the first particle on
       constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
       if (n_own > 0)
         own.resize(particles.back() - particles.front() + 1, none);
       for (unsigned int i = 0; i < n_own; ++i)
         own[particles[i] - particles.front()] = i;
-      const auto place_of_own = [&](const ImageNode &node)
+      const auto own_index = [&](const ImageNode &node)
       {
         return node.mirrors == 0 && node.source >= particles.front() &&
                        node.source <= particles.back()
@@ -161,11 +162,11 @@ namespace tombolo
                    : none;
       };
       std::size_t n_entries = 0;
-      for (const std::vector<Entry> &row : of_rows)
+      for (const std::vector<Entry> &row : neighbour_lists)
       {
         n_entries += row.size();
         for (const Entry &entry : row)
-          if (place_of_own(entry.node) == none)
+          if (own_index(entry.node) == none)
             (entry.node.mirrors == 0 ? others : images).emplace(entry.node, 0);
       }
 
@@ -173,12 +174,12 @@ namespace tombolo
       all_positions = position;
       all_images.clear();
       for (auto *const list : {&others, &images})
-        for (auto &[node, place] : *list)
+        for (auto &[node, index] : *list)
         {
-          place = static_cast<unsigned int>(all_positions.size() / node_stride);
-          const unsigned int source = place_of_own({node.source, 0});
+          index = static_cast<unsigned int>(all_positions.size() / node_stride);
+          const unsigned int source = own_index({node.source, 0});
           const double *const x = source != none ? &position[std::size_t(source) * node_stride]
-                                                 : places.at(node.source).begin_raw();
+                                                 : source_positions.at(node.source).begin_raw();
           const Images::Map map = images_of_body->map(node.mirrors);
           for (unsigned int d = 0; d < node_stride; ++d)
             all_positions.push_back(d < dim ? map.sign[d] * x[d] + map.offset[d] : 0.);
@@ -191,34 +192,34 @@ namespace tombolo
       all_supports.resize(all_positions.size(), 0.);
 
       shape.row_start.assign(1, 0);
-      neighbour_place.clear();
-      neighbour_place.reserve(n_entries);
-      for (const std::vector<Entry> &row : of_rows)
+      neighbour_index.clear();
+      neighbour_index.reserve(n_entries);
+      for (const std::vector<Entry> &row : neighbour_lists)
       {
         for (const Entry &entry : row)
         {
-          const unsigned int place = place_of_own(entry.node);
-          neighbour_place.push_back(
-              place != none ? place : (entry.node.mirrors == 0 ? others : images).at(entry.node));
+          const unsigned int index = own_index(entry.node);
+          neighbour_index.push_back(
+              index != none ? index : (entry.node.mirrors == 0 ? others : images).at(entry.node));
         }
-        shape.row_start.push_back(neighbour_place.size());
+        shape.row_start.push_back(neighbour_index.size());
       }
       finish(shape);
     }
 
-    /** Global numbers of the nodes of the rows, by place; sources of images are among them. */
+    /** Global numbers of the nodes of the rows, by index; sources of images are among them. */
     const std::vector<dealii::types::global_dof_index> &global_nodes() const
     {
       return all_nodes;
     }
 
-    /** Images that are neighbours. Their places follow those of global_nodes(). */
+    /** Images that are neighbours. Their indices follow those of global_nodes(). */
     const std::vector<ImageNode> &images() const
     {
       return all_images;
     }
 
-    /** Positions and half widths by place, as they were at the search; node_stride doubles each. */
+    /** Positions and half widths by index, as they were at the search; node_stride doubles each. */
     const std::vector<double> &position_at_search() const
     {
       return all_positions;
@@ -233,17 +234,17 @@ namespace tombolo
      * all global_nodes() and images(). */
     void set_partition(const NodePartition &partition, Stencils &shape)
     {
-      for (std::size_t place = 0; place < all_nodes.size(); ++place)
-        numbers_in_use[place] = partition.local_index(all_nodes[place]);
+      for (std::size_t index = 0; index < all_nodes.size(); ++index)
+        numbers_in_use[index] = partition.local_index(all_nodes[index]);
       for (std::size_t k = 0; k < all_images.size(); ++k)
         numbers_in_use[all_nodes.size() + k] = partition.local_index(all_images[k]);
       std::copy_n(numbers_in_use.begin(), n_own, shape.particle_node.begin());
-      for (std::size_t entry = 0; entry < neighbour_place.size(); ++entry)
-        shape.neighbour[entry] = numbers_in_use[neighbour_place[entry]];
+      for (std::size_t entry = 0; entry < neighbour_index.size(); ++entry)
+        shape.neighbour[entry] = numbers_in_use[neighbour_index[entry]];
     }
 
-    /** Takes the neighbours for which @p is_removed(row, place) holds out of the rows, which stay
-     * in their order; the places of nodes remain. They come back with the next search. */
+    /** Removes the neighbours for which @p is_removed(row, index) holds from the rows, which stay
+     * in their order; the indices of nodes remain. They come back with the next search. */
     void remove_neighbours(const std::function<bool(unsigned int, unsigned int)> &is_removed,
                            Stencils &shape)
     {
@@ -254,26 +255,26 @@ namespace tombolo
         shape.row_start[row] = kept;
         for (std::size_t entry = begin; entry < end; ++entry)
         {
-          if (is_removed(row, neighbour_place[entry]))
+          if (is_removed(row, neighbour_index[entry]))
             continue;
-          neighbour_place[kept] = neighbour_place[entry];
+          neighbour_index[kept] = neighbour_index[entry];
           shape.neighbour[kept] = shape.neighbour[entry];
           ++kept;
         }
       }
       shape.row_start[n_own] = kept;
-      neighbour_place.resize(kept);
+      neighbour_index.resize(kept);
       shape.neighbour.resize(kept);
     }
 
-    /** The place of each neighbour in the rows. Particles of this rank have the place of their row.
+    /** The index of each neighbour of the rows. Particles of this rank have the index of their row.
      */
     const std::vector<unsigned int> &places() const
     {
-      return neighbour_place;
+      return neighbour_index;
     }
 
-    /** By place: the numbers that the rows use at present, places or local numbers. */
+    /** By index: the numbers that the rows use at present, indices or local numbers. */
     const std::vector<unsigned int> &nodes() const
     {
       return numbers_in_use;
@@ -286,7 +287,7 @@ namespace tombolo
      * a_J (1 + skin) - R, with the range R of all displacements since the search on that axis. So
      * candidates hold while R <= a_J (1 + skin) - a'_J for all J with new half widths a'. Rigid
      * translation costs nothing (except where images move the other way); bodies that come together
-     * are seen. Collective, the same answer on all ranks.
+     * are found. Collective, the same answer on all ranks.
      */
     bool candidates_hold(const std::vector<double> &position, const std::vector<double> &support,
                          MPI_Comm communicator) const
@@ -319,14 +320,14 @@ namespace tombolo
     }
 
   private:
-    /** Gives @p shape, which has the starts of rows, what was found. */
+    /** Writes what was found to @p shape, which has the starts of rows. */
     void finish(Stencils &shape)
     {
       if (is_ordered_by_offset)
         sort_by_offset(shape.row_start);
       count_up(numbers_in_use, all_nodes.size() + all_images.size());
       count_up(shape.particle_node, n_own);
-      shape.neighbour = neighbour_place;
+      shape.neighbour = neighbour_index;
     }
     /** Makes a list 0, 1, ..., @p n - 1. */
     static void count_up(std::vector<unsigned int> &list, const std::size_t n)
@@ -336,7 +337,7 @@ namespace tombolo
     }
 
     /** Appends the images of particles that can reach a particle of this rank to the positions and
-     * supports by place. */
+     * supports by index. */
     void add_images(const RemoteParticles &remote)
     {
       // Closer than this share of its support a particle is on a mirror, and its own image.
@@ -385,24 +386,24 @@ namespace tombolo
         for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
         {
           const double *const other =
-              &all_positions[std::size_t(neighbour_place[entry]) * node_stride];
+              &all_positions[std::size_t(neighbour_index[entry]) * node_stride];
           for (unsigned int d = 0; d < dim; ++d)
             largest[d] = std::max(largest[d], std::abs(other[d] - own[d]));
         }
         keys.clear();
         for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
         {
-          const unsigned int place = neighbour_place[entry];
-          const double *const other = &all_positions[std::size_t(place) * node_stride];
+          const unsigned int other_index = neighbour_index[entry];
+          const double *const other = &all_positions[std::size_t(other_index) * node_stride];
           std::uint64_t key = 0;
           for (unsigned int d = dim; d-- > 0;)
             key = (key << n_bits) | static_cast<std::uint64_t>(std::llrint(
                                         (1. + (other[d] - own[d]) / largest[d]) * resolution));
-          keys.emplace_back(key, place);
+          keys.emplace_back(key, other_index);
         }
         std::sort(keys.begin(), keys.end());
         for (std::size_t k = 0; k < keys.size(); ++k)
-          neighbour_place[row_start[row] + k] = keys[k].second;
+          neighbour_index[row_start[row] + k] = keys[k].second;
       }
     }
 
@@ -410,7 +411,7 @@ namespace tombolo
     bool is_ordered_by_offset = false;
     std::shared_ptr<const Images> images_of_body = Images::none();
     std::vector<ImageNode> all_images;
-    std::vector<unsigned int> image_source; // places
+    std::vector<unsigned int> image_source; // indices
     NeighbourSearch<dim> finder;
     ParticleGhosts<dim> ghost_finder;
     unsigned int n_own = 0;
@@ -419,7 +420,7 @@ namespace tombolo
     std::vector<dealii::types::global_dof_index> all_nodes;
     std::vector<unsigned int> numbers_in_use;
     std::vector<unsigned int> rows, columns;
-    std::vector<unsigned int> neighbour_place;
+    std::vector<unsigned int> neighbour_index;
   };
 
   extern template class Neighbourhoods<2>;

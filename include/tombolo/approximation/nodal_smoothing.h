@@ -35,8 +35,8 @@ namespace tombolo
      * singular. */
     template <int dim>
     void update_inverse_deformation(const double *position, Stencils &shape);
-    /** The same, unless it is current or a determinant is not positive: whoever needs it then finds
-     * the particle that is turned inside out. */
+    /** The same, unless it is current or a determinant is not positive: the caller that needs it
+     * then reports the particle that is turned inside out. */
     template <int dim>
     void try_inverse_deformation(const double *position, Stencils &shape);
 

@@ -27,8 +27,8 @@ namespace tombolo
   /**
    * Finds the particles of other ranks whose supports reach this rank's particles at their present
    * positions. Each rank describes where its particles are by a bounded number of boxes, which all
-   * ranks see; a particle goes, point to point, to the ranks with a box that its support touches.
-   * What is sent grows with the interface between ranks.
+   * ranks receive; a particle goes, point to point, to the ranks with a box that its support
+   * touches. What is sent grows with the interface between ranks.
    */
   template <int dim>
   class ParticleGhosts

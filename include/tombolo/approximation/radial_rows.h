@@ -32,8 +32,8 @@ namespace tombolo
   class RadialKernel
   {
   public:
-    RadialKernel(std::shared_ptr<const Kernel> of_coordinate, const double smoothing_length)
-        : kernel(std::move(of_coordinate)), length(smoothing_length),
+    RadialKernel(std::shared_ptr<const Kernel> coordinate_kernel, const double smoothing_length)
+        : kernel(std::move(coordinate_kernel)), length(smoothing_length),
           scale(1. / (integral_over_ball(*kernel) * std::pow(2. * length, dim)))
     {}
 
@@ -147,11 +147,11 @@ namespace tombolo
     /**
      * Computes the rows of @p shape from @p position and @p support, node_stride doubles per local
      * node, of which only V⁰ in volume_slot counts [L^dim]. The rows of @p candidates have all
-     * neighbours that can be within reach(); @p shape gets those that are, in their order, or keeps
-     * all where both are the same object. @p nodes lists the local nodes that occur as particle or
-     * neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Buffers are kept: a
-     * second call of the same size allocates nothing. Returns the rows that cannot be corrected,
-     * ascending, valid until the next call.
+     * neighbours that can be within reach(); @p shape receives those that are, in their order, or
+     * keeps all where both are the same object. @p nodes lists the local nodes that occur as
+     * particle or neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Buffers
+     * are kept: a second call of the same size allocates nothing. Returns the rows that cannot be
+     * corrected, ascending, valid until the next call.
      */
     const std::vector<Defect> &compute(const std::vector<unsigned int> &nodes,
                                        const double *const position, const double *const support,
@@ -162,18 +162,18 @@ namespace tombolo
       const unsigned int n_rows = candidates.n_particles();
       for (unsigned int first = 0, last = 0; first < n_rows; first = last)
       {
-        of_block.clear();
+        block_rows.clear();
         std::size_t n_entries = 0;
         while (last < n_rows && n_entries < block_entries)
         {
-          of_block.push_back(gather(last, n_entries, candidates, shape));
-          n_entries += of_block.back().padded();
+          block_rows.push_back(gather(last, n_entries, candidates, shape));
+          n_entries += block_rows.back().padded();
           ++last;
         }
         evaluate_kernel(n_entries);
         for (unsigned int row = first; row < last; ++row)
         {
-          const Entries &entries = of_block[row - first];
+          const Entries &entries = block_rows[row - first];
           write_row(row, entries, find_correction(row, entries, volume, shape), shape);
         }
       }
@@ -309,26 +309,26 @@ namespace tombolo
       const bool is_compact = &candidates != &shape;
       const unsigned int own = candidates.particle_node[row];
       const std::size_t first = candidates.row_start[row], end = candidates.row_start[row + 1];
-      std::size_t &own_place = own_candidate[row];
-      if (!(first + own_place < end && candidates.neighbour[first + own_place] == own))
-        own_place = static_cast<std::size_t>(
+      std::size_t &own_slot = own_candidate[row];
+      if (!(first + own_slot < end && candidates.neighbour[first + own_slot] == own))
+        own_slot = static_cast<std::size_t>(
             std::find(candidates.neighbour.begin() + std::ptrdiff_t(first),
                       candidates.neighbour.begin() + std::ptrdiff_t(end), own) -
             candidates.neighbour.begin() - std::ptrdiff_t(first));
-      Assert(first + own_place < end, dealii::ExcInternalError());
+      Assert(first + own_slot < end, dealii::ExcInternalError());
       const NodeLanes centre =
           load_node(&records[std::size_t(own) * node_stride]) * node_of(1., 1., 1.);
       const double squared_reach = reach() * reach();
       const std::size_t target = shape.row_start[row];
       Entries entries = {begin, 0, 0};
-      // The compiler must take it that what is stored can be any of these addresses.
+      // The compiler must assume that what is stored can be any of these addresses.
       const unsigned int *const candidate = candidates.neighbour.data() + first;
       const double *const record = records.data();
       double *const to_offset[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
       double *const to_squared = &squared[begin], *const to_factor = &factor[begin];
       unsigned int *const to_neighbour = shape.neighbour.data() + target;
       const auto n_candidates = static_cast<unsigned int>(end - first);
-      const auto own_number = static_cast<unsigned int>(own_place);
+      const auto own_number = static_cast<unsigned int>(own_slot);
       unsigned int size = 0, own_index = 0;
       unsigned int last_numbers[n_lanes];
       for (unsigned int k = 0; k < n_candidates; k += n_lanes)
@@ -367,11 +367,11 @@ namespace tombolo
       shape.coefficient_start[row] = target;
       own_entry[row] = target + entries.own;
       // Beyond the row: at a distance, without volume.
-      const std::size_t place = begin + entries.size;
+      const std::size_t row_end = begin + entries.size;
       for (unsigned int c = 0; c < dim; ++c)
-        store_lanes(0., &offset[c][place]);
-      store_lanes(1., &squared[place]);
-      store_lanes(0., &factor[place]);
+        store_lanes(0., &offset[c][row_end]);
+      store_lanes(1., &squared[row_end]);
+      store_lanes(0., &factor[row_end]);
       return entries;
     }
     /** Distances of @p n_entries of the buffers, and the slopes of the kernel there. */
@@ -398,7 +398,7 @@ namespace tombolo
         sum[k] = 0.;
       const double end = reach();
       const std::size_t begin = entries.begin, n = entries.padded();
-      double *const of_entry = &factor[begin];
+      double *const factor_of = &factor[begin];
       const double *const r_of = &distance[begin], *const slope_of = &slope[begin];
       const double *const inverse_of_r = &inverse_distance[begin];
       const double *const d_of[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
@@ -407,30 +407,30 @@ namespace tombolo
       {
         const Lanes r = load_lanes(r_of + k);
         Lanes c =
-            -load_lanes(slope_of + k) * load_lanes(of_entry + k) * load_lanes(inverse_of_r + k);
+            -load_lanes(slope_of + k) * load_lanes(factor_of + k) * load_lanes(inverse_of_r + k);
         where(!(r > 0.) || !(r < end), c) = 0.;
-        store_lanes(c, of_entry + k);
+        store_lanes(c, factor_of + k);
         count += static_cast<unsigned int>(popcount(c > 0.));
         Lanes d[dim];
         TOMBOLO_UNROLL
         for (unsigned int a = 0; a < dim; ++a)
           d[a] = load_lanes(d_of[a] + k);
-        unsigned int of_pair = 0;
+        unsigned int pair = 0;
         TOMBOLO_UNROLL
         for (unsigned int a = 0; a < dim; ++a)
         {
           const Lanes weighted = c * d[a];
           TOMBOLO_UNROLL
           for (unsigned int b = 0; b <= a; ++b)
-            sum[of_pair++] += weighted * d[b];
+            sum[pair++] += weighted * d[b];
         }
       }
       n_neighbours = count;
       dealii::SymmetricTensor<2, dim> moment;
-      unsigned int of_pair = 0;
+      unsigned int pair = 0;
       for (unsigned int a = 0; a < dim; ++a)
         for (unsigned int b = 0; b <= a; ++b)
-          moment[a][b] = reduce(sum[of_pair++]);
+          moment[a][b] = reduce(sum[pair++]);
       return moment;
     }
     /** Finds the factors of a row, and what they are multiplied with; notes rows that are not
@@ -465,7 +465,7 @@ namespace tombolo
                    const dealii::SymmetricTensor<2, dim> &correction, Stencils &shape) const
     {
       double *const gradient = shape.gradient.data() + Stencils::n_gradient * shape.row_start[row];
-      Lanes matrix[dim][dim], of_others[dim] = {};
+      Lanes matrix[dim][dim], gradient_sum[dim] = {};
       for (unsigned int a = 0; a < dim; ++a)
         for (unsigned int b = 0; b < dim; ++b)
           matrix[a][b] = correction[a][b];
@@ -480,25 +480,25 @@ namespace tombolo
           g[a] = matrix[a][0] * d[0];
           for (unsigned int b = 1; b < dim; ++b)
             g[a] += matrix[a][b] * d[b];
-          of_others[a] += g[a];
+          gradient_sum[a] += g[a];
         }
         NodeLanes node[n_lanes];
         lanes_to_nodes(g, node);
         // Four doubles each: the fourth is overwritten by the next entry, and behind the last row
         // there is room for it.
-        double *const of_entry = gradient + Stencils::n_gradient * k;
+        double *const target = gradient + Stencils::n_gradient * k;
         if (k + n_lanes <= entries.size)
         {
           TOMBOLO_UNROLL
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            store_node(node[lane], of_entry + Stencils::n_gradient * lane);
+            store_node(node[lane], target + Stencils::n_gradient * lane);
         }
         else
           for (unsigned int lane = 0; lane < entries.size - k; ++lane)
-            store_node(node[lane], of_entry + Stencils::n_gradient * lane);
+            store_node(node[lane], target + Stencils::n_gradient * lane);
       }
       for (unsigned int a = 0; a < dim && entries.size > 0; ++a)
-        gradient[Stencils::n_gradient * entries.own + a] = -reduce(of_others[a]);
+        gradient[Stencils::n_gradient * entries.own + a] = -reduce(gradient_sum[a]);
     }
     /** φ of the rows. */
     void write_values(Stencils &shape)
@@ -522,7 +522,7 @@ namespace tombolo
     dealii::AlignedVector<double> records; // of each node: position and V⁰
     dealii::AlignedVector<double> offset[3], squared, factor, distance, inverse_distance, value,
         slope;
-    std::vector<Entries> of_block;
+    std::vector<Entries> block_rows;
     std::vector<std::size_t> own_candidate; // by row, where it was last
     std::vector<std::size_t> own_entry;     // by row of shape
     /** Of the last call: the entries with φ = 1, and the values. */

@@ -42,29 +42,29 @@ namespace tombolo
   double present_gradient(const Stencils &shape, const unsigned int row,
                           const NodalVector &position)
   {
-    const Stencils::Row of_row = shape.row_of_gradients(row);
+    const Stencils::Row stencil = shape.row_of_gradients(row);
     const NodeLanes own = load_node(position.node(shape.particle_node[row]));
     NodeLanes deformation[dim], moment[dim]; // F and Σ_J ∇φ_J ⊗ ∇φ_J, by columns
     for (unsigned int b = 0; b < dim; ++b)
       deformation[b] = moment[b] = 0.;
-    for (unsigned int k = 0; k < of_row.size; ++k)
+    for (unsigned int k = 0; k < stencil.size; ++k)
     {
-      const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
+      const double *const gradient = stencil.gradient + k * Stencils::n_gradient;
       const NodeLanes all = load_node(gradient),
-                      offset = load_node(position.node(of_row.neighbour[k])) - own;
+                      offset = load_node(position.node(stencil.neighbour[k])) - own;
       for (unsigned int b = 0; b < dim; ++b)
       {
         deformation[b] += offset * gradient[b];
         moment[b] += all * gradient[b];
       }
     }
-    dealii::Tensor<2, dim> of_columns;
+    dealii::Tensor<2, dim> deformation_gradient;
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = 0; b < dim; ++b)
-        of_columns[a][b] = deformation[b][a];
-    if (!(determinant(of_columns) > 0.))
+        deformation_gradient[a][b] = deformation[b][a];
+    if (!(determinant(deformation_gradient) > 0.))
       return std::numeric_limits<double>::infinity();
-    const dealii::Tensor<2, dim> inverse = invert(of_columns);
+    const dealii::Tensor<2, dim> inverse = invert(deformation_gradient);
     double squared = 0;
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = 0; b < dim; ++b)
@@ -90,27 +90,27 @@ namespace tombolo
   template <int dim>
   double gradient_of_reference(const Stencils &shape, const unsigned int row)
   {
-    const Stencils::Row of_row = shape.row_of_gradients(row);
+    const Stencils::Row stencil = shape.row_of_gradients(row);
     double squared = 0;
-    for (unsigned int k = 0; k < of_row.size; ++k)
+    for (unsigned int k = 0; k < stencil.size; ++k)
       for (unsigned int d = 0; d < dim; ++d)
-        squared += of_row.gradient[k * Stencils::n_gradient + d] *
-                   of_row.gradient[k * Stencils::n_gradient + d];
+        squared += stencil.gradient[k * Stencils::n_gradient + d] *
+                   stencil.gradient[k * Stencils::n_gradient + d];
     return std::sqrt(squared);
   }
 
-  /** Whether present_gradient() of @p row is not at most @p largest. @p of_reference is
+  /** Whether present_gradient() of @p row is not at most @p largest. @p reference_gradient is
    * gradient_of_reference() of it; F⁻¹ of the row is taken where it is current. */
   template <int dim>
   bool exceeds_gradient(const Stencils &shape, const unsigned int row, const NodalVector &position,
-                        const double of_reference, const double largest)
+                        const double reference_gradient, const double largest)
   {
     if (shape.inverse_deformation_is_current)
     {
-      // √Σ |F⁻ᵀ∇φ|² is at most |F⁻¹| √Σ |∇φ|², which mostly tells; but not at the limit.
+      // √Σ |F⁻ᵀ∇φ|² is at most |F⁻¹| √Σ |∇φ|², which mostly suffices, but not at the limit.
       constexpr double margin = 0.99;
       const dealii::Tensor<2, dim> inverse = inverse_row_deformation<dim>(shape, row);
-      if (determinant(inverse) > 0. && inverse.norm() * of_reference <= margin * largest)
+      if (determinant(inverse) > 0. && inverse.norm() * reference_gradient <= margin * largest)
         return false;
     }
     return !(present_gradient<dim>(shape, row, position) <= largest);

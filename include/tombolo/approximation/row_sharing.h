@@ -102,10 +102,12 @@ namespace tombolo
       double difference = 0;
       for (unsigned int k = 0; k < n; ++k)
         difference = std::max(difference, std::abs(kept_value[k] - value[k]));
-      double of_gradients = 0;
+      double gradient_difference = 0;
       for (unsigned int k = 0; k < n_gradient * n; ++k)
-        of_gradients = std::max(of_gradients, std::abs(kept_gradient[k] - gradient[k]));
-      return difference <= tolerance && of_gradients <= tolerance * largest_of(n, kept_gradient);
+        gradient_difference =
+            std::max(gradient_difference, std::abs(kept_gradient[k] - gradient[k]));
+      return difference <= tolerance &&
+             gradient_difference <= tolerance * largest_of(n, kept_gradient);
     }
 
     std::vector<double> kept_values, kept_gradients;

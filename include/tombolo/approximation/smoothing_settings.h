@@ -53,7 +53,7 @@ namespace tombolo
   /** The strength γ of the sharpened smoothing S (I + γ (I - ΦS)), doc/method.md, section 3. */
   namespace SmoothingStrength
   {
-    /** Throws InputError for a dilation that is not above one: the particle sees no other. */
+    /** Throws InputError for a dilation that is not above one: the particle has no neighbour. */
     LatticeRow lattice_row(const Kernel &kernel, double dilation);
 
     /** γ = ½ [1 + (τ₃/3 - 1/12) / µ₂]: the phase error of lumped linear finite elements. */

@@ -34,7 +34,7 @@ namespace tombolo
     dealii::AlignedVector<double> value;
     /** Three for each of value, and one more, so that four can be read. [1/L] */
     dealii::AlignedVector<double> gradient;
-    /** Rounded rows in the place of both, each φ before ∇φ; empty where there are none. */
+    /** Rounded rows instead of both, each φ before ∇φ; empty where there are none. */
     dealii::AlignedVector<float> rounded;
     /** Rows whose neighbours do not carry a linear basis, ascending: their φ is Shepard's,
      * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
@@ -80,9 +80,9 @@ namespace tombolo
        * but for round-off at neighbours further in, where ∇φ is not. */
       bool is_within_support(const unsigned int k) const
       {
-        const double *const of_neighbour = gradient + k * n_gradient;
-        return value[k] != 0. || of_neighbour[0] != 0. || of_neighbour[1] != 0. ||
-               of_neighbour[2] != 0.;
+        const double *const neighbour_gradient = gradient + k * n_gradient;
+        return value[k] != 0. || neighbour_gradient[0] != 0. || neighbour_gradient[1] != 0. ||
+               neighbour_gradient[2] != 0.;
       }
     };
 
