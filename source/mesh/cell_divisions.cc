@@ -29,7 +29,7 @@ namespace tombolo
         continue;
       // Each divided cell is counted by the one below it that is the first child throughout.
       std::uint64_t id = persistent_id(cell->id(), dim);
-      for (int level = cell->level(); level > 0 && place_in_parent<dim>(id) == 0; --level)
+      for (int level = cell->level(); level > 0 && index_in_parent<dim>(id) == 0; --level)
         own.push_back(id = parent_of<dim>(id));
     }
     CellDivisions result = of_all_ranks(own, communicator_of(mesh.triangulation));

@@ -54,10 +54,10 @@ namespace tombolo
     std::size_t before = 0;
     const auto add = [&](const unsigned int node, const Tensor<1, 3> &force, Tensor<1, 3> impulse)
     {
-      const Tensor<1, 3> of_step =
+      const Tensor<1, 3> step_impulse =
           impulse_of_step(clock.velocity_step() * force, impulse, clock.step == 0);
       for (unsigned int d = 0; d < 3; ++d)
-        work += velocity.node(node)[d] * of_step[d];
+        work += velocity.node(node)[d] * step_impulse[d];
       if (impulse.norm_square() == 0.)
         return;
       now.nodes.push_back(node);
@@ -108,15 +108,15 @@ namespace tombolo
         });
   }
 
-  Action::Action(std::string name, const ActsAt place)
-      : NodalSource(Quantity::vector), name(std::move(name)), place(place)
+  Action::Action(std::string name, const ActsAt acts_at)
+      : NodalSource(Quantity::vector), name(std::move(name)), acts_at(acts_at)
   {}
 
   Tensor<1, 3> Action::nodal_force(const unsigned int node) const
   {
-    const auto place_in_list = std::lower_bound(of_nodes.nodes.begin(), of_nodes.nodes.end(), node);
-    return place_in_list != of_nodes.nodes.end() && *place_in_list == node
-               ? of_nodes.forces[std::size_t(place_in_list - of_nodes.nodes.begin())]
+    const auto found = std::lower_bound(node_forces.nodes.begin(), node_forces.nodes.end(), node);
+    return found != node_forces.nodes.end() && *found == node
+               ? node_forces.forces[std::size_t(found - node_forces.nodes.begin())]
                : Tensor<1, 3>();
   }
 
@@ -124,33 +124,33 @@ namespace tombolo
   {
     buffer.fit_to(values.partition());
     LoadTransfer &transfer = bridge.load_transfer();
-    if (place == ActsAt::loads)
-      transfer.add_force_of_loads(of_nodes.nodes, values, buffer);
+    if (acts_at == ActsAt::loads)
+      transfer.add_force_of_loads(node_forces.nodes, values, buffer);
     else
-      transfer.add_force_at_positions(of_nodes.nodes, values, buffer);
+      transfer.add_force_at_positions(node_forces.nodes, values, buffer);
     if (bridge.has_particles())
     {
       buffer.add_to_owners();
-      take_all_forces(buffer, of_nodes);
+      take_all_forces(buffer, node_forces);
     }
     else
     {
-      given_nodes.swap(of_nodes.nodes);
-      take_forces(buffer, given_nodes, of_nodes);
+      given_nodes.swap(node_forces.nodes);
+      take_forces(buffer, given_nodes, node_forces);
     }
-    for (const unsigned int node : of_nodes.nodes)
+    for (const unsigned int node : node_forces.nodes)
       std::fill_n(buffer.node(node), node_stride, 0.);
   }
 
   void Action::collect(Bridge &bridge, NodalVector &buffer, NodalVector &total)
   {
     gather();
-    for_given([&](const unsigned int node) { take_force(values, node, of_nodes); });
-    if (place != ActsAt::nodes)
+    for_given([&](const unsigned int node) { take_force(values, node, node_forces); });
+    if (acts_at != ActsAt::nodes)
       spread(bridge, buffer);
-    for (std::size_t k = 0; k < of_nodes.nodes.size(); ++k)
+    for (std::size_t k = 0; k < node_forces.nodes.size(); ++k)
       for (unsigned int d = 0; d < 3; ++d)
-        total.node(of_nodes.nodes[k])[d] += of_nodes.forces[k][d];
+        total.node(node_forces.nodes[k])[d] += node_forces.forces[k][d];
   }
 
   HeatAction::HeatAction(std::string name, std::string account)
@@ -171,16 +171,16 @@ namespace tombolo
     clear();
   }
 
-  Action &Actions::add(const std::string &name, const ActsAt place)
+  Action &Actions::add(const std::string &name, const ActsAt acts_at)
   {
-    Action &action = all.emplace_back(name, place);
+    Action &action = all.emplace_back(name, acts_at);
     records.group(name).list(
-        [&action](Records &of_action)
+        [&action](Records &action_records)
         {
           if (action.energy.empty())
             return;
-          of_action.sums("work", action.sum_of_work);
-          action.work_of_steps.list("previous impulse", of_action);
+          action_records.sums("work", action.sum_of_work);
+          action.work_of_steps.list("previous impulse", action_records);
         });
     return action;
   }

@@ -31,7 +31,7 @@ namespace tombolo
     if (as_a_piece)
       batches.end_batch =
           std::min(batches.end_batch, batches.first_batch + cells.n_batches_of_piece);
-    evaluate(cells.part, [&] { cells.of_part->add_force_of_group(input, batches, force); });
+    evaluate(cells.part, [&] { cells.grouped_cells->add_force_of_group(input, batches, force); });
     next_batch = batches.end_batch;
     if (next_batch == cells.batches.end_batch)
     {
@@ -53,7 +53,7 @@ namespace tombolo
   {
     for (const Cells &cells : late)
       if (cells.part == part)
-        cells.of_part->add_force_of_group(input, cells.batches, force);
+        cells.grouped_cells->add_force_of_group(input, cells.batches, force);
   }
 
   template <int dim>
@@ -76,18 +76,19 @@ namespace tombolo
     };
     for (std::size_t p = 0; p < model.parts.size(); ++p)
     {
-      auto *const of_part = dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
-      if (of_part == nullptr)
+      auto *const grouped_cells =
+          dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
+      if (grouped_cells == nullptr)
         continue;
       // Some microseconds, and whole blocks of CellIntegration: fewer cells are not worth it.
       constexpr unsigned int n_points_of_lane = 16;
       const unsigned int n_batches_of_piece = std::max(
           1u, n_points_of_lane / std::max(1u, model.parts[p].formulation->n_points_per_cell()));
-      const unsigned int n_batches = of_part->groups().front().end_batch;
+      const unsigned int n_batches = grouped_cells->groups().front().end_batch;
       for (unsigned int begin = 0, end; begin < n_batches; begin = end)
       {
-        const bool are_early = is_early(*of_part, begin);
-        for (end = begin + 1; end < n_batches && is_early(*of_part, end) == are_early; ++end)
+        const bool are_early = is_early(*grouped_cells, begin);
+        for (end = begin + 1; end < n_batches && is_early(*grouped_cells, end) == are_early; ++end)
           ;
         const bool are_worth_it = are_early && end - begin >= n_batches_of_piece;
         if (!are_worth_it && !late.empty() && late.back().part == p &&
@@ -95,7 +96,7 @@ namespace tombolo
           late.back().batches.end_batch = end;
         else
           (are_worth_it ? early : late)
-              .push_back({p, of_part, {1, begin, end}, n_batches_of_piece});
+              .push_back({p, grouped_cells, {1, begin, end}, n_batches_of_piece});
       }
     }
   }

@@ -155,9 +155,9 @@ namespace tombolo
       Tensor<1, 3> arm;
       for (unsigned int d = 0; d < dim; ++d)
         arm[d] = point[d] - condition.spin->centre[d];
-      const Tensor<1, 3> of_spin = cross_product_3d(condition.spin->rate, arm);
+      const Tensor<1, 3> spin_velocity = cross_product_3d(condition.spin->rate, arm);
       for (unsigned int d = 0; d < dim; ++d)
-        velocity[d] += of_spin[d];
+        velocity[d] += spin_velocity[d];
     }
 
     /** Sets velocities and temperatures; returns at how many nodes of this rank. */
@@ -207,7 +207,7 @@ namespace tombolo
       return n_selected;
     }
 
-    /** Whether the velocity at the start is to be found from places. */
+    /** Whether the velocity at the start is to be computed from positions. */
     template <int dim>
     bool has_displacements(const MechanicalConditions<dim> &conditions)
     {
@@ -225,7 +225,7 @@ namespace tombolo
     {
       const InitialCondition<dim> condition(section);
       unsigned long n_selected = 0;
-      // An expression can be without a value where only one rank looks.
+      // An expression can be without a value where only one rank evaluates it.
       attempt_on_all_ranks<InputError, std::runtime_error>(
           model.communicator,
           [&]

@@ -34,7 +34,7 @@ namespace tombolo
                     }
                     catch (const RunError &)
                     {
-                      // The forces of the step, which follow, meet it too and tell all ranks,
+                      // The forces of the step, which follow, fail too and notify all ranks,
                       // unless the change isolates the particle.
                       is_known = false;
                     }

@@ -134,16 +134,16 @@ namespace tombolo
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
         continue;
-      const SmoothingSettings of_part = part.particles->smoothing();
+      const SmoothingSettings part_smoothing = part.particles->smoothing();
       if (first_smoothed == nullptr)
-        smoothing = of_part;
-      else if (of_part.is_active && !(smoothing == of_part))
+        smoothing = part_smoothing;
+      else if (part_smoothing.is_active && !(smoothing == part_smoothing))
         part_sections[p].fail("Formulation",
                               "the particles of all parts of a scene are smoothed alike, since one "
                               "operator smooths them all, or not at all, "
                               "but those of part \"" +
                                   first_smoothed->name + "\" differ");
-      if (first_smoothed == nullptr && of_part.is_active)
+      if (first_smoothed == nullptr && part_smoothing.is_active)
         first_smoothed = &part;
     }
     return smoothing;
@@ -190,8 +190,8 @@ namespace tombolo
     for (const Part<dim> &part : parts)
     {
       required.add_indices(part.formulation->required_nodes());
-      const std::vector<ImageNode> of_part = part.formulation->required_image_nodes();
-      images.insert(images.end(), of_part.begin(), of_part.end());
+      const std::vector<ImageNode> part_images = part.formulation->required_image_nodes();
+      images.insert(images.end(), part_images.begin(), part_images.end());
     }
     required.add_indices(conditions->required_nodes());
     if (heat)
@@ -253,7 +253,7 @@ namespace tombolo
   {
     if (!has_mechanics || !heat)
       return;
-    const auto has_changed = [&] // asks both
+    const auto has_changed = [&] // evaluates both
     { return std::max(bridge->take_change_of_rows(), heat->bridge.take_change_of_rows()); };
     while (has_changed())
     {
@@ -266,7 +266,7 @@ namespace tombolo
   void Model<dim>::set_element_mass()
   {
     element_mass.reinit(partition, Quantity::scalar);
-    NodalVector of_part;
+    NodalVector part_mass;
     for (const Part<dim> &part : parts)
     {
       if (part.particles != nullptr)
@@ -276,12 +276,12 @@ namespace tombolo
         part.formulation->add_mass(element_mass);
         continue;
       }
-      of_part.reinit(partition, Quantity::scalar);
-      part.formulation->add_mass(of_part);
+      part_mass.reinit(partition, Quantity::scalar);
+      part.formulation->add_mass(part_mass);
       if (!part.inertia.empty())
-        part.formulation->add_extra_mass(part.inertia, of_part);
+        part.formulation->add_extra_mass(part.inertia, part_mass);
       for (unsigned int i = 0; i < partition->n_local(); ++i)
-        *element_mass.node(i) += part.material->relative_inertia() * *of_part.node(i);
+        *element_mass.node(i) += part.material->relative_inertia() * *part_mass.node(i);
     }
     element_mass.collect();
     if (inertia_is_mass)

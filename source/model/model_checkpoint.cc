@@ -25,14 +25,14 @@ namespace tombolo
       MaterialPoints &points = formulation.points();
 
       // Rows are cells, with all their points, or particles; point q of a row is
-      // places[row * n_points + q].
+      // point_indices[row * n_points + q].
       const std::vector<std::uint64_t> ids = model.persistent_ids_of_points(index);
-      std::vector<unsigned int> places;
+      std::vector<unsigned int> point_indices;
       const bool is_of_particles = part.particles != nullptr;
       const unsigned int n_points = is_of_particles ? 1 : formulation.n_points_per_cell();
       for (unsigned int row = 0; row < ids.size(); ++row)
         for (unsigned int q = 0; q < n_points; ++q)
-          places.push_back(is_of_particles ? row : formulation.point_of_cell(row, q));
+          point_indices.push_back(is_of_particles ? row : formulation.point_of_cell(row, q));
       archive.set_rows(ids);
 
       std::vector<double> values;
@@ -42,15 +42,15 @@ namespace tombolo
         if (!field.persistent || !model.has_mechanics || n_points == 0)
           continue;
         values.clear();
-        for (const unsigned int place : places)
+        for (const unsigned int point : point_indices)
           for (unsigned int c = 0; c < field.n_components; ++c)
-            values.push_back(points.component(f, c)[place]);
+            values.push_back(points.component(f, c)[point]);
         archive.rows(field.name, n_points * field.n_components, values);
         if (!archive.is_reading())
           continue;
-        for (std::size_t k = 0; k < places.size(); ++k)
+        for (std::size_t k = 0; k < point_indices.size(); ++k)
           for (unsigned int c = 0; c < field.n_components; ++c)
-            points.component(f, c)[places[k]] = values[k * field.n_components + c];
+            points.component(f, c)[point_indices[k]] = values[k * field.n_components + c];
         if (!is_of_particles && f != MaterialPoints::volume)
           formulation.fill_unused_lanes(f);
       }
@@ -110,7 +110,7 @@ namespace tombolo
       }
       if (!model.heat || !archive.has("heat"))
         return;
-      const auto of_heat = archive.group("heat");
+      const auto heat_group = archive.group("heat");
       for (const auto &[description, vector] : model.heat->state.fields())
         if (description.persistent)
           archive.nodal(description.name, description.n_components, *vector);

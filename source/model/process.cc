@@ -85,9 +85,9 @@ namespace tombolo
   template <int dim>
   void Process<dim>::Observed::history(const std::string &table,
                                        std::function<void(BalanceHistory<dim> &)> rows,
-                                       const int place)
+                                       const int order)
   {
-    views.connect([=](OutputView<dim> &view) { view.histories[table].emplace(place, rows); });
+    views.connect([=](OutputView<dim> &view) { view.histories[table].emplace(order, rows); });
   }
 
   template <int dim>

@@ -85,9 +85,9 @@ namespace tombolo
         }
         NodalVector mark(partition, Quantity::scalar);
         for_group(*parts[share.part], group.ratio,
-                  [&](const auto &of_part)
+                  [&](const auto &cell_group)
                   {
-                    for (const unsigned int node : parts[share.part]->nodes_of(of_part))
+                    for (const unsigned int node : parts[share.part]->nodes_of(cell_group))
                     {
                       *mark.node(node) += 1.;
                       *all.node(node) += 1.;
@@ -113,15 +113,15 @@ namespace tombolo
                                               { return model.parts[part].step_ratios[cell] == 1; });
     const auto all_cells =
         cells_of_part(*model.nodes, *model.part_cells, static_cast<unsigned int>(part));
-    std::vector<types::global_dof_index> of_cell;
+    std::vector<types::global_dof_index> cell_nodes;
     const std::vector<unsigned int> nodes =
         owned_marked_nodes(fast_nodes.partition(),
                            [&](const auto &mark)
                            {
                              for (const unsigned int cell : cells)
                              {
-                               model.nodes->cell_nodes(all_cells[cell], of_cell);
-                               for (const types::global_dof_index node : of_cell)
+                               model.nodes->cell_nodes(all_cells[cell], cell_nodes);
+                               for (const types::global_dof_index node : cell_nodes)
                                  mark(fast_nodes.partition()->local_index(node));
                              }
                            });
@@ -141,10 +141,10 @@ namespace tombolo
     for (GroupedCells<dim> *const cells : parts)
       if (cells != nullptr)
         for_group(*cells, 1,
-                  [&](const auto &of_part)
+                  [&](const auto &cell_group)
                   {
                     cells->add_force_of_group(
-                        {&x, &model.state.velocity, clock.previous_step, temperature}, of_part,
+                        {&x, &model.state.velocity, clock.previous_step, temperature}, cell_group,
                         unused);
                   });
     for (Group &group : groups)
@@ -155,9 +155,10 @@ namespace tombolo
       find_velocity(x, group.position, elapsed, group.local, velocity);
       for (const Share &share : group.shares)
         for_group(*parts[share.part], group.ratio,
-                  [&](const auto &of_part) {
+                  [&](const auto &cell_group)
+                  {
                     parts[share.part]->add_force_of_group({&x, &velocity, elapsed, temperature},
-                                                          of_part, unused);
+                                                          cell_group, unused);
                   });
     }
     is_synchronized = true;
@@ -170,13 +171,13 @@ namespace tombolo
     GroupedCells<dim> *const cells = cells_of(part);
     if (cells == nullptr)
       return formulation.add_internal_force(input, force);
-    MechanicalInput of_group = input;
+    MechanicalInput group_input = input;
     // In so short a time stresses stay, at the rates that they have.
     constexpr double moment = 1e-9;
     if (is_synchronized)
-      of_group.time_increment *= moment;
+      group_input.time_increment *= moment;
     for_group(*cells, 1,
-              [&](const auto &group) { cells->add_force_of_group(of_group, group, force); });
+              [&](const auto &group) { cells->add_force_of_group(group_input, group, force); });
   }
 
   template <int dim>
@@ -229,13 +230,13 @@ namespace tombolo
         for (const unsigned int i : *nodes)
           store_node(NodeLanes(0.), share.force.node(i));
       for_group(*parts[share.part], group.ratio,
-                [&](const auto &of_part)
+                [&](const auto &cell_group)
                 {
                   evaluate(share.part,
                            [&]
                            {
                              parts[share.part]->add_force_of_group(
-                                 {&group.position, &velocity, elapsed, temperature}, of_part,
+                                 {&group.position, &velocity, elapsed, temperature}, cell_group,
                                  share.force);
                            });
                 });
@@ -272,13 +273,13 @@ namespace tombolo
     for (const Group &group : groups)
     {
       // Forces between those of the last two positions are the means on the way to the present one.
-      const double of_last = -0.5 * group.age / group.ratio;
+      const double last_weight = -0.5 * group.age / group.ratio;
       for (const Share &share : group.shares)
         for (const unsigned int i : share.nodes)
           for (unsigned int d = 0; d < dim; ++d)
           {
             const double force = share.force.node(i)[d];
-            sum += (force + of_last * (share.last_force.node(i)[d] - force)) *
+            sum += (force + last_weight * (share.last_force.node(i)[d] - force)) *
                    (group.position.node(i)[d] - position.node(i)[d]);
           }
     }

@@ -128,7 +128,7 @@ namespace tombolo
                         if (!is_current)
                           NodalSmoothing::try_inverse_deformation<dim>(position.data(), *rows);
                         part.formulation->add_conduction(position, field, seen, result);
-                        // Heat that nothing feels changes no bit of the forces, which find their
+                        // Heat that affects nothing must not change the forces, which compute their
                         // own.
                         if (!is_current)
                           rows->inverse_deformation_is_current = false;
@@ -154,24 +154,24 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::heat_rate(const NodalVector &position, const NodalVector &field,
                                     const double time, NodalVector &rate,
-                                    std::vector<double> &of_condition)
+                                    std::vector<double> &condition_heat)
   {
     add_conduction(position, field, smoothed_temperature, heat);
     if (conditions.has_surface_heat())
     {
       loads.set_zero();
       conditions.update_areas(position);
-      conditions.add_surface_heat(initial_position, field, time, loads, of_condition);
+      conditions.add_surface_heat(initial_position, field, time, loads, condition_heat);
       add_surface_loads(1.);
     }
     // Sources and plastic heat go where the mass is: with lumped rows that is another one than m̂.
     rate.set_zero();
     const bool are_of_nodes = bridge.load_transfer().acts_at_nodes();
     if (conditions.has_sources() && are_of_nodes)
-      conditions.add_sources(initial_position, initial_volume, time, heat, of_condition);
+      conditions.add_sources(initial_position, initial_volume, time, heat, condition_heat);
     add_transposed_smoothing(heat, rate);
     if (conditions.has_sources() && !are_of_nodes)
-      conditions.add_sources(initial_position, initial_volume, time, rate, of_condition);
+      conditions.add_sources(initial_position, initial_volume, time, rate, condition_heat);
   }
 
   template <int dim>
@@ -218,7 +218,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::find_temperature(const double time, NodalVector &enthalpy,
                                            NodalVector &unsmoothed,
-                                           std::vector<double> &of_condition) const
+                                           std::vector<double> &condition_heat) const
   {
     for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
       *unsmoothed.node(i) = nodal_enthalpy.temperature(i, *enthalpy.node(i));
@@ -230,7 +230,7 @@ namespace tombolo
     {
       const unsigned int node = constrained[k];
       const double held = nodal_enthalpy.enthalpy(node, *unsmoothed.node(node));
-      of_condition[static_cast<unsigned int>(conditions.prescribing_condition(k, 0))] +=
+      condition_heat[static_cast<unsigned int>(conditions.prescribing_condition(k, 0))] +=
           held - *enthalpy.node(node);
       *enthalpy.node(node) = held;
     }
@@ -275,9 +275,9 @@ namespace tombolo
     loads.condense(); // nodes can hang since
     std::vector<unsigned int> heated;
     for (unsigned int i = 0; i < n_owned; ++i)
-      if (double &of_node = *loads.node(i); of_node != 0. && *bridge.mass().node(i) == 0.)
-        eroded_heat += std::exchange(of_node, 0.); // of a node that slid and then lost its cells
-      else if (of_node != 0.)
+      if (double &nodal_load = *loads.node(i); nodal_load != 0. && *bridge.mass().node(i) == 0.)
+        eroded_heat += std::exchange(nodal_load, 0.); // of a node that slid and then lost its cells
+      else if (nodal_load != 0.)
         heated.push_back(i);
     add_up({&load_heat},
            [&] { bridge.load_transfer().add_force_at_positions(heated, loads, load_heat); });
@@ -321,13 +321,13 @@ namespace tombolo
   template <int dim>
   StepLimit ThermalModel<dim>::diffusion_limit(const NodalVector &position) const
   {
-    std::vector<StepLimit> of_parts;
+    std::vector<StepLimit> part_limits;
     for (const Part<dim> &part : parts)
     {
-      of_parts.push_back(part.formulation->diffusion_limit(position));
-      of_parts.back().entity += " of part \"" + part.name + "\"";
+      part_limits.push_back(part.formulation->diffusion_limit(position));
+      part_limits.back().entity += " of part \"" + part.name + "\"";
     }
-    return smallest_limit(of_parts, position.partition()->communicator());
+    return smallest_limit(part_limits, position.partition()->communicator());
   }
 
   template <int dim>

@@ -17,8 +17,8 @@ namespace tombolo
   /** The lowest bits of a persistent_id(): those of the path. */
   constexpr unsigned int path_bits = 37;
 
-  /** A number of a cell that depends on nothing but its coarse cell and its place in it: the path
-   * through the children, behind a leading one that tells its length. */
+  /** A number of a cell that depends on nothing but its coarse cell and its position in it: the
+   * path through the children, behind a leading one that marks its length. */
   std::uint64_t persistent_id(const dealii::CellId &cell, unsigned int bits_per_level);
 
   /** The persistent_id() of the parent, of a child, and which child of its parent a cell is. */
@@ -35,7 +35,7 @@ namespace tombolo
     return (id & ~path) | (((id & path) << dim) | child);
   }
   template <int dim>
-  unsigned int place_in_parent(const std::uint64_t id)
+  unsigned int index_in_parent(const std::uint64_t id)
   {
     return static_cast<unsigned int>(id & ((1u << dim) - 1u));
   }

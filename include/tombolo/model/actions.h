@@ -68,7 +68,7 @@ namespace tombolo
 
   /**
    * The forces of one source at t_n. It is made once, by Actions::add(). In each step the process
-   * gives its forces at local nodes; all else is done here: forces at ghosts, at images in planes
+   * sets its forces at local nodes; all else is done here: forces at ghosts, at images in planes
    * of symmetry and at hanging nodes go to the nodes that move, forces at positions and loads
    * become nodal forces by Φᵀ, their work and their impulse are booked, with the first half of a
    * step before rows or masses change, and go through checkpoints.
@@ -79,14 +79,14 @@ namespace tombolo
   class Action : public NodalSource
   {
   public:
-    Action(std::string name, ActsAt place);
+    Action(std::string name, ActsAt acts_at);
 
     /** Books the work under the name @p energy: what it has done where the kind is external, and
      * what it has taken otherwise. Without it the process accounts for its energies itself. */
-    Action &books(const std::string &of_work, const EnergyKind of_kind)
+    Action &books(const std::string &work_name, const EnergyKind energy_kind)
     {
-      energy = of_work;
-      kind = of_kind;
+      energy = work_name;
+      kind = energy_kind;
       return *this;
     }
 
@@ -121,7 +121,7 @@ namespace tombolo
     /** The nodal forces. */
     const NodalForces &nodal_forces() const
     {
-      return of_nodes;
+      return node_forces;
     }
     dealii::Tensor<1, 3> nodal_force(unsigned int node) const;
 
@@ -137,17 +137,17 @@ namespace tombolo
     void begin()
     {
       clear();
-      of_nodes.clear();
+      node_forces.clear();
     }
 
     void collect(Bridge &bridge, NodalVector &buffer, NodalVector &total);
     void spread(Bridge &bridge, NodalVector &buffer);
 
     std::string name, energy;
-    ActsAt place;
+    ActsAt acts_at;
     EnergyKind kind = EnergyKind::external;
     bool is_from_outside = false, is_late = false;
-    NodalForces of_nodes;
+    NodalForces node_forces;
     std::vector<unsigned int> given_nodes; ///< buffer
     StepWork work_of_steps;
     double sum_of_work = 0;
@@ -155,7 +155,7 @@ namespace tombolo
 
   /**
    * The heat of one source, at positions, as that of surfaces. It is made once, by
-   * Actions::add_heat(); the process gives heat at local nodes, in add_heat() or with its forces,
+   * Actions::add_heat(); the process sets heat at local nodes, in add_heat() or with its forces,
    * at owned nodes (stays_on_rank()) at any time of the step, and all else is done as for forces.
    * The heat waits in ThermalState::pending for the end of the thermal step, where nodes get it by
    * Sᵀ Φᵀ. The balance of heat has what was given, as external, and what waits.
@@ -171,8 +171,8 @@ namespace tombolo
       add(node, heat);
     }
 
-    /** Adds what was given to @p pending at owned nodes (scalar), where others see it; is called
-     * for the process when it has given its forces. Collective. */
+    /** Adds what was given to @p pending at owned nodes (scalar); is called
+     * for the process after it has set its forces. Collective. */
     void collect(NodalVector &pending);
 
   private:
@@ -187,8 +187,8 @@ namespace tombolo
   {
   public:
     /** Makes one. The name is that in checkpoints, and no other action of the scene has it. The
-     * result lives as long as this. */
-    Action &add(const std::string &name, ActsAt place);
+     * result is valid as long as this. */
+    Action &add(const std::string &name, ActsAt acts_at);
 
     /** Makes a source of heat, which the balance of heat calls @p account: others may have the same
      * one, where the sum counts. */
@@ -209,7 +209,7 @@ namespace tombolo
       for_all([&](NodalSource &source) { source.set_partition(partition); });
     }
 
-    /** Forgets the forces of the step before; then the process gives those of now. */
+    /** Clears the forces of the step before; then the process sets the present ones. */
     void begin()
     {
       for (Action &action : all)
@@ -255,7 +255,7 @@ namespace tombolo
     void for_touched_nodes(const Use &use) const
     {
       for (const Action &action : all)
-        for (const unsigned int node : action.of_nodes.nodes)
+        for (const unsigned int node : action.node_forces.nodes)
           use(node);
     }
 

@@ -11,9 +11,9 @@ namespace tombolo
 {
   /**
    * The loop over the parts of a model for an operator of any kind (internal force, elastic
-   * stiffness, conduction), and the one place that knows what the trace bridge does to it: elements
-   * see the field of the particles at shared nodes, and what they give there goes to the particles
-   * by Φᵀ. What parts give to dependent nodes goes to those on which these depend.
+   * stiffness, conduction), with the trace bridge: elements are evaluated with the
+   * field of the particles at shared nodes, and what they add there goes to the particles
+   * by Φᵀ. What parts add to dependent nodes goes to those on which these depend.
    */
   template <int dim>
   class Assembly
@@ -22,36 +22,37 @@ namespace tombolo
     explicit Assembly(const std::vector<Part<dim>> &parts) : parts(parts) {}
 
     /**
-     * @p result := Σ over parts of what @p of_part(part, field, result) adds at local nodes, with
-     * ghosts collected, and of what @p result has already, where it @p has_begun. @p field has
-     * current ghosts; what a part is handed as field is what it sees. Collective.
+     * @p result := Σ over parts of what @p part_operator(part, field, result) adds at local nodes,
+     * with ghosts collected, and of what @p result has already, where it @p has_begun. @p field has
+     * current ghosts; each part uses the field that is passed to it. Collective.
      */
     template <typename Operator>
     void assemble(Bridge &bridge, const NodalVector &field, NodalVector &result,
-                  const Operator &of_part, const bool has_begun = false)
+                  const Operator &part_operator, const bool has_begun = false)
     {
       const bool is_trace = bridge.is_trace();
       if (!has_begun)
         result.set_zero();
       if (is_trace)
       {
-        if (of_elements.partition() != result.partition())
-          of_elements.reinit_like(result);
-        of_elements.set_zero();
+        if (element_result.partition() != result.partition())
+          element_result.reinit_like(result);
+        element_result.set_zero();
       }
-      const NodalVector &seen_by_elements = bridge.element_velocity(field);
+      const NodalVector &element_field = bridge.element_velocity(field);
       for (const Part<dim> &part : parts)
       {
-        const bool sees_trace = is_trace && part.particles == nullptr;
-        of_part(part, sees_trace ? seen_by_elements : field, sees_trace ? of_elements : result);
+        const bool uses_trace = is_trace && part.particles == nullptr;
+        part_operator(part, uses_trace ? element_field : field,
+                      uses_trace ? element_result : result);
       }
       result.collect();
       if (is_trace)
-        bridge.collect_element_force(of_elements, result);
+        bridge.collect_element_force(element_result, result);
     }
 
   private:
     const std::vector<Part<dim>> &parts;
-    NodalVector of_elements; // with the trace bridge only
+    NodalVector element_result; // with the trace bridge only
   };
 } // namespace tombolo

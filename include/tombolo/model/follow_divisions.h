@@ -28,14 +28,14 @@ namespace tombolo
   }
 
   /**
-   * For an energy that hangs on the mesh, such as that of springs at points of faces. Where cells
-   * are divided in the run, it changes by what @p energy gives on the new mesh less what it gives
+   * For an energy that depends on the mesh, such as that of springs at points of faces. Where cells
+   * are divided in the run, it changes by @p energy on the new mesh minus that
    * on the old one, at the positions in the middle of the last motion, up to which the forces of
-   * the old mesh act. The account `refinement loss` takes the difference; without it the difference
-   * is an error of the balance.
+   * the old mesh act. The account `refinement loss` receives the difference; without it the
+   * difference is an error of the balance.
    *
    * @p share is what this rank has of the energy [M L^2/T^2], which @p records have already.
-   * @p energy gives that at the positions, and gets how long ago these were [T]; on the new mesh it
+   * @p energy returns that at the positions, and receives the age of these [T]; on the new mesh it
    * is called before Process::model_changed(). Collective.
    */
   template <int dim>

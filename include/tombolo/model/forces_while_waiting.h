@@ -47,7 +47,7 @@ namespace tombolo
     struct Cells
     {
       std::size_t part;
-      GroupedCells<dim> *of_part;
+      GroupedCells<dim> *grouped_cells;
       typename GroupedCells<dim>::Group batches;
       unsigned int n_batches_of_piece;
     };

@@ -23,7 +23,7 @@ namespace tombolo
   {
     CellId::binary_type cell = {};
     unsigned int face = 0;
-    Point<dim> place;
+    Point<dim> position;
     unsigned int part = 0, fine_part = 0;
 
     bool operator<(const UnequalFace &other) const
@@ -109,7 +109,7 @@ namespace tombolo
   {
     constexpr unsigned int n = GeometryInfo<dim>::vertices_per_face;
     const auto face = cell->face(f);
-    // The nodes of a small face are known where the rank sees the cell behind it, which it does
+    // The nodes of a small face are known where the rank has the cell behind it, which it has
     // around the nodes that it owns.
     std::set<unsigned int> known;
     for (unsigned int child = 0; child < n; ++child)
@@ -133,8 +133,8 @@ namespace tombolo
       }
   }
 
-  /** Refuses a mesh in which the size of cells changes where a formulation does not take it (see
-   * MiddleNodes), with the place of the first such face. Throws InputError. Collective. */
+  /** Refuses a mesh in which the size of cells changes where a formulation does not allow it (see
+   * MiddleNodes), with the position of the first such face. Throws InputError. Collective. */
   template <int dim>
   void refuse_unfit_gradings(const Mesh<dim> &mesh, const PartCells<dim> &part_cells,
                              const std::vector<Part<dim>> &parts,
@@ -145,23 +145,23 @@ namespace tombolo
     if (all.empty())
       return;
     const UnequalFace<dim> &first = *std::min_element(all.begin(), all.end());
-    const std::string of_large = why_unfit_beside(first.part, first.fine_part, parts);
-    const unsigned int unfit = of_large.empty() ? first.fine_part : first.part;
+    const std::string large_reason = why_unfit_beside(first.part, first.fine_part, parts);
+    const unsigned int unfit = large_reason.empty() ? first.fine_part : first.part;
     const Section &section = part_sections[unfit];
     std::ostringstream message;
-    message << "At " << place_text(first.place) << " a cell of the part \""
+    message << "At " << place_text(first.position) << " a cell of the part \""
             << part_sections[first.part].name() << "\" lies beside cells of half its size";
     if (first.fine_part != first.part)
       message << " of the part \"" << part_sections[first.fine_part].name() << "\"";
     message << ", and cells of \"" << section.get("Formulation") << "\" "
-            << (of_large.empty() ? why_unfit(unfit, parts) : of_large)
+            << (large_reason.empty() ? why_unfit(unfit, parts) : large_reason)
             << ". Refine all of the part or nothing of it (`Refine where` in section Mesh), or "
                "choose \"smoothed cells\" or elements of degree one that stay.";
     section.fail("Formulation", message.str());
   }
 
   /** The nodes in the middle of faces and edges of cells where these are means, ascending: as far
-   * as this rank sees cells, so all around nodes that it owns. */
+   * as this rank has cells, so all around nodes that it owns. */
   template <int dim>
   std::vector<DependentNode> find_hanging_nodes(const Nodes<dim> &nodes,
                                                 const PartCells<dim> &part_cells,

@@ -38,8 +38,8 @@ namespace tombolo
     for (const unsigned int node : constrained)
       kept.push_back(std::exchange(*heat.node(node), 0.));
     const NodalVector &smoothed_capacity = bridge.nodal_mass();
-    heat.fill([&](const unsigned int i, double *const of_node)
-              { *of_node /= *smoothed_capacity.node(i); });
+    heat.fill([&](const unsigned int i, double *const nodal_heat)
+              { *nodal_heat /= *smoothed_capacity.node(i); });
     bridge.apply_adjoint(heat, adjoint);
     for (unsigned int i = 0; i < heat.partition()->n_owned(); ++i)
       *result.node(i) += *bridge.mass().node(i) * *adjoint.node(i);

@@ -5,7 +5,7 @@
 
 namespace tombolo
 {
-  /** What the present stresses take from the motion with the present velocity per unit time, this
+  /** The internal power of the present stresses at the present velocity, this
    * rank's share [M L^2/T^3]; @p step is the last one. Not a number on a rank with a particle that
    * is turned inside out. Changes nothing. Collective. */
   template <int dim>

@@ -46,11 +46,11 @@ namespace tombolo
   std::vector<CornerSource> corner_of_child(const unsigned int child, const unsigned int k)
   {
     std::vector<CornerSource> result;
-    Point<dim> place;
+    Point<dim> unit_point;
     for (unsigned int d = 0; d < dim; ++d)
-      place[d] = 0.5 * (((child >> d) & 1u) + ((k >> d) & 1u));
+      unit_point[d] = 0.5 * (((child >> d) & 1u) + ((k >> d) & 1u));
     for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
-      if (const double weight = GeometryInfo<dim>::d_linear_shape_function(place, corner);
+      if (const double weight = GeometryInfo<dim>::d_linear_shape_function(unit_point, corner);
           weight > 0.)
         result.push_back({0, corner, weight});
     return result;
@@ -73,7 +73,7 @@ namespace tombolo
   /**
    * From which nodes and cells of an archive those of a model are made, whose mesh is another
    * division of the same cells: cells of the model are cells there, children of such or their
-   * parents. Nodes that both meshes have are taken as they are; a new node is the mean of those
+   * parents. Nodes that both meshes have are kept as they are; a new node is the mean of those
    * between which it lies. Works on any number of ranks.
    */
   template <int dim>
@@ -96,7 +96,7 @@ namespace tombolo
       const auto group = archive.group("cells");
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
-        const auto of_part = archive.group(model.parts[p].name);
+        const auto part_group = archive.group(model.parts[p].name);
         archive.set_rows(model.persistent_ids_of_points(p));
         std::vector<double> halves, motion;
         std::vector<types::global_dof_index> nodes;
@@ -128,7 +128,7 @@ namespace tombolo
       std::vector<VisibleCells> visible;
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
-        const auto of_part = archive.group(model.parts[p].name);
+        const auto part_group = archive.group(model.parts[p].name);
         visible.push_back(find_cells(model, p, archive));
         std::vector<CellSource> owned;
         for (std::size_t c = 0; c < visible[p].cells.size(); ++c)
@@ -157,13 +157,13 @@ namespace tombolo
     /** See PointTransfer. */
     void settle_volumes(const Model<dim> &model, const NodalVector &position) const
     {
-      for (const PointTransfer<dim> &of_part : points)
-        of_part.settle_volumes(model, position);
+      for (const PointTransfer<dim> &part_points : points)
+        part_points.settle_volumes(model, position);
     }
 
-    /** Gives the nodes of joined cells the momentum of nodes that are no unknowns any more, and
-     * that those have not taken with them; to be called when the state has been read. What
-     * prescribed components would get is lost. Collective. */
+    /** Adds to nodes of joined cells the momentum of nodes that are no longer unknowns, as far as
+     * it was not transferred with them; to be called after the state was read. What
+     * prescribed components would receive is lost. Collective. */
     void restore_momentum(Model<dim> &model) const
     {
       if (!model.has_mechanics || Utilities::MPI::sum(momenta.size(), model.communicator) == 0)
@@ -184,12 +184,12 @@ namespace tombolo
     }
 
   private:
-    /** Cells of a part that this rank sees, and what they are made of. */
+    /** Cells of a part that are relevant on this rank, and what they are made of. */
     struct VisibleCells
     {
       std::vector<typename Nodes<dim>::Cell> cells;
       std::vector<CellSource> sources;
-      std::vector<std::uint64_t> ids; ///< of the archive that can be wanted, ascending
+      std::vector<std::uint64_t> ids; ///< of the archive that can be needed, ascending
       std::vector<double> numbers;    ///< identifiers of the nodes of these, in halves
       std::vector<double> motion;     ///< masses and velocities of their nodes
 
@@ -278,12 +278,12 @@ namespace tombolo
       // Of candidates the one that has the node itself, then that of the first cell.
       std::vector<std::uint64_t> chosen(owned.n_elements(), ~std::uint64_t(0));
       std::vector<types::global_dof_index> nodes;
-      for (const VisibleCells &of_part : visible)
-        for (std::size_t c = 0; c < of_part.cells.size(); ++c)
+      for (const VisibleCells &part_cells : visible)
+        for (std::size_t c = 0; c < part_cells.cells.size(); ++c)
         {
-          const std::uint64_t id = persistent_id(of_part.cells[c]->id(), dim);
-          const CellSource &source = of_part.sources[c];
-          model.nodes->cell_nodes(of_part.cells[c], nodes);
+          const std::uint64_t id = persistent_id(part_cells.cells[c]->id(), dim);
+          const CellSource &source = part_cells.sources[c];
+          model.nodes->cell_nodes(part_cells.cells[c], nodes);
           for (unsigned int k = 0; k < nodes.size(); ++k)
           {
             if (!owned.is_element(nodes[k]))
@@ -293,7 +293,7 @@ namespace tombolo
                 source.kind == CellSource::Kind::same ? std::vector<CornerSource>{{0, k, 1.}}
                 : source.kind == CellSource::Kind::children
                     ? std::vector<CornerSource>{{k, k, 1.}}
-                    : corner_of_child<dim>(place_in_parent<dim>(id), k);
+                    : corner_of_child<dim>(index_in_parent<dim>(id), k);
             const std::uint64_t order = corners.size() == 1 ? 0 : id + 1;
             if (order >= chosen[i])
               continue;
@@ -301,7 +301,7 @@ namespace tombolo
             node_sources[i].clear();
             for (const CornerSource &corner : corners)
               node_sources[i].push_back(
-                  {of_part.node(source.ids[corner.cell], corner.corner), corner.weight});
+                  {part_cells.node(source.ids[corner.cell], corner.corner), corner.weight});
             std::sort(node_sources[i].begin(), node_sources[i].end(),
                       [](const RowSource &a, const RowSource &b) { return a.id < b.id; });
           }
@@ -336,30 +336,31 @@ namespace tombolo
         }
       }
       std::vector<types::global_dof_index> nodes;
-      for (const VisibleCells &of_part : visible)
-        for (std::size_t c = 0; c < of_part.cells.size(); ++c)
+      for (const VisibleCells &part_cells : visible)
+        for (std::size_t c = 0; c < part_cells.cells.size(); ++c)
         {
-          const CellSource &source = of_part.sources[c];
-          if (source.kind != CellSource::Kind::children || !of_part.cells[c]->is_locally_owned())
+          const CellSource &source = part_cells.sources[c];
+          if (source.kind != CellSource::Kind::children || !part_cells.cells[c]->is_locally_owned())
             continue;
-          const std::uint64_t id = persistent_id(of_part.cells[c]->id(), dim);
-          model.nodes->cell_nodes(of_part.cells[c], nodes);
+          const std::uint64_t id = persistent_id(part_cells.cells[c]->id(), dim);
+          model.nodes->cell_nodes(part_cells.cells[c], nodes);
           std::set<std::uint64_t> seen;
           for (unsigned int child = 0; child < n_corners; ++child)
             for (unsigned int k = 0; k < n_corners; ++k)
             {
-              const std::uint64_t node = of_part.node(source.ids[child], k);
+              const std::uint64_t node = part_cells.node(source.ids[child], k);
               if (child == k || first_cell.at(node) != id || free.count(node) > 0 ||
                   !seen.insert(node).second)
                 continue;
               const std::vector<CornerSource> corners = corner_of_child<dim>(child, k);
-              Tensor<1, dim> excess = of_part.velocity(source.ids[child], k);
+              Tensor<1, dim> excess = part_cells.velocity(source.ids[child], k);
               for (const CornerSource &corner : corners)
                 excess -=
-                    corner.weight * of_part.velocity(source.ids[corner.corner], corner.corner);
+                    corner.weight * part_cells.velocity(source.ids[corner.corner], corner.corner);
               for (const CornerSource &corner : corners)
                 momenta.emplace_back(nodes[corner.corner],
-                                     corner.weight * of_part.mass(source.ids[child], k) * excess);
+                                     corner.weight * part_cells.mass(source.ids[child], k) *
+                                         excess);
             }
         }
     }

@@ -22,7 +22,7 @@
 
 namespace tombolo
 {
-  /** What those processes connect to that have to know more than functions of Process tell.
+  /** What those processes connect to that need more than functions of Process provide.
    * Collective, but for part_force. */
   struct ModelSignals
   {
@@ -46,7 +46,7 @@ namespace tombolo
      * their former positions, with the ghosts of now. Emitted after Process::model_changed(). */
     Signal<const Clock &, const NodalVector &> nodes_placed;
     /** A step of bodies at rest begins, where nothing resists rates, and what is apart by less than
-     * the length touches. Forces are asked for at several positions, each time with the records
+     * the length touches. Forces are requested at several positions, each time with the records
      * that are left now. The clock has in `stable_step` the time of which springs of contacts are
      * made, and in `previous_step` the length of the step, zero at the start of the run. */
     Signal<const Clock &, double> trials;
@@ -55,8 +55,8 @@ namespace tombolo
   template <int dim>
   struct Physics;
 
-  /** How often parts of the model have become other ones: whoever keeps what follows from them
-   * compares. */
+  /** How often parts of the model have changed: data that depend on them is renewed after a
+   * comparison. */
   struct Revisions
   {
     unsigned long stencils = 0; ///< values or neighbours of rows
@@ -86,7 +86,7 @@ namespace tombolo
     Model(const Parameters &parameters, MPI_Comm communicator, const MeshChange &change_mesh = {});
     ~Model();
 
-    /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
+    /** Renews neighbourhoods and rows where their criterion requires it, and what depends on them:
      * ghosts, masses. The set of ghost nodes may have changed even if it returns no change.
      * Collective. */
     ModelChange update_stencils();
@@ -108,7 +108,7 @@ namespace tombolo
     /** For the masses that parts have now, and the rows of their particles. Collective. */
     void renew_masses();
 
-    /** The same where only factors of the inertia are other ones. Collective. */
+    /** The same where only factors of the inertia have changed. Collective. */
     void renew_inertia();
 
     /** The partition alone, where the state is read afterwards. Collective. */
@@ -182,8 +182,8 @@ namespace tombolo
     ImpulseAccount impulses;                              ///< of all forces from outside
     StepGroups<dim> step_groups; ///< of cells that do not take each step; none by default
     Revisions revisions;
-    /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
-     * the step remembers it until it is estimated anew. */
+    /** Whether a change of rows is reported once and not repeated, as when bonds break: the limit
+     * of the step keeps it until it is estimated anew. */
     bool stencils_change_for_good = false;
     mutable ModelSignals signals; ///< connecting changes nothing of the model
 

@@ -104,7 +104,7 @@ namespace tombolo
       if (n_points == 0)
         return;
       const std::array<NodalVector, 6> stress = stress_at_nodes(model, {part});
-      std::vector<double> places, volumes, corner_stress;
+      std::vector<double> positions, volumes, corner_stress;
       std::vector<types::global_dof_index> nodes;
       unsigned int row = 0;
       for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
@@ -117,12 +117,12 @@ namespace tombolo
         {
           const unsigned int i = formulation.point_of_cell(row, q);
           for (unsigned int d = 0; d < dim; ++d)
-            places.push_back(formulation.initial_point_positions()[i][d]);
+            positions.push_back(formulation.initial_point_positions()[i][d]);
           volumes.push_back(initial_volume(formulation.points(), i));
         }
         ++row;
       }
-      archive.rows("places of points", n_points * dim, places);
+      archive.rows("places of points", n_points * dim, positions);
       archive.rows("initial volumes of points", n_points, volumes);
       archive.rows("stress at corners", 6 * GeometryInfo<dim>::vertices_per_cell, corner_stress);
     }
@@ -142,7 +142,7 @@ namespace tombolo
       std::sort(ids.begin(), ids.end());
       ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
       const ArchiveLookup lookup = archive.find_rows(ids);
-      places = archive.rows(lookup, "places of points", n_points * dim);
+      positions = archive.rows(lookup, "places of points", n_points * dim);
       volumes = archive.rows(lookup, "initial volumes of points", n_points);
       corner_stress =
           archive.rows(lookup, "stress at corners", 6 * GeometryInfo<dim>::vertices_per_cell);
@@ -244,15 +244,15 @@ namespace tombolo
              points.component(MaterialPoints::volume_ratio, 0)[i];
     }
 
-    /** The nearest of @p n_places places; of those at the same distance the first. */
-    template <typename PlaceOf>
-    static unsigned int nearest(const Point<dim> &to, const unsigned int n_places,
-                                const PlaceOf &place_of)
+    /** The nearest of @p n_candidates positions; of those at the same distance the first. */
+    template <typename PositionOf>
+    static unsigned int nearest(const Point<dim> &to, const unsigned int n_candidates,
+                                const PositionOf &position_of)
     {
       unsigned int result = 0;
-      double smallest = place_of(0).distance(to);
-      for (unsigned int q = 1; q < n_places; ++q)
-        if (const double distance = place_of(q).distance(to); distance < (1. - 1e-9) * smallest)
+      double smallest = position_of(0).distance(to);
+      for (unsigned int q = 1; q < n_candidates; ++q)
+        if (const double distance = position_of(q).distance(to); distance < (1. - 1e-9) * smallest)
         {
           smallest = distance;
           result = q;
@@ -281,19 +281,19 @@ namespace tombolo
     void find_points(const Model<dim> &model)
     {
       const Formulation<dim> &formulation = *model.parts[part].formulation;
-      const auto place_of_old = [&](const std::size_t cell, const unsigned int q)
+      const auto old_position = [&](const std::size_t cell, const unsigned int q)
       {
-        Point<dim> place;
+        Point<dim> position;
         for (unsigned int d = 0; d < dim; ++d)
-          place[d] = places[(cell * n_points + q) * dim + d];
-        return place;
+          position[d] = positions[(cell * n_points + q) * dim + d];
+        return position;
       };
       sources.from.resize(cells.size() * n_points);
       sources.volume.resize(sources.from.size());
       for (unsigned int row = 0; row < cells.size(); ++row)
       {
         const CellSource &source = cells[row];
-        const auto place_of_new = [&](const unsigned int q)
+        const auto new_position = [&](const unsigned int q)
         { return formulation.initial_point_positions()[formulation.point_of_cell(row, q)]; };
         for (unsigned int q = 0; q < n_points; ++q)
           sources.volume[row * n_points + q] =
@@ -303,7 +303,7 @@ namespace tombolo
             for (unsigned int r = 0; r < n_points; ++r)
             {
               const std::size_t cell = number_of(id);
-              const unsigned int q = nearest(place_of_old(cell, r), n_points, place_of_new);
+              const unsigned int q = nearest(old_position(cell, r), n_points, new_position);
               sources.from[row * n_points + q].push_back({cell, r, volumes[cell * n_points + r]});
             }
         else
@@ -312,9 +312,9 @@ namespace tombolo
             const std::size_t cell = number_of(source.ids[0]);
             const unsigned int r = source.kind == CellSource::Kind::same
                                        ? q
-                                       : nearest(place_of_new(q), n_points,
-                                                 [&](const unsigned int of_old)
-                                                 { return place_of_old(cell, of_old); });
+                                       : nearest(new_position(q), n_points,
+                                                 [&](const unsigned int old_point)
+                                                 { return old_position(cell, old_point); });
             sources.from[row * n_points + q].push_back({cell, r, 1.});
             sources.taken[{cell, r}] += sources.volume[row * n_points + q];
           }
@@ -367,7 +367,7 @@ namespace tombolo
       constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
       Formulation<dim> &formulation = *model.parts[part].formulation;
       using Stress = std::array<double, 6>;
-      std::vector<Stress> of_points(sources.from.size());
+      std::vector<Stress> point_stress(sources.from.size());
       std::map<std::pair<std::size_t, unsigned int>, Stress> means; // of the points of a source
       unsigned int row = 0;
       const auto for_new_points = [&](const auto &visit)
@@ -384,22 +384,23 @@ namespace tombolo
       for_new_points(
           [&](const auto &cell, const unsigned int q, const std::size_t k)
           {
-            const Point<dim> place = StaticMappingQ1<dim>::mapping.transform_real_to_unit_cell(
+            const Point<dim> unit_point = StaticMappingQ1<dim>::mapping.transform_real_to_unit_cell(
                 cell, formulation.initial_point_positions()[formulation.point_of_cell(row, q)]);
-            const unsigned int child = place_in_parent<dim>(persistent_id(cell->id(), dim));
+            const unsigned int child = index_in_parent<dim>(persistent_id(cell->id(), dim));
             Point<dim> in_parent;
             for (unsigned int d = 0; d < dim; ++d)
-              in_parent[d] = 0.5 * (((child >> d) & 1u) + place[d]);
+              in_parent[d] = 0.5 * (((child >> d) & 1u) + unit_point[d]);
             const PointSource &source = sources.from[k][0];
-            of_points[k] = {};
+            point_stress[k] = {};
             for (unsigned int corner = 0; corner < n_corners; ++corner)
               for (unsigned int c = 0; c < 6; ++c)
-                of_points[k][c] += GeometryInfo<dim>::d_linear_shape_function(in_parent, corner) *
-                                   corner_stress[(source.cell * n_corners + corner) * 6 + c];
+                point_stress[k][c] +=
+                    GeometryInfo<dim>::d_linear_shape_function(in_parent, corner) *
+                    corner_stress[(source.cell * n_corners + corner) * 6 + c];
             Stress &mean =
                 means.emplace(std::make_pair(source.cell, source.point), Stress{}).first->second;
             for (unsigned int c = 0; c < 6; ++c)
-              mean[c] += of_points[k][c] * sources.volume[k] /
+              mean[c] += point_stress[k][c] * sources.volume[k] /
                          sources.taken.at({source.cell, source.point});
           });
       MaterialPoints &points = formulation.points();
@@ -409,7 +410,7 @@ namespace tombolo
             const PointSource &source = sources.from[k][0];
             for (unsigned int c = 0; c < 6; ++c)
               points.component(MaterialPoints::stress, c)[formulation.point_of_cell(row, q)] +=
-                  of_points[k][c] - means.at({source.cell, source.point})[c];
+                  point_stress[k][c] - means.at({source.cell, source.point})[c];
           });
     }
 
@@ -418,7 +419,8 @@ namespace tombolo
     std::vector<CellSource> cells;
     // Of the archive, in the order of the identifiers.
     std::vector<std::uint64_t> ids;
-    std::vector<double> places, volumes, corner_stress; ///< initial places and volumes of points
+    std::vector<double> positions, volumes,
+        corner_stress; ///< initial positions and volumes of points
     Points sources;
   };
 } // namespace tombolo

@@ -61,11 +61,11 @@ namespace tombolo
 
   /**
    * Something optional that acts in a step: a load, a contact, a failure, a filter, a source of
-   * heat. A model has the processes that its scene asks for, and no other; each adds forces,
+   * heat. A model has the processes that its scene requests, and no other; each adds forces,
    * changes the model, observes the step, limits it, names its energies and fills columns of the
-   * tables. Processes do not know each other. What one of them does to the model (cells, rows,
-   * masses) is a change of the model, to which whoever depends on it responds in model_changed().
-   * The few that have to know more connect to ModelSignals.
+   * tables. Processes do not refer to each other. What one of them does to the model (cells, rows,
+   * masses) is a change of the model, to which dependent processes respond in model_changed().
+   * The few that need more connect to ModelSignals.
    *
    * All functions are collective and are called on all ranks, in the order of the processes, unless
    * they say otherwise. Each has an empty default.
@@ -87,7 +87,7 @@ namespace tombolo
       return {};
     }
 
-    /** Partition, rows or masses are other ones; also called once after the start and after a
+    /** Partition, rows or masses have changed; also called once after the start and after a
      * checkpoint was read. */
     virtual void model_changed(const Model<dim> &) {}
 
@@ -96,12 +96,12 @@ namespace tombolo
     virtual void add_forces(const Model<dim> &, const Clock &, const NodalVector & /*force*/) {}
 
     /** Adds how the forces of the last add_forces() change with positions and velocities, as far
-     * as the tangent asks for it: bodies at rest for the stiffness, the estimate of the stable step
+     * as the tangent requires it: bodies at rest for the stiffness, the estimate of the stable step
      * for the viscosity. What is left out costs iterations, and the step may not be stable. */
     virtual void linearize(const Model<dim> &, const Clock &, Tangent<dim> &) {}
 
-    /** Prescribes components of the acceleration of owned nodes at t_n in @p state, or gives forces
-     * to actions that follow it; the size of the coming step is known now. */
+    /** Prescribes components of the acceleration of owned nodes at t_n in @p state, or sets forces
+     * of actions that follow it; the size of the coming step is known now. */
     virtual void constrain_acceleration(const Model<dim> &, const Clock &, NodalState & /*state*/)
     {}
 
@@ -115,7 +115,7 @@ namespace tombolo
     /** What it does where not every process is made for; set when it is made. */
     struct Roles
     {
-      /** Steps of bodies at rest (`Time integration`): they ask for forces at trial positions
+      /** Steps of bodies at rest (`Time integration`): they request forces at trial positions
        * (act(), linearize()), and for works and impulses (complete_step()) where the equilibrium is
        * found; nothing else of a step is called. */
       ProcessRole rest = ProcessRole::acts;
@@ -130,7 +130,7 @@ namespace tombolo
      * end, where it does not come with the steps of the mechanics. */
     virtual void add_heat(const Model<dim> &, double /*begin*/, double /*end*/) {}
 
-    /** When warnings are asked for. */
+    /** When warnings are requested. */
     enum class Occasion
     {
       audit,       ///< before the run: about the input
@@ -139,7 +139,7 @@ namespace tombolo
       end
     };
 
-    /** What others see of a process, beside its actions; listed in its constructor or in
+    /** What a process shows to others, beside its actions; listed in its constructor or in
      * initialize(). */
     struct Observed
     {
@@ -153,11 +153,11 @@ namespace tombolo
       void result(const std::string &name, std::function<Json()> value);
 
       /** Fills the rows of a table of histories, by its name; of one that several processes fill,
-       * those with a lower @p place come first. Collective. */
+       * those with a lower @p order come first. Collective. */
       void history(const std::string &table, std::function<void(BalanceHistory<dim> &)> rows,
-                   int place = 0);
+                   int order = 0);
 
-      /** An object of a type by which others look for it (shown_by_processes()): refers to it. */
+      /** An object of a type by which others find it (shown_by_processes()): refers to it. */
       template <typename T>
       void object(const T &shown)
       {
@@ -184,7 +184,7 @@ namespace tombolo
     Observed observed;
 
     /** What makes the last forces useless on this rank, for a message; empty if nothing does. Not
-     * thrown, since other ranks do not know. */
+     * thrown, since other ranks have no failure. */
     std::string failure;
 
     /** What is kept from step to step, beside what its actions keep; listed in its constructor or
@@ -210,7 +210,7 @@ namespace tombolo
     /** after_acceleration(), and works and impulses of the actions. */
     void complete_step(Model<dim> &model, const Clock &clock);
 
-    /** The energies that others see, and the works of the actions. */
+    /** The observed energies, and the works of the actions. */
     void add_energies(EnergyAccounts &accounts) const;
 
   private:
@@ -232,19 +232,19 @@ namespace tombolo
     /** Declares entries and sections. */
     virtual void declare_parameters(Parameters &) const {}
 
-    /** Refuses what can be seen to be wrong without a mesh. Throws InputError. */
+    /** Checks what can be checked without a mesh. Throws InputError. */
     virtual void validate(const Parameters &, const std::vector<Part<dim>> &) const {}
 
     /** Prepares parts that have no mesh yet. Throws InputError. */
     virtual void prepare(const Parameters &, std::vector<Part<dim>> &) const {}
 
-    /** The process, or null where the scene does not ask for it. Throws InputError. Collective. */
+    /** The process, or null where the scene does not request it. Throws InputError. Collective. */
     virtual std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &) const
     {
       return nullptr;
     }
 
-    /** All processes of the kind that the scene asks for, in their order. Collective. */
+    /** All processes of the kind that the scene requests, in their order. Collective. */
     virtual std::vector<std::unique_ptr<Process<dim>>> create(const Parameters &parameters,
                                                               Model<dim> &model) const
     {

@@ -38,7 +38,7 @@ namespace tombolo
       NodalVector last_force;          ///< that before
     };
 
-    /** What cells of one ratio see, and do. */
+    /** The state and the forces of the cells of one ratio. */
     struct Group
     {
       unsigned int ratio = 1;
@@ -82,7 +82,7 @@ namespace tombolo
     void add_internal_force(std::size_t part, Formulation<dim> &formulation,
                             const MechanicalInput &input, NodalVector &force) const;
 
-    /** Calls a function that evaluates cells of a part, by its number, and looks for failures. */
+    /** Calls a function that evaluates cells of a part, by its number, and checks for failures. */
     using Evaluation = std::function<void(std::size_t, const std::function<void()> &)>;
 
     /** Adds the forces of all other cells to @p force, at owned nodes. Collective. */

@@ -14,14 +14,14 @@ namespace tombolo
 
   /**
    * How forces of processes change with positions and velocities, what Process::linearize() adds
-   * to: members that are null are not asked for. The stiffness is that of steps of bodies at rest,
+   * to: members that are null are not needed. The stiffness is that of steps of bodies at rest,
    * which is assembled; the viscosity that of the estimate of the stable step, which applies it to
    * one velocity after the other.
    */
   template <int dim>
   struct Tangent
   {
-    /** Pairs of nodes, with nodes that this rank owns; each place stands on one rank. */
+    /** Pairs of nodes, with nodes that this rank owns; each pair is on one rank. */
     std::vector<ContactStiffness<dim>> *springs = nullptr;
     /** A bound of the stiffness whatever touches, as a diagonal matrix, at owned nodes. */
     NodalVector *bound = nullptr;
@@ -32,7 +32,7 @@ namespace tombolo
     double factor = 0;
     NodalVector *force = nullptr;
 
-    /** A spring between an owned node and a place outside of the bodies: -∂f/∂x is the symmetric
+    /** A spring between an owned node and a point outside of the bodies: -∂f/∂x is the symmetric
      * @p stiffness [M/T^2], which is not zero, but may be so in some directions, as across a cord:
      * then it holds a body along the others only. */
     void add_spring(const unsigned int node, const dealii::Tensor<2, dim> &stiffness)

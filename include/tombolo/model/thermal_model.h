@@ -49,7 +49,7 @@ namespace tombolo
                  bool trace);
     ~ThermalModel();
 
-    /** Nodes whose values this rank must see. */
+    /** Nodes whose values this rank needs. */
     dealii::IndexSet required_nodes() const
     {
       return conditions.required_nodes();
@@ -92,10 +92,10 @@ namespace tombolo
 
     /** The heat per unit time that comes to nodes by conduction, surfaces and sources: dH/dt of
      * owned nodes (scalar), from the last field of find_field(). At constrained nodes it is what
-     * reaches the reservoir. Adds what comes through conditions on this rank to @p of_condition.
+     * reaches the reservoir. Adds what comes through conditions on this rank to @p condition_heat.
      * Collective. */
     void heat_rate(const NodalVector &position, const NodalVector &field, double time,
-                   NodalVector &rate, std::vector<double> &of_condition);
+                   NodalVector &rate, std::vector<double> &condition_heat);
 
     /** @p result = A @p direction (owned, slot 0 of node_stride), minus the derivative of
      * heat_rate() by θ̂ with k as it is at @p field: symmetric, not negative. Rows and columns of
@@ -110,7 +110,7 @@ namespace tombolo
     /** θ̂ of owned nodes from their enthalpies, and prescribed temperatures at @p time, whose heat
      * is booked to conditions: the enthalpy of constrained nodes follows. */
     void find_temperature(double time, NodalVector &enthalpy, NodalVector &unsmoothed,
-                          std::vector<double> &of_condition) const;
+                          std::vector<double> &condition_heat) const;
 
     /** Whether plastic work can heat in this scene. */
     bool has_plastic_heat() const;
@@ -152,8 +152,8 @@ namespace tombolo
     void add_conduction(const NodalVector &position, const NodalVector &field,
                         const NodalVector &smoothed, NodalVector &heat_of_nodes);
 
-    /** Adds @p factor times what comes to nodes from the heat at surfaces in `loads`, of which it
-     * takes ghosts and images, to `heat`. Collective. */
+    /** Adds @p factor times what comes to nodes from the heat at surfaces in `loads`, with those of
+     * ghosts and images, to `heat`. Collective. */
     void add_surface_loads(double factor);
 
     std::vector<Part<dim>> &parts;

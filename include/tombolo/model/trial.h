@@ -10,7 +10,7 @@ namespace tombolo
    * does to the material points of a model (stress, internal variables, accounted energies) is a
    * trial: restart() goes back to the committed state, so that a residual can be evaluated again at
    * another motion, and commit() keeps the last evaluation. A trial that was not committed is
-   * undone at the end of its life. An explicit step has no trial: it commits directly, at no cost.
+   * undone by its destructor. An explicit step has no trial: it commits directly, at no cost.
    *
    * Positions, velocities and forces of nodes are the caller's.
    */
