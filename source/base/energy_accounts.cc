@@ -33,7 +33,7 @@ namespace tombolo
   void EnergyAccounts::add_replicated(const std::string &name, const EnergyKind kind,
                                       const double value)
   {
-    account(name, kind); // keeps its place in the order
+    account(name, kind); // keeps its position in the order
     find_or_append(name, kind, replicated).value += value;
   }
 
@@ -43,19 +43,19 @@ namespace tombolo
       add(entry.name, entry.kind, factor * entry.value);
     for (const Account &entry : other.replicated)
       add_replicated(entry.name, entry.kind, factor * entry.value);
-    const auto of_other = other.vectors();
-    for (std::size_t v = 0; v < of_other.size(); ++v)
+    const auto other_vectors = other.vectors();
+    for (std::size_t v = 0; v < other_vectors.size(); ++v)
       for (unsigned int d = 0; d < 3; ++d)
-        (*vectors()[v])[d] += factor * (*of_other[v])[d];
+        (*vectors()[v])[d] += factor * (*other_vectors[v])[d];
   }
 
-  void EnergyAccounts::add_impulse(const std::array<double, 3> &of_forces,
-                                   const std::array<double, 3> &of_moments)
+  void EnergyAccounts::add_impulse(const std::array<double, 3> &force_impulse,
+                                   const std::array<double, 3> &moment_impulse)
   {
     for (unsigned int d = 0; d < 3; ++d)
     {
-      impulse[d] += of_forces[d];
-      angular_impulse[d] += of_moments[d];
+      impulse[d] += force_impulse[d];
+      angular_impulse[d] += moment_impulse[d];
     }
   }
 

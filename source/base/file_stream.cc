@@ -12,7 +12,7 @@ namespace tombolo
 {
   namespace
   {
-    constexpr mode_t for_all = 0666; // less what the user's mask takes
+    constexpr mode_t for_all = 0666; // less what the user's mask removes
 
     int open_to_append(const std::string &path, std::string &problem)
     {

@@ -8,9 +8,9 @@ namespace tombolo
   namespace internal
   {
     std::vector<std::string> broadcast_texts(const MPI_Comm communicator,
-                                             const std::vector<std::string> &of_first_rank)
+                                             const std::vector<std::string> &texts)
     {
-      return dealii::Utilities::MPI::broadcast(communicator, of_first_rank, 0);
+      return dealii::Utilities::MPI::broadcast(communicator, texts, 0);
     }
 
     std::vector<int> begin_of_ranks(const std::size_t n_items, const MPI_Comm communicator)

@@ -64,7 +64,7 @@ namespace tombolo
       return fs::is_directory(fs::symlink_status(path, ignored));
     }
 
-    /** Writes a file beside its place and renames it. Returns what went wrong, or nothing. */
+    /** Writes a file beside its path and renames it. Returns what went wrong, or nothing. */
     std::string write_atomically(const std::string &path, const OutputDirectory::Writer &writer)
     {
       const std::string temporary = path + ".tmp";

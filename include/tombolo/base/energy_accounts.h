@@ -12,11 +12,11 @@ namespace tombolo
   /** What an energy is in the balance. */
   enum class EnergyKind
   {
-    stored,     ///< can be given back
+    stored,     ///< can be recovered
     dissipated, ///< taken by the physics: plastic flow, friction, failure
     artificial, ///< stored or taken by the method: hourglass control, viscosity, filters
     removed,    ///< has left with what was removed from the model
-    external    ///< has been put in from outside since the start
+    external    ///< was added from outside since the start
   };
 
   /** Whether an energy of this kind counts in the total that the external ones must explain. */
@@ -46,7 +46,7 @@ namespace tombolo
       account(name, kind).value += value;
     }
 
-    /** Adds a value that all ranks know alike, and that counts once. */
+    /** Adds a value that is the same on all ranks, and that counts once. */
     void add_replicated(const std::string &name, EnergyKind kind, double value);
 
     /** Adds @p factor times all that @p other holds, before any sum over ranks. */

@@ -23,9 +23,9 @@ namespace tombolo
   template <typename Error>
   void throw_on_all_ranks(const std::string &message, const MPI_Comm communicator)
   {
-    for (const std::string &of_rank : texts_of_ranks(communicator, message))
-      if (!of_rank.empty())
-        throw Error(of_rank);
+    for (const std::string &rank_text : texts_of_ranks(communicator, message))
+      if (!rank_text.empty())
+        throw Error(rank_text);
   }
 
   /**
@@ -42,7 +42,7 @@ namespace tombolo
   /**
    * A run that cannot go on, for a physical or numerical reason (a value that is not finite, an
    * inverted cell). Thrown on every rank alike; the message has the time, the node or cell and its
-   * place. The program writes what it has and exits with code 2.
+   * position. The program writes what it has and exits with code 2.
    */
   class RunError : public std::runtime_error
   {

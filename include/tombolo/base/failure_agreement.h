@@ -13,7 +13,7 @@ namespace tombolo
 {
   /**
    * Failures that single ranks find and that must end the run on all. The ranks agree by a
-   * reduction that travels while the step goes on.
+   * reduction that is in progress during the step.
    */
   class FailureAgreement
   {
@@ -28,7 +28,7 @@ namespace tombolo
     FailureAgreement(const FailureAgreement &) = delete;
     FailureAgreement &operator=(const FailureAgreement &) = delete;
 
-    /** Remembers the first failure of this rank; an empty @p text is none. Not collective. */
+    /** Stores the first failure of this rank; an empty @p text is none. Not collective. */
     void note(const std::string &text)
     {
       if (failure.empty())

@@ -16,7 +16,7 @@ namespace tombolo
   public:
     enum class Mode
     {
-      create, ///< a new file in the place of one of the same name
+      create, ///< a new file, which replaces one of the same name
       append  ///< behind what is there
     };
 

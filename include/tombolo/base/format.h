@@ -18,14 +18,14 @@ namespace tombolo
     return text.str();
   }
 
-  /** A place as messages give it: "(1, 2, 3)". */
+  /** A position as messages write it: "(1, 2, 3)". */
   template <int dim>
-  std::string place_text(const dealii::Tensor<1, dim> &place)
+  std::string place_text(const dealii::Tensor<1, dim> &position)
   {
     std::ostringstream text;
-    text << "(" << place[0];
+    text << "(" << position[0];
     for (unsigned int d = 1; d < dim; ++d)
-      text << ", " << place[d];
+      text << ", " << position[d];
     text << ")";
     return text.str();
   }

@@ -47,14 +47,14 @@ namespace tombolo
     /** Ends the line of the progress. */
     ~Log();
 
-    /** Opens log.txt, puts what was printed before into it, and keeps it open. @p append continues
+    /** Opens log.txt, writes what was printed before to it, and keeps it open. @p append continues
      * the file of the run that is resumed. */
     void open_file(const OutputDirectory &directory, bool append = false);
 
     /** Prints a line or several; a newline is added. */
     void print(const std::string &text);
 
-    /** Puts a line into log.txt only. */
+    /** Writes a line to log.txt only. */
     void record(const std::string &text);
 
     /** Prints "Warning: ..." */
@@ -64,7 +64,7 @@ namespace tombolo
     }
 
     /** Starts the clock of speed and time left. A run begins at time 0; one that is resumed has
-     * come to @p start_time in @p start_step steps, which count as done. */
+     * reached @p start_time in @p start_step steps, which count as done. */
     void start_progress(std::uint64_t n_nodes, double start_time, double end_time,
                         std::uint64_t start_step = 0);
 
@@ -78,7 +78,7 @@ namespace tombolo
     void end_progress();
 
     /** Whether standard output ends at a terminal. MPI launchers put a terminal of their own
-     * between rank 0 and a pipe; this looks through it. */
+     * between rank 0 and a pipe, which is recognized. */
     static bool standard_output_is_terminal();
 
   private:

@@ -9,7 +9,8 @@ namespace tombolo
    * does not count allocations. */
   std::size_t allocated_bytes();
 
-  /** The memory [bytes] that this process can still take: the least of what the machine has free,
-   * what the limit of a container leaves and what that of the process leaves (`ulimit -v`). */
+  /** The memory [bytes] that this process can still allocate: the least of what the machine has
+   * free, what the limit of a container leaves and what that of the process leaves (`ulimit -v`).
+   */
   double free_memory();
 } // namespace tombolo

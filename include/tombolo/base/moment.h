@@ -22,11 +22,11 @@ namespace tombolo
     std::array<double, 3> moment{}; ///< about the origin of coordinates [M L^2/T^2]
 
     /** Adds a force at @p position; both have three components. */
-    void add(const double *position, const double *of_node)
+    void add(const double *position, const double *nodal_force)
     {
       for (unsigned int c = 0; c < 3; ++c)
-        force[c] += of_node[c];
-      add_moment(position, of_node, moment);
+        force[c] += nodal_force[c];
+      add_moment(position, nodal_force, moment);
     }
   };
 

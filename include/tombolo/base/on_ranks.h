@@ -19,7 +19,7 @@ namespace tombolo
     // These are no templates: those of deal.II take a second to compile in each source and for each
     // type, and compress what they gather.
     std::vector<std::string> broadcast_texts(MPI_Comm communicator,
-                                             const std::vector<std::string> &of_first_rank);
+                                             const std::vector<std::string> &texts);
 
     /** How many items the ranks before each one have, and all. Collective. */
     std::vector<int> begin_of_ranks(std::size_t n_items, MPI_Comm communicator);
@@ -33,7 +33,7 @@ namespace tombolo
                    MPI_Comm communicator);
   } // namespace internal
 
-  /** What @p make() gives on the first rank, the only one that calls it, on all. Collective. */
+  /** What @p make() returns on the first rank, the only one that calls it, on all. Collective. */
   template <typename Make>
   auto of_first_rank(const MPI_Comm communicator, const Make &make)
   {
@@ -68,39 +68,39 @@ namespace tombolo
   /** The items of all ranks after each other, in the order of the ranks, which begin at @p begin.
    * Collective. */
   template <typename Item>
-  std::vector<Item> of_all_ranks(const std::vector<Item> &of_rank, const MPI_Comm communicator,
+  std::vector<Item> of_all_ranks(const std::vector<Item> &own_items, const MPI_Comm communicator,
                                  std::vector<int> &begin)
   {
     static_assert(std::is_trivially_copyable_v<Item>);
-    begin = internal::begin_of_ranks(of_rank.size(), communicator);
+    begin = internal::begin_of_ranks(own_items.size(), communicator);
     std::vector<Item> all(static_cast<std::size_t>(begin.back()));
-    internal::gather_items(of_rank.data(), all.data(), sizeof(Item), begin, communicator);
+    internal::gather_items(own_items.data(), all.data(), sizeof(Item), begin, communicator);
     return all;
   }
 
   /** The items of all ranks after each other, in the order of the ranks. Collective. */
   template <typename Item>
-  std::vector<Item> of_all_ranks(const std::vector<Item> &of_rank, const MPI_Comm communicator)
+  std::vector<Item> of_all_ranks(const std::vector<Item> &own_items, const MPI_Comm communicator)
   {
     std::vector<int> begin;
-    return of_all_ranks(of_rank, communicator, begin);
+    return of_all_ranks(own_items, communicator, begin);
   }
 
   /** The items of each rank, on all of them. Collective. */
   template <typename Item>
-  std::vector<std::vector<Item>> items_of_ranks(const std::vector<Item> &of_rank,
+  std::vector<std::vector<Item>> items_of_ranks(const std::vector<Item> &own_items,
                                                 const MPI_Comm communicator)
   {
     std::vector<int> begin;
-    const std::vector<Item> all = of_all_ranks(of_rank, communicator, begin);
+    const std::vector<Item> all = of_all_ranks(own_items, communicator, begin);
     std::vector<std::vector<Item>> result;
     for (std::size_t rank = 0; rank + 1 < begin.size(); ++rank)
       result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);
     return result;
   }
 
-  /** Every rank gets what others have for it, by rank, and what it has for itself, which is moved.
-   * Collective. */
+  /** Every rank receives what others have for it, by rank, and what it has for itself, which is
+   * moved. Collective. */
   template <typename Item>
   std::map<unsigned int, std::vector<Item>>
   exchange_by_rank(std::map<unsigned int, std::vector<Item>> for_ranks, const MPI_Comm communicator)

@@ -17,8 +17,8 @@ namespace tombolo
   std::string what_prevents_directory(const std::string &path);
 
   /**
-   * The directory of one run. Whole files are written beside their place and renamed into it, so
-   * that a reader never sees half a file and a run that is killed never leaves one. The directory
+   * The directory of one run. Whole files are written beside their path and renamed to it, so
+   * that a reader never finds half a file and a run that is killed never leaves one. The directory
    * itself may be reached through links; what is in it is not: no link, no pipe and no file of
    * somebody else is written through.
    */

@@ -5,7 +5,7 @@ namespace tombolo
 {
   /**
    * The impulse of a force in the step from t_{n-1} to t_n, ½ (Δt_{n-1} f_{n-1} + Δt_n f_n): times
-   * v_{n-1/2} it is the work that the kinetic energy ½ v_{n-1/2} · m v_{n+1/2} takes up. @p impulse
+   * v_{n-1/2} it is the work that the kinetic energy ½ v_{n-1/2} · m v_{n+1/2} receives. @p impulse
    * is Δt_n f_n, and @p previous, which is Δt_{n-1} f_{n-1}, becomes that of the next step.
    * @p is_start says that t_n is the start, to which no step leads.
    */

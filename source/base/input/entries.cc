@@ -88,12 +88,12 @@ namespace tombolo
       return section().get(name);
     const std::string text = documentation + (unit.empty() ? "" : " Units: " + unit + ".");
     within(
-        [&](ParameterHandler &of_section)
+        [&](ParameterHandler &section_handler)
         {
           if (by_default)
-            of_section.declare_entry(name, *by_default, pattern, text);
+            section_handler.declare_entry(name, *by_default, pattern, text);
           else
-            Parameters::declare_mandatory(of_section, name, pattern, text);
+            Parameters::declare_mandatory(section_handler, name, pattern, text);
         });
     return by_default.value_or("");
   }

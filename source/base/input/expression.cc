@@ -45,17 +45,17 @@ namespace tombolo
       }
     };
 
-    /** The function of place and time that a text means, as muParser reads it. Values of tables
-     * from files are further variables, in the places of variables that are not used: the parser
+    /** The function of position and time that a text means, as muParser reads it. Values of tables
+     * from files are further variables, in the slots of variables that are not used: the parser
      * has four. Several threads may evaluate it at the same time. */
     template <int dim>
-    class PlaceFunction
+    class SpaceTimeFunction
     {
     public:
-      /** @p entry of @p section has the text, and its files are looked for as read_input_file()
+      /** @p entry of @p section has the text, and its files are searched as read_input_file()
        * does. Throws InputError for a table that cannot be read, and what muParser throws for a
        * text that it cannot read. Collective where there are tables. */
-      PlaceFunction(const TableCalls &calls, const Section &section, const std::string &entry)
+      SpaceTimeFunction(const TableCalls &calls, const Section &section, const std::string &entry)
       {
         if (!calls.problem.empty())
           section.fail(entry, calls.problem);
@@ -73,7 +73,7 @@ namespace tombolo
           names.push_back(call.name);
           slots.push_back(
               {dim + 1,
-               std::make_unique<const PlaceFunction>(TableCalls(call.argument), section, entry),
+               std::make_unique<const SpaceTimeFunction>(TableCalls(call.argument), section, entry),
                read_table(call.file, section, entry)});
         }
         if (names.size() > n_slots)
@@ -102,7 +102,7 @@ namespace tombolo
       struct Slot
       {
         unsigned int variable; ///< a coordinate, dim the time, dim + 1 a table
-        std::unique_ptr<const PlaceFunction> argument;
+        std::unique_ptr<const SpaceTimeFunction> argument;
         std::shared_ptr<const TableFunction> table;
       };
 
@@ -136,7 +136,7 @@ namespace tombolo
       return token.kind == ExpressionToken::sign && is_one_of(token.text, comparisons);
     }
 
-    /** What the parser takes, but not for what the user means by it; empty if there is nothing. */
+    /** What the parser accepts in another sense than the user's; empty if there is nothing. */
     std::string misunderstanding(const std::vector<ExpressionToken> &tokens)
     {
       std::vector<bool> has_comparison(1, false); // by depth of parentheses
@@ -180,8 +180,8 @@ namespace tombolo
       {
         // Not one expression with what is before it.
         tokens.push_back({ExpressionToken::sign, "&&"});
-        const std::vector<ExpressionToken> of_argument = tokens_of(TableCalls(call.argument));
-        tokens.insert(tokens.end(), of_argument.begin(), of_argument.end());
+        const std::vector<ExpressionToken> argument_tokens = tokens_of(TableCalls(call.argument));
+        tokens.insert(tokens.end(), argument_tokens.begin(), argument_tokens.end());
       }
       return tokens;
     }
@@ -265,7 +265,7 @@ namespace tombolo
 
     /** Whether there is a finite value at one of many points and times, small and large. */
     template <int dim>
-    bool is_finite_somewhere(const PlaceFunction<dim> &function)
+    bool is_finite_somewhere(const SpaceTimeFunction<dim> &function)
     {
       std::uint64_t state = 1;
       const auto uniform = [&state]
@@ -333,7 +333,7 @@ namespace tombolo
       bool depends_on_time = false;
       bool depends_on_place = false;
       double constant = 0;
-      std::unique_ptr<PlaceFunction<dim>> function; ///< of components that are not constant
+      std::unique_ptr<SpaceTimeFunction<dim>> function; ///< of components that are not constant
     };
 
     std::vector<Component> components;
@@ -382,7 +382,7 @@ namespace tombolo
       try
       {
         const SilentErrorStream silent;
-        component.function = std::make_unique<PlaceFunction<dim>>(calls, section, entry);
+        component.function = std::make_unique<SpaceTimeFunction<dim>>(calls, section, entry);
         component.constant = component.function->evaluate(Point<dim>(), 0.);
         is_parsed = true;
         is_finite = std::isfinite(component.constant) ||
@@ -398,7 +398,7 @@ namespace tombolo
       }
       catch (...)
       {
-        // The parser's own exceptions are no std::exception and tell no more than this.
+        // The parser's own exceptions are no std::exception and contain no more than this.
       }
       if (!is_parsed)
         section.fail(entry, which + "this is not an expression: " + message + "." +

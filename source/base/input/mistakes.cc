@@ -13,10 +13,10 @@ namespace tombolo
 {
   namespace
   {
-    /** The position of the file and the line that a message begins with; those without a place come
-     * last. */
-    std::pair<std::size_t, unsigned long> place_of(const std::string &message,
-                                                   const std::vector<std::string> &files)
+    /** The position of the file and the line that a message begins with; those without a position
+     * come last. */
+    std::pair<std::size_t, unsigned long> position_of(const std::string &message,
+                                                      const std::vector<std::string> &files)
     {
       for (std::size_t file = 0; file < files.size(); ++file)
       {
@@ -125,7 +125,7 @@ namespace tombolo
       throw InputError(messages.front());
     std::stable_sort(messages.begin(), messages.end(),
                      [&](const std::string &a, const std::string &b)
-                     { return place_of(a, files) < place_of(b, files); });
+                     { return position_of(a, files) < position_of(b, files); });
     const std::size_t n_shown = std::min<std::size_t>(messages.size(), most_shown);
     std::string text =
         std::to_string(messages.size()) + " mistakes were found" +

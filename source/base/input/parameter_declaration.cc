@@ -157,7 +157,7 @@ namespace tombolo
 
   ParameterDeclaration collect_declarations(const ParameterHandler &handler)
   {
-    // XML, since in its JSON form the handler takes a '.' in a name for the end of a section.
+    // XML, since in its JSON form the handler reads a '.' in a name as the end of a section.
     std::stringstream xml;
     handler.print_parameters(xml,
                              ParameterHandler::OutputStyle(ParameterHandler::XML |

@@ -134,9 +134,9 @@ namespace tombolo
 
   ParameterScanner::ParameterScanner(const MPI_Comm communicator) : communicator(communicator) {}
 
-  void ParameterScanner::note_in(Mistakes &of_input)
+  void ParameterScanner::note_in(Mistakes &input_mistakes)
   {
-    mistakes = &of_input;
+    mistakes = &input_mistakes;
   }
 
   void ParameterScanner::refuse_line(const SourceLocation &location,
@@ -378,7 +378,7 @@ namespace tombolo
       refuse_line(location, "subsection " + in_quotes(path) + " stands twice, here and at " +
                                 to_string({file.name, first->second}) +
                                 ". Put their entries into one.");
-      first->second = 0; // its entries are not told as standing twice
+      first->second = 0; // its entries are not reported as duplicates
     }
     section_locations.emplace(path, location);
     all_items.push_back({true, path, "", location});

@@ -15,7 +15,7 @@ namespace tombolo
 {
   namespace
   {
-    /** A mandatory entry has no default: lets the handler take the empty text for it. */
+    /** A mandatory entry has no default: makes the handler accept the empty text for it. */
     class EmptyOr : public Patterns::PatternBase
     {
     public:
@@ -184,7 +184,7 @@ namespace tombolo
     }
     if (!entry->alias.empty())
       entry = section->find(entry->alias);
-    if (is_taken_back(entry->path))
+    if (is_reset(entry->path))
       return;
     // A scene in three dimensions can include one in two.
     const Item *const last = scanner.entry(item.path);
@@ -220,7 +220,7 @@ namespace tombolo
                                : ": entry " + in_quotes(item.path) + " = " + in_quotes(item.value));
   }
 
-  bool Parameters::is_taken_back(const std::string &path) const
+  bool Parameters::is_reset(const std::string &path) const
   {
     const auto found = overrides.find(path);
     return found != overrides.end() && found->second.value.empty();
@@ -292,21 +292,21 @@ namespace tombolo
   void Parameters::refuse_unused() const
   {
     std::vector<const Item *> unused;
-    const auto look_at = [&](const Item &item)
+    const auto check_item = [&](const Item &item)
     {
       const bool is_read =
           used.count(item.path) > 0 ||
           std::any_of(aliases.begin(), aliases.end(),
                       [&](const auto &alias)
                       { return alias.second == item.path && used.count(alias.first) > 0; });
-      if (!item.is_section && !is_read && !is_taken_back(item.path) &&
-          !mistakes.is_refused(item.path) && declarations().find(item.path) != nullptr)
+      if (!item.is_section && !is_read && !is_reset(item.path) && !mistakes.is_refused(item.path) &&
+          declarations().find(item.path) != nullptr)
         unused.push_back(&item);
     };
     for (const auto &item : scanner.items())
-      look_at(item);
+      check_item(item);
     for (const auto &override : overrides)
-      look_at(override.second);
+      check_item(override.second);
     // After other mistakes much is not read; another choice is a reason all the same.
     const bool is_read_to_the_end = mistakes.empty();
     for (const Item *const item : unused)

@@ -21,17 +21,17 @@ namespace tombolo
 {
   namespace
   {
-    /** Says which library ends the program while it is loaded: the code that runs then is not ours,
-     * and nothing catches what it throws. */
+    /** Reports which library ends the program while it is loaded: the code that runs then is not
+     * ours, and nothing catches what it throws. */
     class LoadingGuard
     {
     public:
-      explicit LoadingGuard(std::string of_library) : former_handler(std::get_terminate())
+      explicit LoadingGuard(std::string library_path) : former_handler(std::get_terminate())
       {
-        static const bool is_registered = std::atexit(&tell_exit) == 0;
+        static const bool is_registered = std::atexit(&report_exit) == 0;
         (void)is_registered;
-        library = std::move(of_library);
-        std::set_terminate(&tell_exception);
+        library = std::move(library_path);
+        std::set_terminate(&report_exception);
       }
 
       ~LoadingGuard()
@@ -50,13 +50,13 @@ namespace tombolo
         _exit(EXIT_FAILURE);
       }
 
-      static void tell_exit()
+      static void report_exit()
       {
         if (!library.empty())
           leave("ends the program while it is loaded.");
       }
 
-      [[noreturn]] static void tell_exception()
+      [[noreturn]] static void report_exception()
       {
         std::string what = "throws what is no exception while it is loaded.";
         try
@@ -87,17 +87,17 @@ namespace tombolo
       return dladdr(&here, &info) != 0 ? files::path(info.dli_fname).parent_path() : files::path();
     }
 
-    /** The headers that a library was built with (cmake/plugin_headers.cc); empty if it does not
-     * say. */
+    /** The headers that a library was built with (cmake/plugin_headers.cc); empty if it has
+     * none. */
     std::string headers_of(const std::string &library)
     {
       const std::string mark = "tombolo plug-in with headers ";
       std::ifstream file(library, std::ios::binary);
       const std::string content{std::istreambuf_iterator<char>(file), {}};
-      const std::size_t place = content.find(mark);
-      return place == std::string::npos
+      const std::size_t position = content.find(mark);
+      return position == std::string::npos
                  ? ""
-                 : content.substr(place + mark.size(), present_headers().size());
+                 : content.substr(position + mark.size(), present_headers().size());
     }
 
     /** Loads one library; returns what is wrong, or nothing. */
@@ -114,12 +114,12 @@ namespace tombolo
                                      { return files::is_regular_file(candidate, error); });
       if (path == candidates.end())
       {
-        std::string places;
+        std::string paths;
         for (const files::path &candidate : candidates)
-          places += (places.empty() ? "" : ", nor ") + in_quotes(candidate.string());
-        return "there is no library " + places + ".";
+          paths += (paths.empty() ? "" : ", nor ") + in_quotes(candidate.string());
+        return "there is no library " + paths + ".";
       }
-      // An absolute path: dlopen would look for a bare name in the directories of the system.
+      // An absolute path: dlopen would search a bare name in the directories of the system.
       const std::string absolute = files::absolute(*path, error).string();
       const std::string headers = headers_of(absolute);
       if (!headers.empty() && headers != present_headers())

@@ -86,7 +86,7 @@ namespace tombolo
     }
 
     /** In one piece, after what was printed before: mpirun mixes what comes in several. */
-    void say(const std::string &message)
+    void print_message(const std::string &message)
     {
       std::cout.flush();
       std::cerr << "\n" + message + "\n";
@@ -110,27 +110,28 @@ namespace tombolo
     catch (const InputError &error)
     {
       if (prints)
-        say(std::string("Error: ") + error.what());
+        print_message(std::string("Error: ") + error.what());
       return 1;
     }
     catch (const RunError &error)
     {
       if (prints)
-        say(stopped + ": " + error.what() + afterwards);
+        print_message(stopped + ": " + error.what() + afterwards);
       return 2;
     }
     catch (const std::bad_alloc &)
     {
-      say("Error: The memory is exhausted (" + std::to_string(std::lround(free_memory() / 1e6)) +
+      print_message(
+          "Error: The memory is exhausted (" + std::to_string(std::lround(free_memory() / 1e6)) +
           " MB are left). Choose fewer cells, a smaller `Dilation` of particles, or a machine or a "
           "limit with more memory.");
       if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
-        MPI_Abort(MPI_COMM_WORLD, 1); // the others do not know
+        MPI_Abort(MPI_COMM_WORLD, 1); // the others receive no message
       return 1;
     }
     catch (const std::exception &error)
     {
-      say(std::string("Error (unexpected): ") + error.what());
+      print_message(std::string("Error (unexpected): ") + error.what());
       MPI_Abort(MPI_COMM_WORLD, 3);
       return 3;
     }

@@ -12,11 +12,11 @@
 
 namespace tombolo
 {
-  /** In place of a default: the entry has none, see Parameters::declare_mandatory(). */
+  /** Instead of a default: the entry has none, see Parameters::declare_mandatory(). */
   constexpr std::nullopt_t mandatory = std::nullopt;
 
   /**
-   * The numbers that an entry allows. The first two bounds stand in its pattern, so that listings
+   * The numbers that an entry allows. The first two bounds are in its pattern, so that listings
    * of parameters name them; with the others what is read is compared.
    */
   struct Range
@@ -39,16 +39,16 @@ namespace tombolo
   Range positive(double smallest = -Range::infinite);
   Range zero_or_positive();
   Range from_to(double lower, double upper);
-  /** Above zero and up to @p upper, which one message says. */
+  /** Above zero and up to @p upper, with one message for both. */
   Range above_zero_up_to(double upper);
   /** The same with a message of its own about numbers that are not above zero; the @p reason ends
-   * the other one. */
+   * the message about @p upper. */
   Range positive_up_to(double upper, const std::string &reason = ".");
 
   /**
    * The entries of a section, either to be declared in a ParameterHandler or to be read. A class
    * with settings has a constructor from Entries that names each of its entries once, with default,
-   * range, unit and documentation, and puts the value where it belongs:
+   * range, unit and documentation, and stores the value:
    *
    * @verbatim
    *   explicit Settings(Entries e)
@@ -59,8 +59,8 @@ namespace tombolo
    *
    * `declare<Settings>(handler)` declares them, `Settings(section)` reads them. While entries are
    * declared the values are those of a default constructor, and nothing is refused; the constructor
-   * returns early from whatever needs values. All functions that read throw InputError with the
-   * place of the entry. A unit ends the documentation as " Units: UNIT."; none does where it is
+   * returns before anything that needs values. All functions that read throw InputError with the
+   * position of the entry. A unit ends the documentation as " Units: UNIT."; none does where it is
    * empty.
    */
   class Entries
@@ -69,7 +69,7 @@ namespace tombolo
     using Default = std::optional<std::string>;
 
     /** To be declared, in the present subsection of @p handler, which must outlive this. Implicit,
-     * as the other one: both are what stands for the entries of a section. */
+     * as the next constructor: both represent the entries of a section. */
     Entries(dealii::ParameterHandler &handler);
 
     /** To be read. */
@@ -168,8 +168,8 @@ namespace tombolo
     void alias(const std::string &entry, const std::string &former) const
     {
       if (declares())
-        within([&](dealii::ParameterHandler &of_section)
-               { of_section.declare_alias(entry, former, true); });
+        within([&](dealii::ParameterHandler &section_handler)
+               { section_handler.declare_alias(entry, former, true); });
     }
 
     /** Text whose form the caller checks: expressions, names, lists of unknown length. */
@@ -244,8 +244,8 @@ namespace tombolo
     void plugins() const
     {
       if (declares())
-        within([&](dealii::ParameterHandler &of_section)
-               { Registry<Interface>::instance().declare_all(of_section); });
+        within([&](dealii::ParameterHandler &section_handler)
+               { Registry<Interface>::instance().declare_all(section_handler); });
     }
 
   private:

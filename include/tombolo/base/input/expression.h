@@ -13,12 +13,12 @@ namespace tombolo
   /**
    * Expressions of (x, y, z, t) from the parameter file, through dealii::FunctionParser: one or
    * several components separated by ';'. Parsed and evaluated when made, so that a mistake is an
-   * InputError with the place of its entry, not a message of muParser in the middle of a run. What
-   * muParser takes for something else than its author is refused, too: "=" for "==", "0 < x < 1",
+   * InputError with the position of its entry, not a message of muParser in the middle of a run.
+   * What muParser reads otherwise than its author is refused, too: "=" for "==", "0 < x < 1",
    * random numbers. Several threads may evaluate one expression at the same time.
    *
    * `table(FILE, argument)` is the piecewise linear function of a file (TableFunction), which is
-   * looked for in the directory of the parameter file; making an expression is collective.
+   * searched in the directory of the parameter file; making an expression is collective.
    */
   template <int dim>
   class Expression
@@ -32,8 +32,8 @@ namespace tombolo
     Expression(Expression &&) noexcept;
     Expression &operator=(Expression &&) noexcept;
 
-    /** Throws RunError, on the one rank that sees it, naming the entry and place, where the value
-     * is not finite. Zero for free components. */
+    /** Throws RunError, on the one rank that evaluates it, naming the entry and position, where the
+     * value is not finite. Zero for free components. */
     double value(const dealii::Point<dim> &point, double time, unsigned int component = 0) const;
 
     /** Whether the component is the word "free": not prescribed. */
@@ -53,7 +53,7 @@ namespace tombolo
   };
 
   /** A truth value over points, from an expression such as `x < 5 && y > 0`. Evaluation throws
-   * InputError, on the one rank that sees it, where the value is not finite. */
+   * InputError, on the one rank that evaluates it, where the value is not finite. */
   template <int dim>
   class Predicate
   {

@@ -10,7 +10,7 @@
 namespace tombolo
 {
   /** The bytes of the file that an entry names, on every rank: rank 0 reads it and sends it to the
-   * others. It is looked for in the directory of the parameter file that sets the entry, in that of
+   * others. It is searched in the directory of the parameter file that sets the entry, in that of
    * the main parameter file and then in the working directory. Throws InputError on every rank
    * where it cannot be read or is empty. Collective. */
   std::string read_input_file(const Section &section, const std::string &entry,

@@ -21,8 +21,9 @@ namespace tombolo
   /**
    * What is wrong with an input. While mistakes are collected, they are noted instead of thrown and
    * reading goes on; refuse() throws all of them as one InputError. The entries and sections that
-   * mistakes concern are known by their paths, so that what only follows from a mistake is not told
-   * as another one. All ranks note the same mistakes. While nothing is collected, add() throws.
+   * mistakes concern are identified by their paths, so that what only follows from a mistake is not
+   * reported as another one. All ranks note the same mistakes. While nothing is collected, add()
+   * throws.
    */
   class Mistakes
   {
@@ -64,7 +65,7 @@ namespace tombolo
       return refused.count(path) > 0;
     }
 
-    /** Another name was refused in whose place this entry or section can have been meant. */
+    /** Another name was refused, instead of which this entry or section can have been meant. */
     void mark_meant(const std::string &path)
     {
       meant.insert(path);

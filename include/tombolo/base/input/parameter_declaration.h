@@ -9,9 +9,9 @@
 namespace tombolo
 {
   /**
-   * What a ParameterHandler knows about one entry or one section, in the order of declaration: the
-   * basis of messages ("did you mean", "allowed is") and of listings, which the handler itself does
-   * not offer.
+   * What a ParameterHandler contains about one entry or one section, in the order of declaration:
+   * the basis of messages ("did you mean", "allowed is") and of listings, which the handler itself
+   * does not offer.
    */
   struct ParameterDeclaration
   {
@@ -23,7 +23,7 @@ namespace tombolo
     std::string default_value;
     std::string documentation;
     std::string pattern; ///< as dealii::Patterns describe themselves to machines
-    std::string alias;   ///< the entry of the same section that this one stands for, or empty
+    std::string alias;   ///< the entry of the same section that this one is an alias of, or empty
     bool is_deprecated = false; ///< of an alias: a former name of the entry
     bool is_mandatory = false;
 
@@ -40,7 +40,7 @@ namespace tombolo
   /** All declarations of a handler. */
   ParameterDeclaration collect_declarations(const dealii::ParameterHandler &handler);
 
-  /** Gives a value to an entry of a handler, which stands outside of all sections; false where its
+  /** Sets the value of an entry of a handler, which is outside of all sections; false where its
    * pattern does not match, and the entry keeps the value that it has. */
   bool set_value(dealii::ParameterHandler &handler, const ParameterDeclaration &entry,
                  const std::string &value);
@@ -51,6 +51,6 @@ namespace tombolo
   /** The alternatives of a Selection or MultipleSelection; empty for other patterns. */
   std::vector<std::string> pattern_alternatives(const std::string &pattern);
 
-  /** Begins the documentation of mandatory entries, and tells them apart. */
+  /** Begins the documentation of mandatory entries, and distinguishes them. */
   constexpr const char *mandatory_mark = "Mandatory. ";
 } // namespace tombolo

@@ -13,7 +13,7 @@ namespace tombolo
 {
   class Mistakes;
 
-  /** Where an entry of a parameter file stands. */
+  /** The position of an entry of a parameter file. */
   struct SourceLocation
   {
     std::string file; ///< as the user wrote it, or "--set" for an override
@@ -25,10 +25,10 @@ namespace tombolo
 
   /**
    * Reads the text of deal.II parameter files into a list of sections and entries with their
-   * places, without knowing what is declared. Files are read on rank 0 of the communicator and sent
+   * positions, whatever is declared. Files are read on rank 0 of the communicator and sent
    * to the others; all ranks hold the same list and throw the same InputError.
    *
-   * Refused are: what is not text, an entry or a section that stands twice in one file, a section
+   * Refused are: what is not text, an entry or a section that is repeated in one file, a section
    * that is not closed, a circle of includes, and an included file that changes an entry which the
    * including file has already set. Otherwise a later file changes entries of an earlier one.
    */
@@ -53,7 +53,7 @@ namespace tombolo
     /** Collective. */
     void read_file(const std::string &file_name);
 
-    /** Scans text as if it stood in a file called @p name. Collective if it includes files. */
+    /** Scans text like a file called @p name. Collective if it includes files. */
     void read_text(const std::string &text, const std::string &name);
 
     /** All lines in the order of reading. */

@@ -21,9 +21,9 @@ namespace tombolo
 
   /**
    * The parameters of one run. Reading is in two passes: read_file() and add_override() collect the
-   * entries with their places (a scanner of our own, since ParameterHandler forgets them); raw()
-   * answers what is needed to know which sections exist (`Dimension`, `Parts`, `Plugin
-   * libraries`, ...); then everything is declared in handler(), and assign() gives every collected
+   * entries with their positions (a scanner of our own, since ParameterHandler drops them); raw()
+   * returns what decides which sections exist (`Dimension`, `Parts`, `Plugin
+   * libraries`, ...); then everything is declared in handler(), and assign() passes every collected
    * entry to it, refusing unknown, doubled and unsuitable ones with file, line, entry, value, what
    * is allowed and the nearest valid name. Entries are called by their path, "Section/Entry".
    *
@@ -39,8 +39,8 @@ namespace tombolo
     explicit Parameters(MPI_Comm communicator);
     ~Parameters();
 
-    /** From now on mistakes are noted, until refuse_mistakes(). A missing entry is read as a value
-     * that stands in for it. */
+    /** From now on mistakes are noted, until refuse_mistakes(). A missing entry is read as a
+     * substitute value. */
     void collect_mistakes();
 
     /** Calls @p read. While mistakes are collected, an InputError that it throws is noted, unless
@@ -63,18 +63,18 @@ namespace tombolo
      * `include` relative to the including file. Throws InputError. */
     void read_file(const std::string &file_name);
 
-    /** Scans text as if it stood in a file called @p name. */
+    /** Scans text like a file called @p name. */
     void read_text(const std::string &text, const std::string &name);
 
-    /** An override from the command line, "Section/Entry = value". Without a value it takes the
-     * entry back, as though no file had set it. */
+    /** An override from the command line, "Section/Entry = value". Without a value it resets the
+     * entry, as though no file had set it. */
     void add_override(const std::string &assignment);
 
     /** The text of an entry before declaration; @p fallback where it is not given. */
     std::string raw(const std::string &path, const std::string &fallback = "") const;
 
     /** The comma-separated list of an entry before declaration, trimmed; empty if not given.
-     * Refuses a name that stands twice. */
+     * Refuses a repeated name. */
     std::vector<std::string> raw_list(const std::string &path) const;
 
     /** Where to declare. */
@@ -90,7 +90,7 @@ namespace tombolo
                                   const dealii::Patterns::PatternBase &pattern,
                                   const std::string &documentation);
 
-    /** Gives the collected entries to the handler. Throws InputError. */
+    /** Passes the collected entries to the handler. Throws InputError. */
     void assign();
 
     /** The section at a path, "" for the root. */
@@ -134,7 +134,7 @@ namespace tombolo
 
     /** The entries with their values, as "prm", "json" or "xml", or all declarations without values
      * as "markdown" (print_parameter_page()). Before anything was read these are all entries;
-     * afterwards those that were read or set, so that the result says what the run used. In "prm"
+     * afterwards those that were read or set, so that the result has what the run used. In "prm"
      * the remaining ones are kept as comments @p with_documentation, and in every case the output
      * can be read again as a parameter file of the same run. "xml" is the format of the graphical
      * editor of deal.II, always with all entries. With @p section that section alone; of "Part:
@@ -160,10 +160,10 @@ namespace tombolo
     std::string prefix(const Item &item) const;
     /** The beginning of messages about what an item sets. */
     std::string prefix_with_value(const Item &item) const;
-    /** Whether an override without a value takes the entry back. */
-    bool is_taken_back(const std::string &path) const;
+    /** Whether an override without a value resets the entry. */
+    bool is_reset(const std::string &path) const;
     std::string value(const std::string &path) const;
-    /** The value of an entry that is read, or what stands in for it. */
+    /** The value of an entry that is read, or its substitute. */
     std::string read(const ParameterDeclaration &entry) const;
     void refuse_missing(const ParameterDeclaration &entry) const;
     /** @p is_certain: it is another choice that was made, whatever else was read. */
@@ -183,7 +183,7 @@ namespace tombolo
 
   /**
    * One (sub)section of the assigned parameters. A light handle on Parameters, which must outlive
-   * it. Reading an entry marks it as used. All readers throw InputError with the place of the
+   * it. Reading an entry marks it as used. All readers throw InputError with the position of the
    * entry.
    */
   class Section
@@ -239,8 +239,8 @@ namespace tombolo
     std::string section_path;
   };
 
-  /** The names in the entry @p list at the top of the file, each of which stands for a section such
-   * as "Part: NAME". Throws InputError where one is missing, stands twice, or contains "/", which
+  /** The names in the entry @p list at the top of the file, each of which names a section such
+   * as "Part: NAME". Throws InputError where one is missing, repeated, or contains "/", which
    * separates a section from what is in it. */
   std::vector<std::string> section_names(const Parameters &parameters, const std::string &list);
 } // namespace tombolo

@@ -60,7 +60,7 @@ namespace tombolo
    * What main() of every program does: starts MPI, calls @p run and returns its exit code, and
    * turns exceptions into a message, printed once, and an exit code: 1 for an InputError, 2 for a
    * RunError, which @p stopped introduces and @p afterwards follows. Other exceptions are not
-   * agreed among ranks: the rank that meets one aborts all of them with code 3.
+   * agreed among ranks: the rank that catches one aborts all of them with code 3.
    */
   int run_program(int argc, char **argv, const std::function<int()> &run,
                   const std::string &stopped, const std::string &afterwards = "");

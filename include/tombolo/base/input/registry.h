@@ -54,8 +54,8 @@ namespace tombolo
    * either a constructor from `const Entries &` (tombolo/base/input/entries.h), or `static void
    * declare_parameters(dealii::ParameterHandler &)` and a constructor from a `const Section &`, or
    * none of them where it has no entries; one line at the end of its source file,
-   * TOMBOLO_REGISTER or TOMBOLO_REGISTER_FOR_DIMENSIONS, makes it known. Nothing else in the
-   * library is edited, and the source may live in a shared object that the parameter file names in
+   * TOMBOLO_REGISTER or TOMBOLO_REGISTER_FOR_DIMENSIONS, registers it. Nothing else in the
+   * library is edited, and the source may be in a shared object that the parameter file names in
    * `Plugin libraries`.
    */
   template <typename Interface>
@@ -79,7 +79,7 @@ namespace tombolo
       return registry;
     }
 
-    /** Makes a plug-in known. A second plug-in of the same name is an error. */
+    /** Registers a plug-in. A second plug-in of the same name is an error. */
     void add(const std::string &name, Entry entry)
     {
       internal::note_plugin({PluginKind<Interface>::name, name, entry.description});
@@ -189,11 +189,11 @@ namespace tombolo
   } // namespace internal
 } // namespace tombolo
 
-/** A name that no other place of the translation unit has; lines repeat where sources are compiled
+/** A name that is unique in the translation unit; lines repeat where sources are compiled
  * together. */
 #define TOMBOLO_UNIQUE_NAME(prefix) BOOST_PP_CAT(prefix, __COUNTER__)
 
-/** Registers class Plugin as a plug-in of kind Interface. To stand once, in a source file, at
+/** Registers class Plugin as a plug-in of kind Interface. Once, in a source file, at
  * global scope or in namespace tombolo. */
 #define TOMBOLO_REGISTER(Interface, Plugin, name, description)                                     \
   namespace                                                                                        \

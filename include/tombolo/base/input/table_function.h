@@ -63,7 +63,7 @@ namespace tombolo
       return std::isalnum(static_cast<unsigned char>(character)) != 0 || character == '_';
     }
 
-    /** The place of the next `table` that is a word and is called, and of its parenthesis. */
+    /** The position of the next `table` that is a word and is called, and of its parenthesis. */
     static bool find_call(const std::string &text, std::size_t &begin, std::size_t &parenthesis)
     {
       while ((begin = text.find(word, begin)) != std::string::npos)

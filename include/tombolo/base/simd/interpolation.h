@@ -5,13 +5,13 @@
 
 namespace tombolo
 {
-  /** Straight lines between @p values at 0, 1, ...: their value at @p place, which is not
+  /** Straight lines between @p values at 0, 1, ...: their value at @p position, which is not
    * negative, and values[end] from @p end on. There are values[0] ... values[end + 1]. */
-  TOMBOLO_ALWAYS_INLINE Lanes interpolate_lanes(const double *values, const Lanes &place,
+  TOMBOLO_ALWAYS_INLINE Lanes interpolate_lanes(const double *values, const Lanes &position,
                                                 const unsigned int end)
   {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
-    __m512d at = internal::bit_cast<internal::LaneRegister>(place);
+    __m512d at = internal::bit_cast<internal::LaneRegister>(position);
     // By masks, since GCC 12 warns of what its own functions without a mask leave undefined.
     constexpr __mmask8 all = 0xFF;
     const __m512d zero = _mm512_setzero_pd();
@@ -24,7 +24,7 @@ namespace tombolo
     return internal::bit_cast<Lanes>(at);
 #else
     alignas(64) double entries[n_lanes];
-    store_lanes(place, entries);
+    store_lanes(position, entries);
     for (double &entry : entries)
     {
       entry = entry < end ? entry : end;

@@ -101,7 +101,7 @@ namespace tombolo
         internal::NodeRegister(__builtin_shufflevector(in_register, in_register, i, j, k, l)));
   }
 
-  /** @p value in all lanes of a register. The compiler does not know that the lanes are equal:
+  /** @p value in all lanes of a register. The compiler cannot infer that the lanes are equal:
    * otherwise it subtracts numbers and broadcasts the difference, which takes a shuffle each time.
    */
   TOMBOLO_ALWAYS_INLINE NodeLanes broadcast_in_register(const double value)

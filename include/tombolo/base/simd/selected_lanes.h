@@ -34,11 +34,11 @@ namespace tombolo
                        _mm512_maskz_compress_pd(static_cast<__mmask8>(bits),
                                                 internal::bit_cast<internal::LaneRegister>(value)));
 #else
-      unsigned int place = 0;
+      unsigned int index = 0;
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
-        out[place] = value[lane];
-        place += (bits >> lane) & 1u;
+        out[index] = value[lane];
+        index += (bits >> lane) & 1u;
       }
 #endif
     }
@@ -51,11 +51,11 @@ namespace tombolo
       _mm256_storeu_si256(reinterpret_cast<__m256i *>(out),
                           _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), all));
 #else
-      unsigned int place = 0;
+      unsigned int index = 0;
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
-        out[place] = numbers[lane];
-        place += (bits >> lane) & 1u;
+        out[index] = numbers[lane];
+        index += (bits >> lane) & 1u;
       }
 #endif
     }
