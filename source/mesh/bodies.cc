@@ -32,20 +32,21 @@ namespace tombolo
     // A double holds every number of a node that a mesh can have.
     for (const types::global_dof_index node : relevant)
       smallest[node] = static_cast<double>(node);
-    std::vector<double> of_set(relevant.n_elements());
+    std::vector<double> lowest_in_set(relevant.n_elements());
     bool has_changed = true;
     while (has_changed)
     {
-      of_set.assign(of_set.size(), std::numeric_limits<double>::max());
+      lowest_in_set.assign(lowest_in_set.size(), std::numeric_limits<double>::max());
       for (const types::global_dof_index node : relevant)
       {
-        double &lowest = of_set[joined.find_set(local(node))];
+        double &lowest = lowest_in_set[joined.find_set(local(node))];
         lowest = std::min(lowest, static_cast<double>(smallest[node]));
       }
       smallest.set_ghost_state(false);
       int has_changed_here = 0;
       for (const types::global_dof_index node : relevant)
-        if (const double lowest = of_set[joined.find_set(local(node))]; smallest[node] > lowest)
+        if (const double lowest = lowest_in_set[joined.find_set(local(node))];
+            smallest[node] > lowest)
         {
           smallest[node] = lowest;
           has_changed_here = 1;
@@ -69,12 +70,12 @@ namespace tombolo
   {
     if (images.empty())
       return;
-    std::map<types::global_dof_index, unsigned int> of_rank;
+    std::map<types::global_dof_index, unsigned int> own_mirrors;
     for (unsigned int m = 0; m < images.all.size(); ++m)
       for (const types::global_dof_index node : images.all[m].own_images)
-        of_rank[bodies.body_of(node)] |= 1u << m;
+        own_mirrors[bodies.body_of(node)] |= 1u << m;
     std::vector<std::array<types::global_dof_index, 2>> sent;
-    for (const auto &[body, mirrors] : of_rank)
+    for (const auto &[body, mirrors] : own_mirrors)
       sent.push_back({{body, mirrors}});
     for (const auto &[body, mirrors] : of_all_ranks(sent, communicator))
       mirrors_of_body[body] |= static_cast<unsigned int>(mirrors);

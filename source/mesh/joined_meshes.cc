@@ -36,13 +36,13 @@ namespace tombolo
     void begin_mesh(const std::string &name)
     {
       mesh = name;
-      of_mesh.clear();
+      new_ids.clear();
     }
 
     /** The id here of an id of the present mesh: the same where no earlier mesh has it. */
     unsigned int id(const unsigned int own)
     {
-      const auto [found, is_new] = of_mesh.emplace(own, own);
+      const auto [found, is_new] = new_ids.emplace(own, own);
       if (is_new && !taken.insert(own).second)
         taken.insert(found->second = *taken.rbegin() + 1);
       return found->second;
@@ -51,7 +51,7 @@ namespace tombolo
     /** By ids of the present mesh that are known so far. */
     const std::map<unsigned int, unsigned int> &known() const
     {
-      return of_mesh;
+      return new_ids;
     }
 
     void add_names(const std::map<std::string, unsigned int> &single, const NamedIds &joint)
@@ -59,10 +59,10 @@ namespace tombolo
       NamedIds names = joint;
       for (const auto &[name, own] : single)
         names[name].insert(own);
-      for (const auto &[name, of_name] : names)
+      for (const auto &[name, own_ids] : names)
       {
         std::set<unsigned int> here;
-        for (const unsigned int own : of_name)
+        for (const unsigned int own : own_ids)
           here.insert(id(own));
         add_name(mesh + "." + name, here);
         unqualified[name].push_back(here);
@@ -75,12 +75,12 @@ namespace tombolo
     }
 
     /** The names of all meshes, those with one id and those with several. */
-    void give_names(std::map<std::string, unsigned int> &single, NamedIds &joint) const
+    void collect_names(std::map<std::string, unsigned int> &single, NamedIds &joint) const
     {
       NamedIds names = all;
-      for (const auto &[name, of_meshes] : unqualified)
-        if (of_meshes.size() == 1)
-          names.emplace(name, of_meshes.front());
+      for (const auto &[name, mesh_ids] : unqualified)
+        if (mesh_ids.size() == 1)
+          names.emplace(name, mesh_ids.front());
       for (const auto &[name, here] : names)
         if (here.size() == 1)
           single.emplace(name, *here.begin());
@@ -90,7 +90,7 @@ namespace tombolo
 
   private:
     std::string mesh;
-    std::map<unsigned int, unsigned int> of_mesh; ///< here, by ids of the present mesh
+    std::map<unsigned int, unsigned int> new_ids; ///< here, by ids of the present mesh
     std::set<unsigned int> taken;
     NamedIds all;
     std::map<std::string, std::vector<std::set<unsigned int>>> unqualified; ///< of each mesh
@@ -106,9 +106,9 @@ namespace tombolo
     /** Coordinates beyond which volumes are not numbers any more. */
     constexpr double largest_coordinate = 1e90;
 
-    /** Cells that overlap after each corner has moved by this share towards the centre are in the
-     * same place. Bodies that touch along curved faces, which flat faces of cells replace, overlap
-     * by less: a fifth of a cell where both have cells of one size. */
+    /** Cells that overlap after each corner has moved by this share towards the centre are at the
+     * same position. Bodies that touch along curved faces, which flat faces of cells replace,
+     * overlap by less: a fifth of a cell where both have cells of one size. */
     constexpr double tolerated_share = 0.2;
 
     template <int dim, typename Cell>
@@ -180,9 +180,9 @@ namespace tombolo
         }
     }
 
-    dealii::Point<dim> operator()(const dealii::Point<dim> &place) const
+    dealii::Point<dim> operator()(const dealii::Point<dim> &point) const
     {
-      return (is_turned ? centre + rotation * (place - centre) : place) + shift;
+      return (is_turned ? centre + rotation * (point - centre) : point) + shift;
     }
 
   private:
@@ -194,11 +194,11 @@ namespace tombolo
 
   /**
    * Several meshes beside each other, `set Meshes = a, b`, each with a section `Mesh: NAME` that
-   * says its source and its place. They share no nodes, wherever these lie, and may touch but not
-   * overlap. Boundaries and groups of cells are called "a.NAME", and "NAME" where only one mesh has
-   * it; all cells of a mesh are the group "mesh a". Ids of faces and of cells that an earlier mesh
-   * has are counted on. All cells are refined as often as those of each source are at least; cells
-   * of a source that refines more often are coarse cells here.
+   * sets its source and its position. They share no nodes, wherever these lie, and may touch but
+   * not overlap. Boundaries and groups of cells are called "a.NAME", and "NAME" where only one mesh
+   * has it; all cells of a mesh are the group "mesh a". Ids of faces and of cells that an earlier
+   * mesh has are counted on. All cells are refined as often as those of each source are at least;
+   * cells of a source that refines more often are coarse cells here.
    */
   template <int dim>
   class JoinedMeshes : public MeshSource<dim>
@@ -215,9 +215,9 @@ namespace tombolo
           "`Type`.");
       for (const std::string &name : section_names(parameters, list_of_meshes))
       {
-        const Entries of_mesh = e.subsection("Mesh: " + name);
-        chosen_mesh_source<dim>(of_mesh);
-        declare<MeshPlacement<dim>>(of_mesh);
+        const Entries mesh_entries = e.subsection("Mesh: " + name);
+        chosen_mesh_source<dim>(mesh_entries);
+        declare<MeshPlacement<dim>>(mesh_entries);
       }
     }
 
@@ -277,8 +277,8 @@ namespace tombolo
       coarse.create_triangulation(vertices, cells, faces);
       mesh.triangulation.copy_triangulation(coarse);
       mesh.triangulation.refine_global(pieces.n_refinements);
-      pieces.boundaries.give_names(mesh.boundary_names, mesh.joint_boundaries);
-      pieces.groups.give_names(mesh.group_names, mesh.joint_groups);
+      pieces.boundaries.collect_names(mesh.boundary_names, mesh.joint_boundaries);
+      pieces.groups.collect_names(mesh.group_names, mesh.joint_groups);
       mesh.remarks = pieces.remarks;
       refuse_overlap(mesh, pieces);
     }
@@ -372,18 +372,18 @@ namespace tombolo
         result.boundaries.add_names(own.boundary_names, own.joint_boundaries);
 
         result.groups.begin_mesh(member.name);
-        std::set<unsigned int> of_mesh;
+        std::set<unsigned int> mesh_ids;
         for (const auto &cell : coarse.active_cell_iterators())
         {
           cell->set_material_id(result.groups.id(cell->material_id()));
-          of_mesh.insert(cell->material_id());
+          mesh_ids.insert(cell->material_id());
         }
-        for (const unsigned int id : of_mesh)
+        for (const unsigned int id : mesh_ids)
           result.mesh_of_id[id] = m;
-        result.groups.add_name("mesh " + member.name, of_mesh);
+        result.groups.add_name("mesh " + member.name, mesh_ids);
         for (const auto &[number, id] : result.groups.known())
         {
-          if (of_mesh.size() < 2)
+          if (mesh_ids.size() < 2)
             continue;
           result.groups.add_name(member.name + ".material " + std::to_string(number), {id});
           if (number != id)
@@ -435,7 +435,7 @@ namespace tombolo
       struct Overlap
       {
         unsigned int mesh, other;
-        Point<dim> place;
+        Point<dim> position;
       };
       std::vector<Overlap> found;
       for (unsigned int other = 1; other < members.size(); ++other)
@@ -464,9 +464,9 @@ namespace tombolo
         return;
       const auto key = [](const Overlap &overlap)
       {
-        std::array<double, dim> place;
-        std::copy_n(overlap.place.begin_raw(), dim, place.begin());
-        return std::make_tuple(overlap.mesh, overlap.other, place);
+        std::array<double, dim> coordinates;
+        std::copy_n(overlap.position.begin_raw(), dim, coordinates.begin());
+        return std::make_tuple(overlap.mesh, overlap.other, coordinates);
       };
       const Overlap first =
           *std::min_element(found.begin(), found.end(),
@@ -475,7 +475,7 @@ namespace tombolo
           "",
           "the meshes " + in_quotes(members[first.mesh].name) + " and " +
               in_quotes(members[first.other].name) + " overlap: the cell of the first one at " +
-              place_text(first.place) +
+              place_text(first.position) +
               " goes into a cell of the other one. Bodies can touch, but not be in the same place: "
               "move one by `Shift`.");
     }
@@ -515,9 +515,9 @@ namespace tombolo
         double begin = std::numeric_limits<double>::max(), end = -begin;
         for (const Point<dim> &corner : cell)
         {
-          const double place = direction * corner;
-          begin = std::min(begin, place);
-          end = std::max(end, place);
+          const double projection = direction * corner;
+          begin = std::min(begin, projection);
+          end = std::max(end, projection);
         }
         return std::make_pair(begin, end);
       };

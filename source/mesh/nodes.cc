@@ -15,7 +15,7 @@ namespace tombolo
 {
   namespace
   {
-    // Places within a coarse cell are counted on the lattice of support points of the finest level
+    // Indices within a coarse cell are counted on the lattice of support points of the finest level
     // of the whole mesh, so that cells of all levels agree on them.
     template <int dim>
     class PersistentNumbering
@@ -24,17 +24,17 @@ namespace tombolo
       PersistentNumbering(const dealii::Triangulation<dim> &triangulation,
                           const unsigned int degree)
           : degree(degree), finest_level(triangulation.n_global_levels() - 1),
-            places_per_axis(
+            points_per_axis(
                 static_cast<std::uint64_t>(degree) * (std::uint64_t(1) << finest_level) + 1)
       {
-        places_per_cell = 1;
+        points_per_cell = 1;
         for (int d = 0; d < dim; ++d)
-          places_per_cell *= places_per_axis;
+          points_per_cell *= points_per_axis;
       }
 
       bool fits(const std::uint64_t n_coarse_cells) const
       {
-        return n_coarse_cells <= std::numeric_limits<std::uint64_t>::max() / places_per_cell;
+        return n_coarse_cells <= std::numeric_limits<std::uint64_t>::max() / points_per_cell;
       }
 
       /** Calls visit(k, number) for the support points k of the cell in lexicographic order. */
@@ -48,30 +48,30 @@ namespace tombolo
             corner[d] = 2 * corner[d] + ((static_cast<unsigned int>(child) >> d) & 1u);
 
         const std::uint64_t stride = std::uint64_t(1) << (finest_level - children.size());
-        const std::uint64_t base = cell_id.get_coarse_cell_id() * places_per_cell;
+        const std::uint64_t base = cell_id.get_coarse_cell_id() * points_per_cell;
         unsigned int n_points = 1;
         for (int d = 0; d < dim; ++d)
           n_points *= degree + 1;
         for (unsigned int k = 0; k < n_points; ++k)
         {
-          std::uint64_t place = 0;
+          std::uint64_t lattice_index = 0;
           std::uint64_t weight = 1;
           unsigned int rest = k;
           for (int d = 0; d < dim; ++d)
           {
-            place += weight * stride * (corner[d] * degree + rest % (degree + 1));
-            weight *= places_per_axis;
+            lattice_index += weight * stride * (corner[d] * degree + rest % (degree + 1));
+            weight *= points_per_axis;
             rest /= degree + 1;
           }
-          visit(k, base + place);
+          visit(k, base + lattice_index);
         }
       }
 
     private:
       unsigned int degree;
       unsigned int finest_level;
-      std::uint64_t places_per_axis;
-      std::uint64_t places_per_cell;
+      std::uint64_t points_per_axis;
+      std::uint64_t points_per_cell;
     };
   } // namespace
 
@@ -82,13 +82,13 @@ namespace tombolo
             dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(degree))
   {
     const unsigned int n = degree + 1;
-    places_of_faces.resize(dealii::GeometryInfo<dim>::faces_per_cell);
-    for (unsigned int f = 0; f < places_of_faces.size(); ++f)
+    indices_by_face.resize(dealii::GeometryInfo<dim>::faces_per_cell);
+    for (unsigned int f = 0; f < indices_by_face.size(); ++f)
       for (unsigned int k = 0; k < lexicographic_to_hierarchic.size(); ++k)
       {
         const unsigned int index[3] = {k % n, (k / n) % n, k / (n * n)};
         if (index[f / 2] == (f % 2 == 0 ? 0 : degree))
-          places_of_faces[f].push_back(k);
+          indices_by_face[f].push_back(k);
       }
 
     handler.distribute_dofs(*finite_element);
@@ -150,11 +150,11 @@ namespace tombolo
     {
       const dealii::Point<dim> unit =
           finite_element->unit_support_point(lexicographic_to_hierarchic[k]);
-      dealii::Point<dim> place;
+      dealii::Point<dim> point;
       for (const auto vertex : cell->vertex_indices())
-        place += dealii::GeometryInfo<dim>::d_linear_shape_function(unit, vertex) *
+        point += dealii::GeometryInfo<dim>::d_linear_shape_function(unit, vertex) *
                  dealii::Tensor<1, dim>(cell->vertex(vertex));
-      points[k] = place;
+      points[k] = point;
     }
   }
 
@@ -200,12 +200,12 @@ namespace tombolo
   template <int dim>
   bool Nodes<dim>::is_outer_face(const Cell &cell, const unsigned int face) const
   {
-    const auto of_cell = cell->face(face);
-    if (!of_cell->at_boundary())
+    const auto cell_face = cell->face(face);
+    if (!cell_face->at_boundary())
       return false;
     unsigned int mirrors = ~0u;
-    for (const unsigned int v : of_cell->vertex_indices())
-      mirrors &= images_of_body->at(of_cell->vertex(v), 1e-6 * cell->diameter());
+    for (const unsigned int v : cell_face->vertex_indices())
+      mirrors &= images_of_body->at(cell_face->vertex(v), 1e-6 * cell->diameter());
     return mirrors == 0;
   }
 

@@ -30,7 +30,7 @@ namespace tombolo
     std::set<dealii::types::material_id> materials;
     std::optional<Predicate<dim>> predicate;
 
-    bool takes(const Cell &cell) const
+    bool contains(const Cell &cell) const
     {
       switch (kind)
       {
@@ -82,7 +82,7 @@ namespace tombolo
     {
       dealii::CellId::binary_type cell = {};
       dealii::Point<dim> center;
-      /** The two parts that take the cell, or twice the number of parts where none does. */
+      /** The two parts that have the cell, or twice the number of parts where none does. */
       unsigned int first_part = 0;
       unsigned int second_part = 0;
       /** Why the rules could not be evaluated in the cell, if so. */
@@ -172,7 +172,7 @@ namespace tombolo
     unsigned int rest = 0;
     for (unsigned int part = 0; part < rules.size(); ++part)
     {
-      if (rules[part].takes(cell))
+      if (rules[part].contains(cell))
         return part;
       if (rules[part].kind == Rule::Kind::otherwise)
         rest = part;
@@ -215,7 +215,7 @@ namespace tombolo
         try
         {
           for (unsigned int part = 0; part < n_parts; ++part)
-            if (rules[part].takes(cell))
+            if (rules[part].contains(cell))
             {
               ++result.n_cells[part];
               if (first == n_parts)
@@ -254,8 +254,8 @@ namespace tombolo
       *n = dealii::Utilities::MPI::sum(*n, communicator);
     if (result.n_without_part + result.n_with_two + result.n_errors > 0)
     {
-      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, offences))
-        offences.insert(offences.end(), of_rank.begin(), of_rank.end());
+      for (const auto &rank_offences : dealii::Utilities::MPI::all_gather(communicator, offences))
+        offences.insert(offences.end(), rank_offences.begin(), rank_offences.end());
       result.worst = *std::min_element(offences.begin(), offences.end());
     }
     return result;
@@ -316,7 +316,7 @@ namespace tombolo
     const Survey result = survey(triangulation);
     if (result.n_errors > 0)
       throw InputError(result.worst.error);
-    // A part that takes nothing first: it is the likely cause of cells that no part takes.
+    // An empty part first: it is the likely cause of cells in no part.
     refuse_empty_parts(result, triangulation);
     refuse_cells_without_one_part(result);
   }
@@ -352,7 +352,7 @@ namespace tombolo
                                          dealii::numbers::invalid_unsigned_int);
     std::vector<std::vector<bool>> is_counted(
         cost_of_part.size(), std::vector<bool>(mesh.triangulation.n_vertices(), false));
-    for (const auto &[place, cell] : cells)
+    for (const auto &[id, cell] : cells)
     {
       const unsigned int part = part_cells.part_of(cell);
       const StepCost cost = cost_of_part[part](box_ratio<dim>(cell));

@@ -115,20 +115,20 @@ namespace tombolo
     /** The axis that the plane of the nodes is normal to. Throws InputError where there is no such
      * axis or more than one. */
     template <int dim>
-    unsigned int axis_of(const Section &section, const Extent<dim> &of_plane,
+    unsigned int axis_of(const Section &section, const Extent<dim> &plane_extent,
                          const double tolerance)
     {
       std::vector<unsigned int> flat_axes;
       for (unsigned int d = 0; d < dim; ++d)
-        if (of_plane.length(d) <= tolerance)
+        if (plane_extent.length(d) <= tolerance)
           flat_axes.push_back(d);
       if (flat_axes.size() == 1)
         return flat_axes.front();
       std::ostringstream text;
       text << "a plane of symmetry is normal to a coordinate axis, but the nodes selected have ";
       for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << axis_name[d] << " in [" << of_plane.lowest[d] << ", "
-             << of_plane.highest[d] << "]";
+        text << (d > 0 ? ", " : "") << axis_name[d] << " in [" << plane_extent.lowest[d] << ", "
+             << plane_extent.highest[d] << "]";
       text << (flat_axes.empty() ? ". A tilted plane is not possible; turn the mesh."
                                  : ": too few to say which plane is meant.");
       section.fail(entry_of(section), text.str());
@@ -213,14 +213,14 @@ namespace tombolo
       const auto selected = selected_nodes(section, mesh, nodes, all_nodes);
       if (Utilities::MPI::sum(static_cast<unsigned long>(selected.size()), communicator) == 0)
         section.fail(entry_of(section), "the condition selects no node; it would do nothing.");
-      Extent<dim> of_plane;
+      Extent<dim> plane_extent;
       for (const types::global_dof_index node : selected)
-        of_plane.add(all_nodes.at(node));
-      of_plane.merge_ranks(communicator);
+        plane_extent.add(all_nodes.at(node));
+      plane_extent.merge_ranks(communicator);
 
       Images::Mirror plane;
-      plane.axis = axis_of(section, of_plane, tolerance);
-      plane.coordinate = 0.5 * (of_plane.lowest[plane.axis] + of_plane.highest[plane.axis]);
+      plane.axis = axis_of(section, plane_extent, tolerance);
+      plane.coordinate = 0.5 * (plane_extent.lowest[plane.axis] + plane_extent.highest[plane.axis]);
       refuse_body_on_both_sides(section, body, plane, tolerance);
       for (unsigned int q = 0; q < p; ++q)
         if (images->all[q].axis == plane.axis &&

@@ -15,7 +15,7 @@
 namespace tombolo
 {
   /** The ids of a name among those with one id and those with several. Where it is none of them:
-   * no ids, and in @p problem what the mesh has of this @p kind, in the plural @p kinds. */
+   * no ids, and in @p problem the names of this @p kind, in the plural @p kinds. */
   inline std::set<unsigned int>
   ids_of_name(const std::map<std::string, unsigned int> &single,
               const std::map<std::string, std::set<unsigned int>> &joint, const std::string &name,
@@ -26,10 +26,10 @@ namespace tombolo
     if (const auto found = joint.find(name); found != joint.end())
       return found->second;
     std::vector<std::string> names;
-    for (const auto &of_one : single)
-      names.push_back(of_one.first);
-    for (const auto &of_several : joint)
-      names.push_back(of_several.first);
+    for (const auto &single_name : single)
+      names.push_back(single_name.first);
+    for (const auto &joint_name : joint)
+      names.push_back(joint_name.first);
     problem = "The mesh has no " + kind + " " + in_quotes(name) + "." + did_you_mean(name, names) +
               " Its " + kinds + " are " + in_quotes(names) + ".";
     return {};

@@ -55,18 +55,18 @@ namespace tombolo
       return derivatives[(q * (dim - 1) + direction) * n_nodes + node];
     }
 
-    /** The product of the tangents at point @p q of a face whose node k is at @p place_of(k): a
+    /** The product of the tangents at point @p q of a face whose node k is at @p position_of(k): a
      * normal that is as long as an area of the face over that of the reference face. */
-    template <typename PlaceOf>
-    dealii::Tensor<1, dim> normal(const unsigned int q, const PlaceOf &place_of) const
+    template <typename PositionOf>
+    dealii::Tensor<1, dim> normal(const unsigned int q, const PositionOf &position_of) const
     {
       dealii::Tensor<1, dim> tangents[dim - 1];
       for (unsigned int d = 0; d < dim - 1; ++d)
         for (unsigned int k = 0; k < n_nodes; ++k)
         {
-          const auto &place = place_of(k);
+          const auto &position = position_of(k);
           for (unsigned int c = 0; c < dim; ++c)
-            tangents[d][c] += derivative(q, d, k) * place[c];
+            tangents[d][c] += derivative(q, d, k) * position[c];
         }
       if constexpr (dim == 2)
         return dealii::cross_product_2d(tangents[0]);

@@ -13,7 +13,7 @@ namespace tombolo
   /** Whether the section of a condition is one that makes images of the body. */
   bool makes_images(const Section &condition);
 
-  /** Refuses what can be seen to be wrong with it without a mesh. */
+  /** Checks what can be checked without a mesh. */
   template <int dim>
   void validate_images(const Section &condition);
 

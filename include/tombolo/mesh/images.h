@@ -15,7 +15,7 @@
 namespace tombolo
 {
   /** The image of a node in some of the mirrors of Images, one after the other (their order does
-   * not matter): bit m of @p mirrors stands for mirror m. */
+   * not matter): bit m of @p mirrors is that of mirror m. */
   struct ImageNode
   {
     dealii::types::global_dof_index source;
@@ -31,9 +31,9 @@ namespace tombolo
     }
   };
 
-  /** What a mesh stands for besides itself: its images in mirrors, which are planes normal to
+  /** What a mesh represents besides itself: its images in mirrors, which are planes normal to
    * coordinate axes with the body on one side. An axis can have two of them: a slab between them
-   * stands for a body that goes on without end. */
+   * represents a body without end. */
   struct Images
   {
     struct Mirror

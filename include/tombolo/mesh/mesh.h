@@ -14,7 +14,7 @@
 
 namespace tombolo
 {
-  /** A p4est-distributed triangulation with the names that its source gave to its parts. */
+  /** A p4est-distributed triangulation with the names that its source has for its parts. */
   template <int dim>
   struct Mesh
   {

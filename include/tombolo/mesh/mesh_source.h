@@ -19,7 +19,7 @@ namespace tombolo
     virtual void create(Mesh<dim> &mesh) const = 0;
 
     /** The numbers that its nodes have at the source, by the vertices of the mesh that create()
-     * makes; empty where they have none. What is not asked for is not kept: a file is read again.
+     * makes; empty where they have none. What is not requested is not kept: a file is read again.
      * Throws InputError. Collective. */
     virtual std::vector<long long> node_numbers() const
     {

@@ -62,13 +62,13 @@ namespace tombolo
     /** Initial positions of a cell's nodes, in the order of cell_nodes. */
     void cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const;
 
-    /** Which of a cell's nodes lie on its face @p face: ascending places in cell_nodes. */
+    /** Which of a cell's nodes lie on its face @p face: ascending indices in cell_nodes. */
     const std::vector<unsigned int> &face_places(const unsigned int face) const
     {
-      return places_of_faces[face];
+      return indices_by_face[face];
     }
 
-    /** Images of the mesh, with which the body goes on. */
+    /** Images of the mesh, which continue the body. */
     void set_images(std::shared_ptr<const Images> images)
     {
       images_of_body = std::move(images);
@@ -79,8 +79,8 @@ namespace tombolo
       return images_of_body;
     }
 
-    /** Those nodes of the cells that this rank sees which depend on others: at least those of cells
-     * around owned nodes, ascending. Collective. */
+    /** Those nodes of the relevant cells of this rank which depend on others: at least those of
+     * cells around owned nodes, ascending. Collective. */
     void set_dependent_nodes(std::vector<DependentNode> rows);
 
     const std::vector<DependentNode> &dependent_nodes() const
@@ -89,9 +89,9 @@ namespace tombolo
     }
 
     bool has_dependent_nodes() const; ///< on any rank
-    /** The row of a node; null where it does not depend on others, or is not seen. */
+    /** The row of a node; null where it does not depend on others, or is not relevant here. */
     const DependentNode *dependent_node(dealii::types::global_dof_index node) const;
-    /** Initial positions of the nodes on which dependent_nodes() depend, as far as this rank sees
+    /** Initial positions of the nodes on which dependent_nodes() depend, as far as this rank has
      * cells around them. */
     std::map<dealii::types::global_dof_index, dealii::Point<dim>> points_depended_on() const;
 
@@ -103,7 +103,7 @@ namespace tombolo
     std::string outer_face_text() const;
 
     /** A number of each owned node (in the order of owned()) that depends neither on the number of
-     * ranks nor on the partition: the smallest (coarse cell, place within it) of the cells
+     * ranks nor on the partition: the smallest (coarse cell, index within it) of the cells
      * around it, packed. Used by output, checkpoint, probes and messages. */
     const std::vector<std::uint64_t> &persistent_ids() const
     {
@@ -116,7 +116,7 @@ namespace tombolo
     dealii::IndexSet owned_nodes;
     dealii::IndexSet relevant_nodes;
     std::vector<unsigned int> lexicographic_to_hierarchic;
-    std::vector<std::vector<unsigned int>> places_of_faces;
+    std::vector<std::vector<unsigned int>> indices_by_face;
     std::vector<std::uint64_t> ids;
     std::shared_ptr<const Images> images_of_body = Images::none();
     std::vector<DependentNode> dependent;

@@ -18,8 +18,8 @@ namespace tombolo
   /**
    * Which part each cell belongs to, from the entry `Cells` of each "Part: NAME" section:
    * a predicate of the cell's centre (`x < 5`), `material 2`, `group NAME`, `mesh NAME`, `all`,
-   * `otherwise` (cells that no other part takes), or `from NAME` (none: those that the part NAME
-   * gives away in the run). Works for owned and ghost cells, and before partitioning.
+   * `otherwise` (cells that are in no other part), or `from NAME` (none: those that the part NAME
+   * loses in the run). Works for owned and ghost cells, and before partitioning.
    */
   template <int dim>
   class PartCells
@@ -41,7 +41,7 @@ namespace tombolo
                                                       : cell->neighbor(face));
     }
 
-    /** Throws InputError where a cell is in no part or in two (with the place of the cell), or a
+    /** Throws InputError where a cell is in no part or in two (with the position of the cell), or a
      * part has no cells. Collective. */
     void check(const dealii::Triangulation<dim> &triangulation) const;
 
@@ -68,7 +68,7 @@ namespace tombolo
   };
 
   /**
-   * Distributes the mesh anew so that all ranks have the same work, with @p cost_of_part[k](ratio)
+   * Redistributes the mesh so that all ranks have the same work, with @p cost_of_part[k](ratio)
    * of the cells of part k, where the box along the axes around a cell has `ratio` times its
    * volume. Call it after PartCells::check() and before anything is numbered on the mesh.
    * Collective.

@@ -97,7 +97,8 @@ namespace tombolo
     inline static const std::string where_entry = "Refine where",
                                     levels_entry = "Refinement levels";
 
-    /** Levels below the coarse cells of the mesh that numbers of nodes and cells can tell apart. */
+    /** Levels below the coarse cells of the mesh that numbers of nodes and cells can distinguish.
+     */
     static constexpr unsigned int most_levels = 12;
 
     struct Survey
@@ -125,18 +126,19 @@ namespace tombolo
               if (!cell->is_locally_owned())
                 continue;
               const auto level = static_cast<unsigned int>(cell->level()) - base_level;
-              unsigned int wanted = 0;
+              unsigned int required_level = 0;
               for (unsigned int region = 0; region < levels.size(); ++region)
                 if (regions->value(cell->center(), 0., region) != 0.)
                 {
                   ++result.n_cells[region];
-                  wanted = std::max(wanted, levels[region]);
+                  required_level = std::max(required_level, levels[region]);
                 }
-              const bool is_too_coarse = level < wanted;
+              const bool is_too_coarse = level < required_level;
               result.is_to_be_refined[cell->active_cell_index()] = is_too_coarse;
               result.n_to_be_refined += is_too_coarse ? 1 : 0;
               result.n_cells_at_the_end +=
-                  is_too_coarse ? std::pow(2., dim * static_cast<double>(wanted - level)) : 1.;
+                  is_too_coarse ? std::pow(2., dim * static_cast<double>(required_level - level))
+                                : 1.;
             }
           });
       dealii::Utilities::MPI::sum(result.n_cells, communicator, result.n_cells);

@@ -33,9 +33,9 @@ namespace tombolo
         "coordinate where it ends (\"25 to 5 | 75 to 10; 6; 6\")";
 
     /** A number in [-1, 1] that is a function of its arguments only (splitmix64). */
-    double scatter(const std::uint64_t seed, const std::uint64_t place, const std::uint64_t axis)
+    double scatter(const std::uint64_t seed, const std::uint64_t index, const std::uint64_t axis)
     {
-      std::uint64_t z = seed * 0xd1342543de82ef95ull + place * 4 + axis;
+      std::uint64_t z = seed * 0xd1342543de82ef95ull + index * 4 + axis;
       for (unsigned int round = 0; round < 2; ++round)
       {
         z += 0x9e3779b97f4a7c15ull;
@@ -46,20 +46,20 @@ namespace tombolo
       return 2. * static_cast<double>(z >> 11) / 9007199254740992. - 1.;
     }
 
-    /** The place, along each axis, of a vertex of the lattice of these coordinates; with one less
+    /** The index, along each axis, of a vertex of the lattice of these coordinates; with one less
      * along each axis, of a cell. */
     template <std::size_t dim>
     std::array<std::size_t, dim>
-    place_in_lattice(std::size_t number, const std::array<std::vector<double>, dim> &coordinates,
-                     const std::size_t n_less)
+    lattice_index(std::size_t number, const std::array<std::vector<double>, dim> &coordinates,
+                  const std::size_t n_less)
     {
-      std::array<std::size_t, dim> place;
+      std::array<std::size_t, dim> index;
       for (std::size_t d = 0; d < dim; ++d)
       {
-        place[d] = number % (coordinates[d].size() - n_less);
+        index[d] = number % (coordinates[d].size() - n_less);
         number /= coordinates[d].size() - n_less;
       }
-      return place;
+      return index;
     }
   } // namespace
 
@@ -67,8 +67,8 @@ namespace tombolo
    * A box of hexahedra (quadrilaterals), each axis divided into one or several segments of equal
    * cells. The mesh is refined from the coarsest box whose cells the counts allow: if all counts
    * are multiples of 2^k, k times. Boundaries are called "x min", "x max", "y min", and so on.
-   * With disorder, nodes are displaced at random, by numbers that depend on the place in the
-   * lattice only, and the mesh is not refined, since only coarse vertices keep their places when
+   * With disorder, nodes are displaced at random, by numbers that depend on the index in the
+   * lattice only, and the mesh is not refined, since only coarse vertices keep their positions when
    * cells move between ranks.
    */
   template <int dim>
@@ -168,9 +168,9 @@ namespace tombolo
       std::vector<dealii::Point<dim>> vertices(n_vertices);
       for (std::size_t v = 0; v < n_vertices; ++v)
       {
-        const auto place = place_in_lattice(v, coordinates, 0);
+        const auto index = lattice_index(v, coordinates, 0);
         for (int d = 0; d < dim; ++d)
-          vertices[v][d] = coordinates[d][place[d]];
+          vertices[v][d] = coordinates[d][index[d]];
       }
       if (disorder > 0)
         displace(coordinates, vertices);
@@ -179,13 +179,13 @@ namespace tombolo
       std::vector<dealii::CellData<dim>> cells(n_cells, dealii::CellData<dim>(n_corners));
       for (std::size_t c = 0; c < n_cells; ++c)
       {
-        const auto place = place_in_lattice(c, coordinates, 1);
+        const auto index = lattice_index(c, coordinates, 1);
         CellVertices<dim> corners;
         for (unsigned int corner = 0; corner < n_corners; ++corner)
         {
           std::size_t vertex = 0;
           for (int d = dim - 1; d >= 0; --d)
-            vertex = vertex * coordinates[d].size() + place[d] + ((corner >> d) & 1u);
+            vertex = vertex * coordinates[d].size() + index[d] + ((corner >> d) & 1u);
           cells[c].vertices[corner] = static_cast<unsigned int>(vertex);
           corners[corner] = vertices[vertex];
         }
@@ -278,16 +278,16 @@ namespace tombolo
     {
       for (std::size_t v = 0; v < vertices.size(); ++v)
       {
-        const auto place = place_in_lattice(v, coordinates, 0);
+        const auto index = lattice_index(v, coordinates, 0);
         bool on_surface = false;
         for (int d = 0; d < dim; ++d)
-          on_surface = on_surface || place[d] == 0 || place[d] + 1 == coordinates[d].size();
+          on_surface = on_surface || index[d] == 0 || index[d] + 1 == coordinates[d].size();
         if (on_surface && !surface_nodes_slide)
           continue;
         for (int d = 0; d < dim; ++d)
-          if (place[d] > 0 && place[d] + 1 < coordinates[d].size())
+          if (index[d] > 0 && index[d] + 1 < coordinates[d].size())
           {
-            const double *x = &coordinates[d][place[d]];
+            const double *x = &coordinates[d][index[d]];
             const double spacing = std::min(x[1] - x[0], x[0] - x[-1]);
             vertices[v][d] += disorder * spacing * scatter(seed, v, d);
           }

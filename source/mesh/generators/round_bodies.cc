@@ -31,12 +31,12 @@ namespace tombolo
       dealii::Point<2> result = point;
       for (unsigned int i = 0; i < quarters; ++i)
         result = dealii::Point<2>(-result[1], result[0]);
-      // Adding zero takes the sign from a negative zero.
+      // Adding zero removes the sign of a negative zero.
       return {result[0] + 0., result[1] + 0.};
     }
 
-    /** The point of the unit circle beside the place v in [-1, 1] of the edge of the core that
-     * crosses the first axis. Mirrored places have mirrored points, to the last bit. */
+    /** The point of the unit circle beside the position v in [-1, 1] of the edge of the core that
+     * crosses the first axis. Mirrored positions have mirrored points, to the last bit. */
     dealii::Point<2> circle_point(const double v)
     {
       if (std::abs(v) == 1)
@@ -64,7 +64,7 @@ namespace tombolo
     /** A vertex of the section. */
     struct Vertex
     {
-      dealii::Point<2> place; ///< relative to the centre
+      dealii::Point<2> position; ///< relative to the centre
       bool is_at_rim = false;
     };
 
@@ -205,8 +205,8 @@ namespace tombolo
       for (unsigned int j = 0; j <= n; ++j)
         for (unsigned int i = 0; i <= n; ++i)
         {
-          const auto place = core_point(lattice(i), lattice(j));
-          section_vertices.push_back({{place[0] + 0., place[1] + 0.}, false});
+          const auto point = core_point(lattice(i), lattice(j));
+          section_vertices.push_back({{point[0] + 0., point[1] + 0.}, false});
         }
       for (unsigned int j = 0; j < n; ++j)
         for (unsigned int i = 0; i < n; ++i)
@@ -235,15 +235,15 @@ namespace tombolo
         std::vector<unsigned int> outer;
         for (unsigned int p = 0; p < circle.size(); ++p)
         {
-          dealii::Point<2> place(radii[ring] * circle[p]);
+          dealii::Point<2> point(radii[ring] * circle[p]);
           if (radii[ring] < first_circle)
           {
             const double part = (radii[ring] - core_radius) / (first_circle - core_radius);
-            place = (1 - part) * section_vertices[edge_of_core[p]].place +
+            point = (1 - part) * section_vertices[edge_of_core[p]].position +
                     part * first_circle * dealii::Tensor<1, 2>(circle[p]);
           }
           outer.push_back(static_cast<unsigned int>(section_vertices.size()));
-          section_vertices.push_back({place, ring + 1 == radii.size()});
+          section_vertices.push_back({point, ring + 1 == radii.size()});
         }
         for (unsigned int p = 0; p < circle.size(); ++p)
         {
@@ -257,8 +257,8 @@ namespace tombolo
     {
       const auto is_kept = [this](const unsigned int vertex)
       {
-        const auto &place = section_vertices[vertex].place;
-        return !(cuts[0] && place[0] < 0) && !(cuts[1] && place[1] < 0);
+        const auto &position = section_vertices[vertex].position;
+        return !(cuts[0] && position[0] < 0) && !(cuts[1] && position[1] < 0);
       };
       constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
       std::vector<unsigned int> new_number(section_vertices.size(), none);
@@ -294,7 +294,7 @@ namespace tombolo
    * A cylinder of hexahedra along a coordinate axis, from its foot in the positive direction: the
    * cells of a RoundSection, repeated in layers. Boundaries are called "foot", "rear", "side", and
    * the cuts of a half or quarter model "symmetry x", and so on, by their normal. All cells are
-   * coarse, so that all vertices of layers keep their places.
+   * coarse, so that all vertices of layers keep their positions.
    */
   class Cylinder : public MeshSource<3>
   {
@@ -328,11 +328,11 @@ namespace tombolo
       for (const double height : heights)
         for (const auto &vertex : section_vertices)
         {
-          dealii::Point<3> place = foot;
+          dealii::Point<3> point = foot;
           for (unsigned int d = 0; d < 2; ++d)
-            place[across[d]] += vertex.place[d];
-          place[axis] += height;
-          vertices.push_back(place);
+            point[across[d]] += vertex.position[d];
+          point[axis] += height;
+          vertices.push_back(point);
         }
 
       const auto last_layer = static_cast<unsigned int>(heights.size() - 1);
@@ -360,7 +360,7 @@ namespace tombolo
           id = upper_id;
         else if (!all([](unsigned int, const auto &vertex) { return vertex.is_at_rim; }))
           for (unsigned int d = 0; d < 2; ++d)
-            if (all([&](unsigned int, const auto &vertex) { return vertex.place[d] == 0; }))
+            if (all([&](unsigned int, const auto &vertex) { return vertex.position[d] == 0; }))
               id = first_cut_id + across[d];
         return id;
       };
@@ -448,7 +448,7 @@ namespace tombolo
                               communicator_of(mesh.triangulation));
       std::vector<dealii::Point<2>> vertices;
       for (const auto &vertex : round_section.vertices())
-        vertices.push_back(centre + vertex.place);
+        vertices.push_back(centre + vertex.position);
       std::vector<dealii::CellData<2>> cells;
       for (const auto &quadrilateral : round_section.cells())
       {
@@ -457,7 +457,7 @@ namespace tombolo
         cell.material_id = 0;
         cells.push_back(cell);
       }
-      // Nodes on a common edge have one order only if both cells see it in the same direction.
+      // Nodes on a common edge have one order only if it has the same direction in both cells.
       dealii::GridTools::consistently_order_cells(cells);
 
       const auto id_of = [&](const auto &cell, const unsigned int f)
@@ -466,7 +466,7 @@ namespace tombolo
         const auto &second = round_section.vertices()[cell->face(f)->vertex_index(1)];
         if (first.is_at_rim && second.is_at_rim)
           return 0u;
-        return first.place[0] == 0 && second.place[0] == 0 ? 1u : 2u;
+        return first.position[0] == 0 && second.position[0] == 0 ? 1u : 2u;
       };
       create_coarse_mesh(vertices, cells, id_of, mesh.triangulation);
 

@@ -70,21 +70,21 @@ namespace tombolo
                               communicator_of(mesh.triangulation));
       // The lattice of the three faces of a cube that contain its far corner.
       const unsigned int n = n_block_cells;
-      using Place = std::array<unsigned int, 3>;
-      std::map<Place, unsigned int> number_of;
+      using LatticeIndex = std::array<unsigned int, 3>;
+      std::map<LatticeIndex, unsigned int> number_of;
       std::vector<dealii::Point<3>> directions;
-      std::vector<Place> places;
-      const auto number = [&](const Place &place)
+      std::vector<LatticeIndex> lattice_indices;
+      const auto number = [&](const LatticeIndex &index)
       {
         const auto [entry, is_new] =
-            number_of.emplace(place, static_cast<unsigned int>(places.size()));
+            number_of.emplace(index, static_cast<unsigned int>(lattice_indices.size()));
         if (is_new)
         {
           dealii::Point<3> direction;
           for (unsigned int d = 0; d < 3; ++d)
-            direction[d] = place[d] == n ? 1. : std::tan(numbers::PI / 4 * place[d] / n);
+            direction[d] = index[d] == n ? 1. : std::tan(numbers::PI / 4 * index[d] / n);
           directions.emplace_back(direction / direction.norm());
-          places.push_back(place);
+          lattice_indices.push_back(index);
         }
         return entry->second;
       };
@@ -96,11 +96,11 @@ namespace tombolo
             std::array<unsigned int, 4> quadrilateral;
             for (unsigned int corner = 0; corner < 4; ++corner)
             {
-              Place place;
-              place[axis] = n;
-              place[(axis + 1) % 3] = i + corner % 2;
-              place[(axis + 2) % 3] = j + corner / 2;
-              quadrilateral[corner] = number(place);
+              LatticeIndex index;
+              index[axis] = n;
+              index[(axis + 1) % 3] = i + corner % 2;
+              index[(axis + 2) % 3] = j + corner / 2;
+              quadrilateral[corner] = number(index);
             }
             quadrilaterals.push_back(quadrilateral);
           }
@@ -125,7 +125,7 @@ namespace tombolo
           id = inner_sphere_id;
         else
           for (unsigned int d = 0; d < 3; ++d)
-            if (all([&](const unsigned int v) { return places[v % n_in_layer][d] == 0; }))
+            if (all([&](const unsigned int v) { return lattice_indices[v % n_in_layer][d] == 0; }))
               id = first_plane_id + d;
         return id;
       };

@@ -26,7 +26,7 @@ namespace tombolo
   {
     constexpr unsigned int no_node = std::numeric_limits<unsigned int>::max();
 
-    /** Places of deal.II's (lexicographic) corners in the numbering of the files. */
+    /** Indices of deal.II's (lexicographic) corners in the numbering of the files. */
     constexpr std::array<unsigned int, 8> corner_in_file = {{0, 1, 3, 2, 4, 5, 7, 6}};
 
     /** The nodes of a face in increasing order, by which two cells recognize it. */
@@ -179,7 +179,7 @@ namespace tombolo
           mesh.remarks.push_back(std::to_string(n_turned) + " of " + std::to_string(cells.size()) +
                                  " cells of the mesh file are numbered the wrong way round (the "
                                  "first on " +
-                                 content.place(first_turned_line) +
+                                 content.location(first_turned_line) +
                                  ") and had to be turned round.");
       }
 
@@ -234,7 +234,7 @@ namespace tombolo
             const unsigned int other_line = content.cells[faces[i + 1].cell].line;
             if (sorted_vertices(faces[i].cell) == sorted_vertices(faces[i + 1].cell))
               fail_at(std::max(line, other_line), "The cell stands on " +
-                                                      content.place(std::min(line, other_line)) +
+                                                      content.location(std::min(line, other_line)) +
                                                       " already.");
             if (i + 2 < faces.size() && faces[i].key == faces[i + 2].key)
               fail_at(std::max(line, other_line), "More than two cells have a face in common.");
@@ -375,9 +375,9 @@ namespace tombolo
         }
       }
 
-      [[noreturn]] void fail_at(const unsigned int place, const std::string &message) const
+      [[noreturn]] void fail_at(const unsigned int line, const std::string &message) const
       {
-        throw MeshFileError(content.place(place) + ": " + message);
+        throw MeshFileError(content.location(line) + ": " + message);
       }
 
       void remark_coincident_vertices()
@@ -386,15 +386,15 @@ namespace tombolo
         for (const auto &vertex : vertices)
           for (unsigned int d = 0; d < dim; ++d)
             largest = std::max(largest, std::abs(vertex[d]));
-        std::vector<std::array<long long, dim>> places(vertices.size());
+        std::vector<std::array<long long, dim>> raster_points(vertices.size());
         for (std::size_t v = 0; v < vertices.size(); ++v)
           for (unsigned int d = 0; d < dim; ++d)
             // An offset that round coordinates do not have keeps them off the edges of the raster.
-            places[v][d] = std::llround(vertices[v][d] / (1e-10 * largest) + 0.237);
-        std::sort(places.begin(), places.end());
+            raster_points[v][d] = std::llround(vertices[v][d] / (1e-10 * largest) + 0.237);
+        std::sort(raster_points.begin(), raster_points.end());
         std::size_t n_coincident = 0;
-        for (std::size_t v = 0; v + 1 < places.size(); ++v)
-          if (places[v] == places[v + 1])
+        for (std::size_t v = 0; v + 1 < raster_points.size(); ++v)
+          if (raster_points[v] == raster_points[v + 1])
             ++n_coincident;
         if (n_coincident > 0)
           mesh.remarks.push_back(
@@ -409,7 +409,7 @@ namespace tombolo
         try
         {
           dealii::GridTools::consistently_order_cells(cells);
-          turn_axes_by_place(vertices, cells);
+          turn_axes_by_position(vertices, cells);
           coarse.create_triangulation(vertices, cells, dealii::SubCellData());
         }
         catch (const dealii::ExceptionBase &)

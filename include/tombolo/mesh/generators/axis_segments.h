@@ -53,11 +53,11 @@ namespace tombolo
   /** Cuts @p text at @p word; returns what follows, trimmed. */
   inline std::string cut_at(std::string &text, const std::string &word)
   {
-    const auto place = text.find(word);
-    if (place == std::string::npos)
+    const auto position = text.find(word);
+    if (position == std::string::npos)
       return "";
-    const std::string rest = dealii::Utilities::trim(text.substr(place + word.size()));
-    text = dealii::Utilities::trim(text.substr(0, place));
+    const std::string rest = dealii::Utilities::trim(text.substr(position + word.size()));
+    text = dealii::Utilities::trim(text.substr(0, position));
     return rest;
   }
 
@@ -174,7 +174,7 @@ namespace tombolo
   }
 
   /** Makes the coarse mesh of these cells; a face on its boundary is of that with the number that
-   * @p id_of gives for the cell and the number of the face. */
+   * @p id_of returns for the cell and the number of the face. */
   template <int dim, typename IdOf>
   void create_coarse_mesh(const std::vector<dealii::Point<dim>> &vertices,
                           const std::vector<dealii::CellData<dim>> &cells, const IdOf &id_of,

@@ -81,8 +81,8 @@ namespace tombolo
         known->second = {height, (to - from) * up < 0.};
     }
     std::map<std::size_t, bool> result;
-    for (const auto &[set, of_lowest] : lowest)
-      result[set] = of_lowest.second;
+    for (const auto &[set, lowest_edge] : lowest)
+      result[set] = lowest_edge.second;
     return result;
   }
 
@@ -105,7 +105,7 @@ namespace tombolo
       const auto was = cell.vertices;
       for (unsigned int corner = 0; corner < 8; ++corner)
       {
-        // An odd number of reversed axes would turn the cell inside out: x and y change places.
+        // An odd number of reversed axes would turn the cell inside out: x and y are exchanged.
         const unsigned int swapped = (corner & 4u) | ((corner & 1u) << 1) | ((corner & 2u) >> 1);
         cell.vertices[corner] = was[(n_reversed % 2 == 0 ? corner : swapped) ^ reversed];
       }
@@ -113,15 +113,15 @@ namespace tombolo
   }
 
   /**
-   * Turns cells in space to axes that depend on their places and not on the order in which a file
-   * has their corners, so that neither do numbers that the axes decide, as which corners have
+   * Turns cells in space to axes that depend on their positions and not on the order in which a
+   * file has their corners, so that neither do numbers that the axes decide, as which corners have
    * sub-cells (SubCells). Edges that are opposite to each other in cells have one direction: that
    * in which the lowest of them along a fixed direction ascends. Cells whose edges have no common
    * directions (which deal.II orders where it can) stay, and so do cells in the plane.
    */
   template <int dim>
-  void turn_axes_by_place([[maybe_unused]] const std::vector<dealii::Point<dim>> &vertices,
-                          [[maybe_unused]] std::vector<dealii::CellData<dim>> &cells)
+  void turn_axes_by_position([[maybe_unused]] const std::vector<dealii::Point<dim>> &vertices,
+                             [[maybe_unused]] std::vector<dealii::CellData<dim>> &cells)
   {
     if constexpr (dim == 3)
       turn_in_space(vertices, cells);

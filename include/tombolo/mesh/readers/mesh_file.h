@@ -12,7 +12,7 @@
 
 namespace tombolo
 {
-  /** A cell or a face as it stands in a mesh file. */
+  /** A cell or a face of a mesh file. */
   struct MeshFileElement
   {
     /** Indices into MeshFileContent::nodes, counted round the bottom face and then round the top
@@ -36,7 +36,7 @@ namespace tombolo
     std::vector<std::array<double, 3>> nodes;
     std::vector<long long> node_numbers; ///< in the file
     std::vector<MeshFileElement> cells;
-    /** A face may stand here several times, with several ids. */
+    /** A face may be listed several times, with several ids. */
     std::vector<MeshFileElement> faces;
     std::map<std::string, unsigned int> group_names;    ///< of cells
     std::map<std::string, unsigned int> boundary_names; ///< of faces
@@ -49,7 +49,7 @@ namespace tombolo
     std::string unit = "line";
 
     /** "line 5". */
-    std::string place(unsigned int line) const
+    std::string location(unsigned int line) const
     {
       return unit + " " + std::to_string(line);
     }

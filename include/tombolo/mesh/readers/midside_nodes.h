@@ -23,14 +23,14 @@ namespace tombolo
   {
   public:
     /** Adds a cell whose node k is @p node(k), the corners first and then the midside nodes that
-     * @p edges describes. @p place is its line or number. */
+     * @p edges describes. @p line is its line or number. */
     template <typename Node>
     void add(const Node &node, const std::vector<MidsideEdge> &edges, const unsigned int n_corners,
-             const unsigned int place)
+             const unsigned int line)
     {
       ++n_cells;
       for (unsigned int k = 0; k < edges.size(); ++k)
-        add_edge(node(edges[k][0]), node(edges[k][1]), node(n_corners + k), place);
+        add_edge(node(edges[k][0]), node(edges[k][1]), node(n_corners + k), line);
     }
 
     /** Adds what was left out to the remarks of a file, if anything was. */
@@ -47,7 +47,7 @@ namespace tombolo
       {
         text.precision(3);
         text << "A midside node lies off the middle of its edge by up to " << largest_bend
-             << " of the length of the edge (" << content.place(place_of_largest)
+             << " of the length of the edge (" << content.location(line_of_largest)
              << "); smaller cells follow curved surfaces better.";
       }
       else
@@ -57,7 +57,7 @@ namespace tombolo
 
   private:
     void add_edge(const std::array<double, 3> &begin, const std::array<double, 3> &end,
-                  const std::array<double, 3> &middle, const unsigned int place)
+                  const std::array<double, 3> &middle, const unsigned int line)
     {
       double distance = 0, length = 0;
       for (unsigned int d = 0; d < 3; ++d)
@@ -69,12 +69,12 @@ namespace tombolo
       if (bend > largest_bend)
       {
         largest_bend = bend;
-        place_of_largest = place;
+        line_of_largest = line;
       }
     }
 
     std::size_t n_cells = 0;
     double largest_bend = 0; ///< distance from the middle of the edge by the length of the edge
-    unsigned int place_of_largest = 0;
+    unsigned int line_of_largest = 0;
   };
 } // namespace tombolo

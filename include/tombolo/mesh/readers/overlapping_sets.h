@@ -11,9 +11,9 @@
 namespace tombolo
 {
   /**
-   * Ids of things that may be in several named sets, where a thing can have one id only: every
+   * Ids of items that may be in several named sets, where an item can have one id only: every
    * combination of sets that occurs has an id, and a set has the ids of all combinations with it.
-   * A set that overlaps no other one keeps its own id.
+   * A set that overlaps no other keeps its own id.
    */
   class OverlappingSets
   {
@@ -47,16 +47,16 @@ namespace tombolo
       return set_of_names[name] = add_set(id);
     }
 
-    /** The combination that has @p set beside those of @p combination. */
+    /** The combination that has @p set in addition to those of @p combination. */
     unsigned int extended(const unsigned int combination, const unsigned int set)
     {
       const auto entry = extensions.emplace(std::make_pair(combination, set), combination);
       if (entry.second)
       {
         std::vector<unsigned int> sets = members[combination];
-        const auto place = std::lower_bound(sets.begin(), sets.end(), set);
-        if (place == sets.end() || *place != set)
-          sets.insert(place, set);
+        const auto position = std::lower_bound(sets.begin(), sets.end(), set);
+        if (position == sets.end() || *position != set)
+          sets.insert(position, set);
         const auto known =
             combination_of_members.emplace(sets, static_cast<unsigned int>(members.size()));
         if (known.second)
@@ -66,8 +66,8 @@ namespace tombolo
       return entry.first->second;
     }
 
-    /** Gives ids to the combinations of all things. A combination of one set has the id of the set,
-     * another one that of its first set if no other combination has it. */
+    /** Assigns ids to the combinations of all items. A combination of one set has the id of the
+     * set, another one that of its first set if no other combination has it. */
     void assign_ids(const std::vector<unsigned int> &combinations)
     {
       const std::set<unsigned int> in_use(combinations.begin(), combinations.end());
@@ -80,13 +80,13 @@ namespace tombolo
                              : members[a] < members[b];
                 });
       unsigned int next = set_of_known.empty() ? 1 : set_of_known.rbegin()->first + 1;
-      std::set<unsigned int> taken;
+      std::set<unsigned int> used_ids;
       ids[none] = 0;
       for (const unsigned int combination : order)
         if (combination != none)
         {
           const unsigned int preferred = preferred_ids[members[combination].front()];
-          ids[combination] = taken.insert(preferred).second ? preferred : next++;
+          ids[combination] = used_ids.insert(preferred).second ? preferred : next++;
         }
     }
 
@@ -95,7 +95,7 @@ namespace tombolo
       return ids.at(combination);
     }
 
-    /** Names of the sets that have things, each with its ids. */
+    /** Names of the sets that have items, each with its ids. */
     std::map<std::string, std::set<unsigned int>> ids_of_names() const
     {
       std::map<std::string, std::set<unsigned int>> result;
@@ -121,6 +121,6 @@ namespace tombolo
     std::vector<std::vector<unsigned int>> members; ///< sets of each combination, sorted
     std::map<std::vector<unsigned int>, unsigned int> combination_of_members;
     std::map<std::pair<unsigned int, unsigned int>, unsigned int> extensions;
-    std::map<unsigned int, unsigned int> ids; ///< of combinations that things have
+    std::map<unsigned int, unsigned int> ids; ///< of combinations that items have
   };
 } // namespace tombolo

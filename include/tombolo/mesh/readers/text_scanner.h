@@ -19,13 +19,13 @@ namespace tombolo
    * of binary files stay. Throws MeshFileError for UTF-16. */
   std::string decoded_text(std::string bytes);
 
-  /** Reads text by lines and by words, and knows the line it is in. The text must outlive it. */
+  /** Reads text by lines and by words, and counts the lines. The text must outlive it. */
   class TextScanner
   {
   public:
     explicit TextScanner(std::string_view text);
 
-    /** Moves on to the next line that is not blank and gives it without the blanks around it;
+    /** Moves on to the next line that is not blank and returns it without the blanks around it;
      * false at the end. The rest of a line that was read by words is such a line. */
     bool next_line(std::string_view &line);
 
@@ -35,7 +35,7 @@ namespace tombolo
     /** The next @p n bytes of a binary part. Throws MeshFileError where there are fewer. */
     std::string_view bytes(std::size_t n, const char *what);
 
-    /** From now on messages name places by bytes and not by lines. */
+    /** From now on messages name positions by bytes and not by lines. */
     void count_bytes()
     {
       counts_bytes = true;
@@ -78,7 +78,7 @@ namespace tombolo
   private:
     void skip_blanks();
     [[noreturn]] void fail_at_word(std::string_view word, const char *what) const;
-    /** Remembers the place of what is read next. */
+    /** Stores the position of what is read next. */
     void mark_word();
 
     std::string_view text;
