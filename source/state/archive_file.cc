@@ -50,7 +50,7 @@ namespace tombolo
       return bits ^ (bits >> 31);
     }
 
-    /** A sum over elements, so that it can be taken in pieces: bits and place of each. */
+    /** A sum over elements, so that it can be taken in pieces: bits and index of each. */
     std::uint64_t checksum(const void *const values, const std::size_t n, const std::size_t size,
                            const std::uint64_t first)
     {
@@ -107,7 +107,7 @@ namespace tombolo
       std::string problem;
       if (Utilities::MPI::this_mpi_process(communicator) == 0)
       {
-        // The library does not say why it fails.
+        // The library does not report why it fails.
         const int descriptor = open_new_file(name, problem);
         if (descriptor >= 0)
           ::close(descriptor);
@@ -167,24 +167,24 @@ namespace tombolo
 
   void ArchiveFile::throw_on_all_ranks(const std::string &message) const
   {
-    for (const std::string &of_rank : texts_of_ranks(mpi_communicator, message))
-      if (!of_rank.empty())
-        fail(of_rank);
+    for (const std::string &rank_text : texts_of_ranks(mpi_communicator, message))
+      if (!rank_text.empty())
+        fail(rank_text);
   }
 
   void ArchiveFile::check_size(const std::string &path, const std::size_t given,
-                               const std::size_t wanted) const
+                               const std::size_t expected) const
   {
-    if (given != wanted)
+    if (given != expected)
       fail("\"" + path + "\" has " + std::to_string(given) + " values in it, but " +
-           std::to_string(wanted) + " in this model.");
+           std::to_string(expected) + " in this model.");
   }
 
   bool ArchiveFile::has(const std::string &path) const
   {
     if (mode == Mode::write)
       return true;
-    // All links on the way must exist before the last can be asked for.
+    // All links on the way must exist before the last can be queried.
     for (std::size_t slash = path.find('/'); slash != std::string::npos;
          slash = path.find('/', slash + 1))
       if (H5Lexists(handle, path.substr(0, slash).c_str(), H5P_DEFAULT) <= 0)

@@ -20,8 +20,9 @@ namespace tombolo
       return Utilities::MPI::this_mpi_process(communicator) == 0 ? 0 : sum;
     }
 
-    /** The rank at which who has an identifier in the file and who wants it meet. */
-    unsigned int meeting_place(const std::uint64_t id, const std::uint64_t n_ranks)
+    /** The rank that matches the ranks that read an identifier in the file with those that need it.
+     */
+    unsigned int meeting_rank(const std::uint64_t id, const std::uint64_t n_ranks)
     {
       return static_cast<unsigned int>((id * 0x9E3779B97F4A7C15ull >> 32) % n_ranks);
     }
@@ -41,24 +42,24 @@ namespace tombolo
     const std::vector<std::uint64_t> in_share =
         file.read<std::uint64_t>(path, share_begin, share_end - share_begin, 1);
 
-    Message of_readers, of_wanters, places;
+    Message reader_rows, requested_ids, request_indices;
     for (std::size_t row = 0; row < in_share.size(); ++row)
     {
-      auto &message = of_readers[meeting_place(in_share[row], n_ranks)];
+      auto &message = reader_rows[meeting_rank(in_share[row], n_ranks)];
       message.insert(message.end(), {in_share[row], row});
     }
     for (std::size_t k = 0; k < ids.size(); ++k)
     {
-      const unsigned int there = meeting_place(ids[k], n_ranks);
-      of_wanters[there].push_back(ids[k]);
-      places[there].push_back(k);
+      const unsigned int there = meeting_rank(ids[k], n_ranks);
+      requested_ids[there].push_back(ids[k]);
+      request_indices[there].push_back(k);
     }
     std::unordered_map<std::uint64_t, std::pair<unsigned int, std::uint64_t>> reader;
-    for (const auto &[from, message] : exchange_by_rank(std::move(of_readers), communicator))
+    for (const auto &[from, message] : exchange_by_rank(std::move(reader_rows), communicator))
       for (std::size_t i = 0; i < message.size(); i += 2)
         reader[message[i]] = {from, message[i + 1]};
     Message answers; // reader and row there, or no rank
-    for (const auto &[from, message] : exchange_by_rank(std::move(of_wanters), communicator))
+    for (const auto &[from, message] : exchange_by_rank(std::move(requested_ids), communicator))
       for (const std::uint64_t id : message)
       {
         const auto found = reader.find(id);
@@ -73,18 +74,18 @@ namespace tombolo
       {
         if (message[i] == n_ranks)
           continue;
-        const std::uint64_t k = places.at(from)[i / 2];
+        const std::uint64_t k = request_indices.at(from)[i / 2];
         is_found[k] = true;
         requests[static_cast<unsigned int>(message[i])].push_back(message[i + 1]);
         receive[static_cast<unsigned int>(message[i])].push_back(k);
       }
     send = exchange_by_rank(std::move(requests), communicator);
-    std::vector<bool> is_wanted(in_share.size(), false);
+    std::vector<bool> is_requested(in_share.size(), false);
     for (const auto &[to, rows] : send)
       for (const std::uint64_t row : rows)
-        is_wanted[row] = true;
+        is_requested[row] = true;
     for (std::size_t row = 0; row < in_share.size(); ++row)
-      if (!is_wanted[row])
+      if (!is_requested[row])
         unwanted = in_share[row];
   }
 
@@ -116,15 +117,15 @@ namespace tombolo
       : n_own_rows(sources_of_rows.size())
   {
     std::vector<std::uint64_t> ids;
-    for (const auto &of_row : sources_of_rows)
-      for (const RowSource &source : of_row)
+    for (const auto &row_sources : sources_of_rows)
+      for (const RowSource &source : row_sources)
         ids.push_back(source.id);
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     first_source.push_back(0);
-    for (const auto &of_row : sources_of_rows)
+    for (const auto &row_sources : sources_of_rows)
     {
-      for (const RowSource &source : of_row)
+      for (const RowSource &source : row_sources)
         sources.emplace_back(std::lower_bound(ids.begin(), ids.end(), source.id) - ids.begin(),
                              source.weight);
       first_source.push_back(sources.size());

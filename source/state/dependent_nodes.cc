@@ -44,8 +44,8 @@ namespace tombolo
           if (const auto &[other, weight] = dependent.weights[k]; !(*is_zero.node(other) > 0.))
             owned.back().second.emplace_back(partition.global_index(other), weight);
       }
-      for (const auto &of_rank : Utilities::MPI::all_gather(partition.communicator(), owned))
-        for (const auto &[node, weights] : of_rank)
+      for (const auto &rank_rows : Utilities::MPI::all_gather(partition.communicator(), owned))
+        for (const auto &[node, weights] : rank_rows)
         {
           rows.add_line(node);
           rows.add_entries(node, weights);
@@ -76,22 +76,22 @@ namespace tombolo
   {
     const std::size_t n = nodes.size() * n_components,
                       n_independent = independent_nodes.size() * n_components;
-    std::vector<std::vector<std::pair<std::size_t, double>>> places(nodes.size());
+    std::vector<std::vector<std::pair<std::size_t, double>>> terms(nodes.size());
     for (std::size_t k = 0; k < nodes.size(); ++k)
       for (const auto &[node, weight] : weights(nodes[k]))
       {
         const auto found =
             std::lower_bound(independent_nodes.begin(), independent_nodes.end(), node);
-        places[k].emplace_back(static_cast<std::size_t>(found - independent_nodes.begin()), weight);
+        terms[k].emplace_back(static_cast<std::size_t>(found - independent_nodes.begin()), weight);
       }
     std::vector<double> result(n_independent * n_independent, 0.);
     for (std::size_t row = 0; row < n; ++row)
-      for (const auto &[at_row, of_row] : places[row / n_components])
+      for (const auto &[at_row, row_weight] : terms[row / n_components])
         for (std::size_t column = 0; column < n; ++column)
-          for (const auto &[at_column, of_column] : places[column / n_components])
+          for (const auto &[at_column, column_weight] : terms[column / n_components])
             result[(at_row * n_components + row % n_components) * n_independent +
                    at_column * n_components + column % n_components] +=
-                of_row * of_column * entries[row * n + column];
+                row_weight * column_weight * entries[row * n + column];
     return result;
   }
 

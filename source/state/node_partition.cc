@@ -67,9 +67,9 @@ namespace tombolo
 
   unsigned int NodePartition::local_index(const ImageNode &image) const
   {
-    const auto place = std::lower_bound(image_nodes.begin(), image_nodes.end(), image);
-    Assert(place != image_nodes.end() && *place == image, ExcInternalError());
-    return n_owned() + n_ghosts() + static_cast<unsigned int>(place - image_nodes.begin());
+    const auto found = std::lower_bound(image_nodes.begin(), image_nodes.end(), image);
+    Assert(found != image_nodes.end() && *found == image, ExcInternalError());
+    return n_owned() + n_ghosts() + static_cast<unsigned int>(found - image_nodes.begin());
   }
 
   unsigned int NodePartition::n_local() const

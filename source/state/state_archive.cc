@@ -164,21 +164,21 @@ namespace tombolo
                            const NodalVector *const elsewhere)
   {
     std::vector<double> values(nodes->n_own() * 3, 0.);
-    const bool is_field = elsewhere != nullptr && of_division != nullptr;
+    const bool is_field = elsewhere != nullptr && division_data != nullptr;
     for (unsigned int i = 0; is_field && i < nodes->n_own(); ++i)
       std::copy_n(elsewhere->node(i), 3, values.begin() + 3 * static_cast<std::ptrdiff_t>(i));
     if (is_reading())
       entries.assign(local_nodes.size(), {});
-    // Nothing may have been remembered yet.
+    // Nothing may have been stored yet.
     const std::size_t n = std::min(local_nodes.size(), entries.size());
-    const auto place = [&](const std::size_t k)
+    const auto node_values = [&](const std::size_t k)
     { return values.begin() + static_cast<std::ptrdiff_t>(local_nodes[k]) * 3; };
     for (std::size_t k = 0; k < n; ++k)
       if (local_nodes[k] < nodes->n_own())
-        std::copy_n(entries[k].begin(), 3, place(k));
+        std::copy_n(entries[k].begin(), 3, node_values(k));
     nodes->transfer(archive_file, path(name), 3, values);
     for (std::size_t k = 0; k < n; ++k)
       if (local_nodes[k] < nodes->n_own() && (is_field || nodes->is_of_file(local_nodes[k])))
-        std::copy_n(place(k), 3, entries[k].begin());
+        std::copy_n(node_values(k), 3, entries[k].begin());
   }
 } // namespace tombolo

@@ -23,7 +23,7 @@ namespace tombolo
    * The HDF5 file of a checkpoint, to be written or to be read: tables of numbers by path, with
    * rows and columns. Rank 0 writes what the ranks send it; all ranks read. Every table carries a
    * checksum that does not depend on its distribution. All functions are collective, but for those
-   * that only ask; tables hold double, std::uint64_t or char.
+   * that only query; tables hold double, std::uint64_t or char.
    */
   class ArchiveFile
   {
@@ -67,7 +67,7 @@ namespace tombolo
     std::array<std::uint64_t, 2> extent(const std::string &path) const;
 
     /** Writes a table of @p n_rows, of which @p values are those of this rank, from @p first_row
-     * on. Groups on the way are made. What fails is told by close(). */
+     * on. Groups on the way are made. Failures are reported by close(). */
     template <typename Value>
     void write(const std::string &path, const std::vector<Value> &values, std::uint64_t n_rows,
                std::uint64_t n_columns, std::uint64_t first_row);
@@ -87,8 +87,8 @@ namespace tombolo
     /** The same on all ranks where one has a message. */
     void throw_on_all_ranks(const std::string &message) const;
 
-    /** Fails if a table has not as many values as wanted. */
-    void check_size(const std::string &path, std::size_t given, std::size_t wanted) const;
+    /** Fails if a table does not have @p expected values. */
+    void check_size(const std::string &path, std::size_t given, std::size_t expected) const;
 
   private:
     std::string file_name;

@@ -13,7 +13,7 @@
 
 namespace tombolo
 {
-  /** A row of a table that this rank makes one of its own from, by its identifier. */
+  /** A row of a table from which this rank makes one of its own, by its identifier. */
   struct RowSource
   {
     std::uint64_t id;
@@ -25,14 +25,14 @@ namespace tombolo
 
   /**
    * Rows of tables in a file that is read, by identifiers: any of them, on any rank and on several,
-   * and such that are missing. Each rank reads equal shares of a table and sends what is wanted of
-   * it.
+   * and such that are missing. Each rank reads equal shares of a table and sends what is requested
+   * of it.
    */
   class ArchiveLookup
   {
   public:
-    /** @p ids are those that this rank wants, each once; @p path is the table of those in the file.
-     * Collective. */
+    /** @p ids are those that this rank requests, each once; @p path is the table of those in the
+     * file. Collective. */
     ArchiveLookup(const ArchiveFile &file, const std::string &path,
                   const std::vector<std::uint64_t> &ids);
 
@@ -42,11 +42,11 @@ namespace tombolo
       return is_found[k];
     }
 
-    /** The @p n_components values of each wanted row, zero where it is missing. Collective. */
+    /** The @p n_components values of each requested row, zero where it is missing. Collective. */
     std::vector<double> read(const ArchiveFile &file, const std::string &path,
                              unsigned int n_components) const;
 
-    /** An identifier of the file, in the share of this rank, that no rank wants. */
+    /** An identifier of the file, in the share of this rank, that no rank requests. */
     std::optional<std::uint64_t> unwanted;
 
   private:
@@ -55,7 +55,7 @@ namespace tombolo
     std::uint64_t share_begin = 0, share_end = 0;
     std::vector<bool> is_found;
     Message send;    // rows of the share, by rank
-    Message receive; // wanted ones, by the rank that reads them
+    Message receive; // requested ones, by the rank that reads them
   };
 
   /**

@@ -16,9 +16,9 @@
 namespace tombolo
 {
   /**
-   * A point of a body that is watched or pulled: the node that is nearest to a place at the start,
-   * of several the one with the smallest persistent id, whatever the number of ranks. One rank owns
-   * it; where it is all ranks can ask.
+   * A point of a body that is watched or pulled: the node that is nearest to a position at the
+   * start, of several the one with the smallest persistent id, whatever the number of ranks. One
+   * rank owns it; where it is all ranks can query.
    */
   template <int dim>
   class BodyPoint
@@ -26,20 +26,20 @@ namespace tombolo
   public:
     using Vector = dealii::Tensor<1, dim>;
 
-    /** Finds the node nearest to initial coordinates @p wanted. Nodes that are equally far but for
+    /** Finds the node nearest to initial coordinates @p target. Nodes that are equally far but for
      * a billionth of the @p largest_cell (its diameter) are alike; of these the one with the
      * persistent id @p preferred is taken. Collective. */
-    void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
+    void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &target,
               const double largest_cell, const std::optional<std::uint64_t> preferred = {})
     {
       struct Candidate
       {
         std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
-        Vector place;
+        Vector position;
       };
       const NodalVector &initial = state.initial_position;
       const unsigned int n_owned = initial.partition()->n_owned();
-      const auto place_of = [&](const unsigned int i)
+      const auto position_of = [&](const unsigned int i)
       {
         Vector result;
         for (unsigned int d = 0; d < dim; ++d)
@@ -49,17 +49,17 @@ namespace tombolo
       communicator = nodes.communicator();
       distance = std::numeric_limits<double>::max();
       for (unsigned int i = 0; i < n_owned; ++i)
-        distance = std::min(distance, (place_of(i) - wanted).norm());
+        distance = std::min(distance, (position_of(i) - target).norm());
       distance = dealii::Utilities::MPI::min(distance, communicator);
 
       const auto is_before = [&](const std::uint64_t a, const std::uint64_t b)
       { return a != b && (a == preferred || (a < b && b != preferred)); };
       Candidate here;
       for (unsigned int i = 0; i < n_owned; ++i)
-        if ((place_of(i) - wanted).norm() <= distance + 1e-9 * largest_cell &&
+        if ((position_of(i) - target).norm() <= distance + 1e-9 * largest_cell &&
             is_before(nodes.persistent_ids()[i], here.id))
         {
-          here = {nodes.persistent_ids()[i], place_of(i)};
+          here = {nodes.persistent_ids()[i], position_of(i)};
           number = i;
         }
       Candidate best;
@@ -67,20 +67,21 @@ namespace tombolo
         if (is_before(candidate.id, best.id))
           best = candidate;
       id = best.id;
-      initial_place = best.place;
+      initial_coordinates = best.position;
       is_owned = here.id == id && n_owned > 0;
     }
 
-    /** The same, and lists it in the @p records of who follows the point: where cells have been
-     * divided in the run it stays the same node. Nodes and state must outlive the list. */
-    void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &wanted,
+    /** The same, and lists it in the @p records of the object that follows the point: where cells
+     * have been divided in the run it stays the same node. Nodes and state must outlive the list.
+     */
+    void find(const Nodes<dim> &nodes, const NodalState &state, const Vector &target,
               Records &records)
     {
-      find(nodes, state, wanted, largest_cell_diameter(nodes));
-      records.value("node", initial_place);
+      find(nodes, state, target, largest_cell_diameter(nodes));
+      records.value("node", initial_coordinates);
       records.on_reading(
           [this, &nodes, &state]
-          { find(nodes, state, Vector(initial_place), largest_cell_diameter(nodes)); });
+          { find(nodes, state, Vector(initial_coordinates), largest_cell_diameter(nodes)); });
     }
 
     /** Whether this rank owns the node. */
@@ -108,12 +109,12 @@ namespace tombolo
     }
 
     /** Its initial coordinates, on all ranks. */
-    const Vector &place_at_start() const
+    const Vector &initial_position() const
     {
-      return initial_place;
+      return initial_coordinates;
     }
 
-    /** How far the node was from the place that was asked for [L]. */
+    /** How far the node was from the requested position [L]. */
     double distance_at_start() const
     {
       return distance;
@@ -132,7 +133,7 @@ namespace tombolo
     MPI_Comm communicator = MPI_COMM_SELF;
     double distance = 0;
     std::uint64_t id = 0;
-    Vector initial_place;
+    Vector initial_coordinates;
     unsigned int number = 0;
     bool is_owned = false;
   };

@@ -5,7 +5,7 @@
 
 namespace tombolo
 {
-  /** Where the values of a field live. */
+  /** Where the values of a field are. */
   enum class FieldLocation
   {
     node,
@@ -18,7 +18,7 @@ namespace tombolo
     copied, ///< the points of the children have it too; where they are joined, their mean
     held,   ///< so, but that its integral over the initial volume stays
     shared, ///< they share it by their volumes, as what belongs to the whole point
-    reset   ///< it begins anew, as what belongs to the shape of the cell
+    reset   ///< it is reset, as what belongs to the shape of the cell
   };
 
   /** The description of one array of the state. Ghost exchange, output and checkpoint iterate over

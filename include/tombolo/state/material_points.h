@@ -28,7 +28,7 @@ namespace tombolo
       n_standard_fields
     };
 
-    /** @p internal_variables of the material follow the standard fields; points and padding get
+    /** @p internal_variables of the material follow the standard fields; points and padding have
      * their initial values. */
     void reinit(unsigned int n_points, const std::vector<FieldDescription> &internal_variables);
 

@@ -10,14 +10,14 @@
 
 namespace tombolo
 {
-  /** What is put at local nodes, forces or heat: at owned ones, ghosts and images in planes of
+  /** Forces or heat at local nodes: at owned ones, ghosts and images in planes of
    * symmetry. */
   class NodalSource
   {
   public:
     explicit NodalSource(const Quantity quantity) : quantity(quantity) {}
 
-    /** It is given at owned nodes only, so that ranks have nothing to exchange. */
+    /** It is added at owned nodes only, so that ranks have nothing to exchange. */
     void stays_on_rank()
     {
       is_on_rank = true;
@@ -69,7 +69,7 @@ namespace tombolo
   protected:
     void clear();
 
-    /** Brings what ghosts, images and hanging nodes have to the nodes that move. Collective. */
+    /** Moves what ghosts, images and hanging nodes have to the nodes that move. Collective. */
     void gather();
 
     /** After gather(), calls @p use for owned nodes that can have values, ascending. */

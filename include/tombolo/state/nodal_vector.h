@@ -30,14 +30,14 @@ namespace tombolo
    *
    * Where the partition has images of nodes in planes of symmetry, update_ghosts() also fills these
    * with the reflected values of their sources, and add_to_owners() first adds the reflected values
-   * of images to their sources. A node on a plane is its own image: both put the normal component
-   * of a vector there to zero, and a position onto the plane.
+   * of images to their sources. A node on a plane is its own image: both set the normal component
+   * of a vector there to zero, and move a position onto the plane.
    *
    * distribute() and condense() are the same with dependent nodes of the partition: the means of
    * others C, and what is moved to these others Cᵀ.
    *
-   * Whoever sets or adds up values at nodes does it within fill(), change_owned(), add_up() and the
-   * functions below, which leave no exchange to be forgotten.
+   * Values at nodes are set or added up within fill(), change_owned(), add_up() and the
+   * functions below, which do all exchanges.
    */
   class NodalVector
   {
@@ -66,8 +66,8 @@ namespace tombolo
       reinit(other.node_partition, other.kind);
     }
 
-    /** Keeps the owned values, takes the ghosts of @p partition, which must own the same nodes;
-     * updates the ghosts. Collective. */
+    /** Keeps the owned values, changes to the ghosts of @p partition, which must own the same
+     * nodes; updates the ghosts. Collective. */
     void move_to(const std::shared_ptr<const NodePartition> &partition);
 
     double *node(const unsigned int local)
@@ -114,7 +114,7 @@ namespace tombolo
       update_ghosts();
     }
 
-    /** The same for these owned @p nodes alone: @p set(place in the list, values). Collective. */
+    /** The same for these owned @p nodes alone: @p set(index in the list, values). Collective. */
     template <typename Nodes, typename Set>
     void fill(const Nodes &nodes, const Set &set)
     {
@@ -125,7 +125,7 @@ namespace tombolo
 
     void update_ghosts();
     void add_to_owners();
-    /** Gives dependent nodes the mean of others, and updates the ghosts. Collective. */
+    /** Sets dependent nodes to the mean of others, and updates the ghosts. Collective. */
     void distribute();
     /** Moves what dependent nodes have to those on which they depend. Ghosts must be zero, and are
      * zero afterwards. Collective where there are such nodes. */
@@ -133,7 +133,8 @@ namespace tombolo
     /** What was accumulated at all local nodes to those that move: add_to_owners(), condense().
      * Collective. */
     void collect();
-    /** Gives owners and ghosts the sums of what was accumulated at all local nodes. Collective. */
+    /** Sets owners and ghosts to the sums of what was accumulated at all local nodes. Collective.
+     */
     void sum_over_ranks();
     /** Makes the values of owned nodes on planes of symmetry symmetric, as update_ghosts() does
      * first. */
@@ -165,7 +166,7 @@ namespace tombolo
       vector->update_ghosts();
   }
 
-  /** Puts into owned nodes of @p sums what @p add() adds to zero at local ones. Collective. */
+  /** Writes to owned nodes of @p sums what @p add() adds to zero at local ones. Collective. */
   template <typename Add, typename Vectors = std::initializer_list<NodalVector *>>
   void add_up(const Vectors &sums, const Add &add)
   {
@@ -187,8 +188,8 @@ namespace tombolo
     return result;
   }
 
-  /** A field with the values that @p set(node, values) gives owned nodes, zero before, and current
-   * ghosts. Collective. */
+  /** A field with the values that @p set(node, values) sets at owned nodes, zero before, and
+   * current ghosts. Collective. */
   template <typename Set>
   NodalVector nodal_field(const std::shared_ptr<const NodePartition> &partition,
                           const Quantity quantity, const Set &set)
@@ -198,7 +199,7 @@ namespace tombolo
     return result;
   }
 
-  /** The same with @p set(place in the list, values) for these owned @p nodes alone. */
+  /** The same with @p set(index in the list, values) for these owned @p nodes alone. */
   template <typename Nodes, typename Set>
   NodalVector nodal_field(const std::shared_ptr<const NodePartition> &partition,
                           const Quantity quantity, const Nodes &nodes, const Set &set)
@@ -208,7 +209,7 @@ namespace tombolo
     return result;
   }
 
-  /** A scalar field with the values that @p value_of gives owned nodes, and current ghosts.
+  /** A scalar field with the values that @p value_of returns for owned nodes, and current ghosts.
    * Collective. */
   template <typename ValueOf>
   NodalVector scalar_field(const std::shared_ptr<const NodePartition> &partition,

@@ -39,7 +39,7 @@ namespace tombolo
    *
    * Some owned nodes can depend on others (C): such as those on a face of an element beside
    * elements of half its size. Fields of elements are then continuous. Forces and masses of
-   * dependent nodes go to the others by Cᵀ, so that a dependent node has no mass and takes no
+   * dependent nodes go to the others by Cᵀ, so that a dependent node has no mass and receives no
    * force. The rows of C sum to one and keep linear fields, hence Cᵀ keeps mass, momentum and
    * angular momentum, and f · C v = Cᵀ f · v.
    */
@@ -164,7 +164,7 @@ namespace tombolo
       return scalar_partitioner->get_mpi_communicator();
     }
 
-    /** Takes over the statistics of @p previous, which this partition replaces. */
+    /** Continues the statistics of @p previous, which this partition replaces. */
     void continue_counting(const NodePartition &previous)
     {
       cost = previous.cost;

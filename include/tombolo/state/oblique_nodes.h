@@ -41,23 +41,23 @@ namespace tombolo
     ObliqueNodes() = default;
 
     /** @p nodes ascend. */
-    explicit ObliqueNodes(std::vector<ObliqueNode> nodes) : of_rank(std::move(nodes)) {}
+    explicit ObliqueNodes(std::vector<ObliqueNode> nodes) : rank_nodes(std::move(nodes)) {}
 
     /** The node with a local number; null where it is none of them. */
     const ObliqueNode *find(const unsigned int node) const
     {
-      const auto found = std::lower_bound(of_rank.begin(), of_rank.end(), node,
+      const auto found = std::lower_bound(rank_nodes.begin(), rank_nodes.end(), node,
                                           [](const ObliqueNode &one, const unsigned int number)
                                           { return one.node < number; });
-      return found != of_rank.end() && found->node == node ? &*found : nullptr;
+      return found != rank_nodes.end() && found->node == node ? &*found : nullptr;
     }
 
     const std::vector<ObliqueNode> &all() const
     {
-      return of_rank;
+      return rank_nodes;
     }
 
   private:
-    std::vector<ObliqueNode> of_rank;
+    std::vector<ObliqueNode> rank_nodes;
   };
 } // namespace tombolo

@@ -44,7 +44,7 @@ namespace tombolo
    *     records.at_nodes(nodes, springs).numbers("stiffness, depth", &Spring::stiffness,
    *                                              &Spring::depth);
    *
-   * Variables are referred to: they must outlive the list at the same place. They are written and
+   * Variables are referred to: they must outlive the list at the same address. They are written and
    * read in the order of the list, so that a callback finds all before it read. Functions that
    * write or read are collective.
    */
@@ -66,7 +66,7 @@ namespace tombolo
         return *this;
       }
 
-      /** A run that starts from the end of another takes it from there, where that has it, or what
+      /** A run that starts from the end of another reads it from there, where that has it, or what
        * is called @p other. */
       Record &continues(const std::string &other = "");
     };
@@ -103,12 +103,13 @@ namespace tombolo
       return list_of(name, std::move(shares), true);
     }
 
-    /** The first @p n_components of owned nodes. Where nodes have come by a division, they get the
-     * mean of those between which they lie. A vector without nodes gets those of the archive. */
+    /** The first @p n_components of owned nodes. Where nodes have come by a division, they have the
+     * mean of those between which they lie. A vector without nodes receives those of the archive.
+     */
     Record &nodal(const std::string &name, unsigned int n_components, NodalVector &vector);
 
     /** What items have, one for each of these owned nodes; its columns are listed by the result. A
-     * node that has come by a division gets zeros. Both lists are referred to, and the items are
+     * node that has come by a division has zeros. Both lists are referred to, and the items are
      * sized on reading. */
     template <typename Item>
     NodeRecords<Item> at_nodes(const std::vector<unsigned int> &nodes, std::vector<Item> &items);
@@ -132,7 +133,7 @@ namespace tombolo
     template <typename Item>
     ItemRecords<Item> items(std::vector<Item> &items);
 
-    /** A list of its own, whose names belong to a group; lives as long as this. */
+    /** A list of its own, whose names belong to a group; valid as long as this. */
     Records &group(const std::string &name);
     /** That of another object, which must outlive this. */
     Record &group(const std::string &name, Records &other);
@@ -172,10 +173,10 @@ namespace tombolo
         action();
     }
 
-    /** Takes from the end of another run what continues and is there. */
+    /** Reads from the end of another run what continues and is there. */
     void continue_from(StateArchive &archive);
 
-    /** Keeps the values of all that is listed, and goes back to them: any number of times. */
+    /** Stores the values of all that is listed, and restores them: any number of times. */
     void keep();
     void restore();
 
@@ -222,7 +223,7 @@ namespace tombolo
       Records::keep_copy(records.archived("", [](StateArchive &) {}), items);
     }
 
-    /** Up to three numbers: members of an item, or functions that give them. */
+    /** Up to three numbers: members of an item, or functions that return them. */
     template <typename... Members>
     NodeRecords &numbers(const std::string &name, const Members... members)
     {
@@ -241,7 +242,7 @@ namespace tombolo
           });
     }
 
-    /** A vector: a member of an item, or a function that gives it. */
+    /** A vector: a member of an item, or a function that returns it. */
     template <typename Member>
     NodeRecords &vector(const std::string &name, const Member member)
     {
@@ -260,14 +261,14 @@ namespace tombolo
     }
 
     /** The last column is that of a field which is @p field at nodes without an item: a node that
-     * has come by a division gets the mean of those between which it lies. */
+     * has come by a division has the mean of those between which it lies. */
     NodeRecords &of_field(const NodalVector &field)
     {
       *elsewhere = &field;
       return *this;
     }
 
-    /** A run that starts from the end of another takes the columns so far from there, where that
+    /** A run that starts from the end of another reads the columns so far from there, where that
      * has them, or what is called @p other. */
     NodeRecords &continues(const std::string &other = "")
     {
@@ -358,28 +359,29 @@ namespace tombolo
       return *this;
     }
 
-    /** Numbers, as many of each item, whose addresses @p of_item gives. */
-    template <typename OfItem>
-    ItemRecords &numbers(const std::string &name, const OfItem &of_item)
+    /** Numbers, as many of each item, whose addresses @p numbers_of returns. */
+    template <typename NumbersOf>
+    ItemRecords &numbers(const std::string &name, const NumbersOf &numbers_of)
     {
-      records.archived(name,
-                       [&items = items, is_first = is_first, name, of_item](StateArchive &archive)
-                       {
-                         std::vector<double> values;
-                         for (Item &item : items)
-                           for (const double *const number : of_item(item))
-                             values.push_back(*number);
-                         archive(name, values);
-                         Item any;
-                         const std::size_t n = of_item(any).size();
-                         if (values.size() % n != 0)
-                           archive.fail("\"" + name + "\" does not have " + std::to_string(n) +
-                                        " values for each of its items.");
-                         size(items, is_first, name, values.size() / n, archive);
-                         for (std::size_t k = 0, next = 0; k < items.size(); ++k)
-                           for (double *const number : of_item(items[k]))
-                             *number = values[next++];
-                       });
+      records.archived(
+          name,
+          [&items = items, is_first = is_first, name, numbers_of](StateArchive &archive)
+          {
+            std::vector<double> values;
+            for (Item &item : items)
+              for (const double *const number : numbers_of(item))
+                values.push_back(*number);
+            archive(name, values);
+            Item any;
+            const std::size_t n = numbers_of(any).size();
+            if (values.size() % n != 0)
+              archive.fail("\"" + name + "\" does not have " + std::to_string(n) +
+                           " values for each of its items.");
+            size(items, is_first, name, values.size() / n, archive);
+            for (std::size_t k = 0, next = 0; k < items.size(); ++k)
+              for (double *const number : numbers_of(items[k]))
+                *number = values[next++];
+          });
       is_first = false;
       return *this;
     }

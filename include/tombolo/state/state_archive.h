@@ -25,8 +25,8 @@ namespace tombolo
    * A checkpoint: an HDF5 file of named datasets, to be written or to be read. Functions are
    * the same for both directions. What objects keep is listed in their Records, which call these.
    *
-   * Values that are the same on all ranks are given to operator(); rank 0 writes them and all ranks
-   * read them. Values of owned nodes, of cells and of particles are rows with a persistent
+   * Values that are the same on all ranks are passed to operator(); rank 0 writes them and all
+   * ranks read them. Values of owned nodes, of cells and of particles are rows with a persistent
    * identifier, so that a file does not depend on the number of ranks that wrote it; ghosts are
    * never written. This rank's shares of sums over ranks come back to the same ranks bit by bit,
    * and to rank 0 on another number of ranks.
@@ -81,7 +81,7 @@ namespace tombolo
     };
 
     /** All names belong to the group called @p name within the present one, as long as the result
-     * lives. */
+     * exists. */
     [[nodiscard]] Group group(const std::string &name);
 
     /** Whether there is a dataset or a group of this name; true when writing. */
@@ -144,7 +144,7 @@ namespace tombolo
       return nodes->n_own();
     }
 
-    /** What vectors without nodes get on reading. */
+    /** The partition of vectors without nodes on reading. */
     void set_partition(std::shared_ptr<const NodePartition> nodes_to_read)
     {
       partition = std::move(nodes_to_read);
@@ -156,7 +156,7 @@ namespace tombolo
     /** Values at some owned nodes, zero at the others: entry k is at local node nodes[k], where
      * ghosts are left alone. On reading the values are sized as the nodes; those of nodes that the
      * file does not have are zero. With a division(), and the values @p elsewhere at the other
-     * nodes, these get the mean of those between which they lie. */
+     * nodes, these have the mean of those between which they lie. */
     void nodal(const std::string &name, const std::vector<unsigned int> &nodes,
                std::vector<std::array<double, 3>> &values, const NodalVector *elsewhere = nullptr);
 
@@ -185,7 +185,7 @@ namespace tombolo
       ArchiveFile::verify(file, communicator);
     }
 
-    /** How a mesh that is divided in the run goes over to the next one. */
+    /** The transfer from a mesh that is divided in the run to the next one. */
     struct Division
     {
       Clock clock;
@@ -194,12 +194,12 @@ namespace tombolo
     /** Where the archive is written on one mesh and read on another; else null. */
     Division *division()
     {
-      return of_division.get();
+      return division_data.get();
     }
     void divide(const Clock &clock)
     {
-      of_division = std::make_unique<Division>();
-      of_division->clock = clock;
+      division_data = std::make_unique<Division>();
+      division_data->clock = clock;
     }
 
     /** Throws an InputError that begins with the name of the file. */
@@ -215,9 +215,9 @@ namespace tombolo
     }
 
     void check_size(const std::string &name, const std::size_t given,
-                    const std::size_t wanted) const
+                    const std::size_t expected) const
     {
-      archive_file.check_size(path(name), given, wanted);
+      archive_file.check_size(path(name), given, expected);
     }
     template <typename Value>
     void global(const std::string &name, std::vector<Value> &values);
@@ -226,6 +226,6 @@ namespace tombolo
     std::string prefix; // of the present group, with its slash
     std::unique_ptr<ArchiveRows> nodes, row_set;
     std::shared_ptr<const NodePartition> partition;
-    std::unique_ptr<Division> of_division;
+    std::unique_ptr<Division> division_data;
   };
 } // namespace tombolo

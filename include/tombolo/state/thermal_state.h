@@ -29,7 +29,7 @@ namespace tombolo
     NodalVector next_unsmoothed_temperature;
     NodalVector next_temperature;
     NodalVector present_temperature; ///< θ^h at the present time, between the two
-    /** Heat at positions that has come from processes since t_n^θ and that nodes get at the end of
+    /** Heat at positions of processes since t_n^θ which nodes receive at the end of
      * the step, scalar, owned values [M L^2/T^2]. */
     NodalVector pending;
 
