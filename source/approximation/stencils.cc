@@ -65,7 +65,7 @@ namespace tombolo
       round_row(stencil.size, stencil.value, stencil.gradient,
                 all.data() + width * coefficient_start[i]);
     }
-    // φ and ∇φ begin at whole blocks, for the sake of the loads that follow the stores.
+    // φ and ∇φ begin at whole blocks, so that loads can follow the stores fast.
     last_row.resize(width * block_size * (largest / block_size + 2));
     rounded.swap(all);
     value.clear();

@@ -83,7 +83,7 @@ namespace tombolo
    * so that Σ Ψ_J = 1, Σ Ψ_J x_J = x and Ψ_J >= 0. r is the gradient of F(λ) = Σ w exp(λ·ξ), which
    * is strictly convex, and has a minimum where x is inside of the convex hull of its
    * neighbours; Newton's method with a rule of acceptance finds it. Neighbours in one plane (on one
-   * line) with x give the functions of that plane.
+   * line) with x have the functions of that plane.
    */
   template <int dim>
   class ConvexApproximation

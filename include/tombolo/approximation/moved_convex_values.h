@@ -291,7 +291,7 @@ namespace tombolo
     std::array<std::vector<double>, dim> initial, inverse_support, moved;
     std::size_t n_neighbours = 0;
 
-    // Of those that reach a point, by row, component and lane: rows of a lane beyond its own ones
+    // Of those that reach a point, by row, component and lane: rows of a lane beyond its own
     // have no weight.
     std::size_t n_rows = 0;
     std::array<unsigned int, most_places> n_active{};

@@ -111,7 +111,7 @@ namespace tombolo
         }
       }
 
-      /** Adds up M, and puts w_J into result and ∂_k w_J instead of their factors. */
+      /** Adds up M, and writes w_J into result and ∂_k w_J instead of their factors. */
       void multiply_weights(Lanes (&moment)[n][n])
       {
         for (unsigned int slot = 0; slot < longest; ++slot)
@@ -515,7 +515,7 @@ namespace tombolo
       batch.write(c, b, value, gradient);
 
       // The trace and the determinant, unlike single pivots, do not depend on the order of axes.
-      // They bound the condition by 4 (tr/n)^n/det, which few rows need to be looked at for; it is
+      // They bound the condition by 4 (tr/n)^n/det, which only few rows exceed; it is
       // NaN or negative where the matrix is singular.
       constexpr double suspicious = 1e5;
       Lanes determinant = 1., mean = 0.;

@@ -534,7 +534,7 @@ namespace tombolo
     dealii::AlignedVector<double> candidate_position[dim];
     dealii::AlignedVector<double> candidate_reach[dim];
 
-    // Results in the order of groups, before they are put into the order of rows.
+    // Results in the order of groups, before they are sorted into the order of rows.
     std::vector<unsigned int> found;
     std::vector<std::size_t> found_start;
     std::vector<unsigned int> found_count;

@@ -153,7 +153,7 @@ namespace tombolo
     using BoxesOfRank = std::array<Box, n_boxes>;
 
     /** One particle in a message: number, position, support and the last slot of its pad. Plain
-     * doubles travel without serialization; they hold the number exactly. */
+     * doubles are sent without serialization; they hold the number exactly. */
     static constexpr unsigned int message_size = 2 + 2 * dim;
 
     /** The boxes of all groups, by rank. Collective. */

@@ -25,8 +25,8 @@ namespace tombolo
 {
   /**
    * A kernel of the distance, W(r) = α w(r/(2h)) with the smoothing length h, zero for r >= 2h. The
-   * factor α makes its integral over the plane or space one; it comes from a quadrature, and so
-   * serves any Kernel.
+   * factor α makes its integral over the plane or space one; it is computed by a quadrature, for
+   * any Kernel.
    */
   template <int dim>
   class RadialKernel
@@ -124,7 +124,7 @@ namespace tombolo
     enum class Uncorrected
     {
       raw,  ///< they keep ∇φ_J as it is, and are listed in Stencils::uncorrected_rows
-      empty ///< they get no ∇φ, and are listed in Stencils::rank_deficient_rows
+      empty ///< they have no ∇φ, and are listed in Stencils::rank_deficient_rows
     };
 
     /** A row that cannot be corrected. */
@@ -202,8 +202,8 @@ namespace tombolo
     }
 
   private:
-    /** Entries that are treated together: one virtual call of the kernel serves them, and they stay
-     * in the first-level cache. */
+    /** Entries that are treated together: one virtual call of the kernel evaluates them, and they
+     * stay in the first-level cache. */
     static constexpr std::size_t block_entries = 512;
 
     /** Of distances: far from subnormal numbers, with which the machine is slow [L^2]. */

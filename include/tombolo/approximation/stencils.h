@@ -37,7 +37,7 @@ namespace tombolo
     /** Rounded rows instead of both, each φ before ∇φ; empty where there are none. */
     dealii::AlignedVector<float> rounded;
     /** Rows whose neighbours do not carry a linear basis, ascending: their φ is Shepard's,
-     * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
+     * w_J/Σw, and their ∇φ zero, so that the particle moves with its neighbours and is not
      * strained. Their deformation counts as the identity. */
     std::vector<unsigned int> rank_deficient_rows;
     /** Rows whose ∇φ counts as it is, ascending, where others have their deformation taken into
@@ -52,7 +52,7 @@ namespace tombolo
      * the nodes themselves. Otherwise both are spread by Φᵀ. */
     bool is_lumped = false;
     /** Of lumped rows: the mass that their forces accelerate over the lumped one. It differs from
-     * one beside other parts, where what S does to long waves ends. */
+     * one next to other parts, where what S does to long waves ends. */
     std::vector<double> accelerated_share;
     /** Lumped mass of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
