@@ -172,10 +172,10 @@ namespace tombolo
 
     double slow_yield_stress(const double plastic_strain, const double temperature) const override
     {
-      Return of_one;
-      store_lanes(Lanes(plastic_strain), of_one.strain);
-      evaluate_flow(of_one, Lanes(0.), temperature, 0.);
-      return of_one.flow[0];
+      Return single;
+      store_lanes(Lanes(plastic_strain), single.strain);
+      evaluate_flow(single, Lanes(0.), temperature, 0.);
+      return single.flow[0];
     }
 
     double melts_at() const override
@@ -263,10 +263,10 @@ namespace tombolo
       alignas(64) double theta[n_lanes], no_change[n_lanes] = {};
       store_lanes(temperature, theta);
       store_lanes(increment, points.increment);
-      const bool sees_temperature = flow_stress->depends_on_temperature();
+      const bool has_temperature = flow_stress->depends_on_temperature();
       flow_stress->evaluate({n_lanes, inverse_time_increment, points.strain, points.increment,
-                             sees_temperature ? theta : nullptr,
-                             sees_temperature ? no_change : nullptr, points.flow, points.slope});
+                             has_temperature ? theta : nullptr,
+                             has_temperature ? no_change : nullptr, points.flow, points.slope});
     }
 
     /** Finds the plastic increments of the points from @p i on; false where none flows. */
@@ -350,13 +350,13 @@ namespace tombolo
       Lanes work = 0.5 * (contract(old, flow) + contract(stress, flow)), stored = 0.;
       for (std::size_t k = 0; k < terms.size(); ++k)
       {
-        const std::array<double *, 6> place = back_stress(batch, k, i);
+        const std::array<double *, 6> back_entry = back_stress(batch, k, i);
         const Lanes w = 1. / (1. + terms[k].recovery * x);
         Tensor back = points.old_back[k];
         for (unsigned int c = 0; c < 6; ++c)
         {
           where(flows, back[c]) = w * (back[c] + (2. / 3.) * terms[k].modulus * flow[c]);
-          store_lanes(back[c], place[c]);
+          store_lanes(back[c], back_entry[c]);
         }
         stored += 0.75 / terms[k].modulus *
                   (contract(back, back) - contract(points.old_back[k], points.old_back[k]));
@@ -378,14 +378,14 @@ namespace tombolo
       }
     }
 
-    /** Takes what plastic flow takes from the elastic tangent of the points from @p i on:
+    /** Subtracts the share of plastic flow from the elastic tangent of the points from @p i on:
      * dΔp = N : ds_trial/D. */
     void soften(const unsigned int i, const Return &points, const MaterialTangent &tangent) const
     {
       constexpr double round_off = 1e-12;
       const Lanes x = load_lanes(points.increment), twice_shear = 2. * points.shear;
       Lanes share = x / points.effective; // Δp/|A|
-      // A point that stands on the yield surface flows or not by its last digit. Unloading begins
+      // Whether a point on the yield surface flows depends on its last digit. Unloading begins
       // there, and must not begin without the elastic stiffness.
       where(!(3. * points.shear * share > round_off), share) = 0.;
       const LaneMask flows = share > 0.;

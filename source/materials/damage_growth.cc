@@ -74,10 +74,10 @@ namespace tombolo
                                 temperature == nullptr ? nullptr : temperature + first,
                                 failure_strain};
       law->evaluate(points);
-      double *const of_points = damage + first;
+      double *const point_damage = damage + first;
 #pragma GCC ivdep
       for (unsigned int i = 0; i < size; ++i)
-        of_points[i] += increment[i] / failure_strain[i];
+        point_damage[i] += increment[i] / failure_strain[i];
     }
   }
 } // namespace tombolo

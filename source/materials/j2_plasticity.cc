@@ -18,12 +18,12 @@ namespace tombolo
 {
   namespace
   {
-    /** How the plastic work of a material heats its points, as its section says it. */
+    /** How the plastic work of a material heats its points, by its section. */
     struct AdiabaticHeating
     {
       AdiabaticHeating() = default;
       /** @p heat is the section "Heat" of the material, null without one; @p needs_temperature
-       * tells whether something depends on the temperature. Throws InputError. */
+       * says whether something depends on the temperature. Throws InputError. */
       AdiabaticHeating(const Entries &e, const ThermalProperties *const heat, const double density,
                        const FlowStress *const flow_stress, const bool needs_temperature)
       {
@@ -119,7 +119,7 @@ namespace tombolo
           strain[k] = old_strain[k] + increment[k];
       }
 
-      /** How many points are not yet found, and how many of them Newton's method puts outside of
+      /** How many points are not yet found, and how many of them Newton's method moves outside of
        * the bounds. */
       struct Progress
       {
@@ -157,17 +157,17 @@ namespace tombolo
         }
         return {n_open, n_outside};
       }
-      /** Takes the next values of Newton's method, and others where these are outside of the
+      /** Sets the next values of Newton's method, and others where these are outside of the
        * bounds, or at all points that are not yet found where @p narrows.
        */
-      void take_values_inside(const bool narrows)
+      void set_next_values(const bool narrows)
       {
         const unsigned int n_points = n;
         for (unsigned int k = 0; k < n_points; ++k)
         {
           const double x = increment[k], from = lower[k], to = upper[k], next = newton[k];
           // A step below the bounds comes from logarithms or powers of a Δp much smaller than
-          // thought, and is taken in ln Δp instead.
+          // assumed, and is taken in ln Δp instead.
           double exponent = (next - x) / x;
           exponent = exponent > -50. ? exponent : -50.;
           exponent = exponent < -0.7 ? exponent : -0.7;
@@ -189,7 +189,7 @@ namespace tombolo
    * in progress, with c at the initial temperature. Where points have a temperature
    * that the flow stress depends on, they keep their "yield stress" too, the flow stress of a slow
    * test at their strain and temperature: all three change with plastic flow only, so that powers
-   * and logarithms are taken where the material flows. Where the section asks for it, the pressure
+   * and logarithms are taken where the material flows. Where the section requests it, the pressure
    * is that of an equation of state, and points have a damage.
    */
   class J2Plasticity : public LinearElastic, public Melting
@@ -211,7 +211,7 @@ namespace tombolo
         DamageGrowth::create(e);
         return;
       }
-      sees_temperature = adiabatic.is_kept || (heat != nullptr && needs_temperature);
+      has_temperature = adiabatic.is_kept || (heat != nullptr && needs_temperature);
       keeps_yield_stress = heat == nullptr && flow_stress->depends_on_temperature();
       first_further_field =
           static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
@@ -248,7 +248,7 @@ namespace tombolo
     }
     void update_stress(MaterialBatch &batch) const override
     {
-      AssertThrow(!sees_temperature || adiabatic.is_kept || batch.temperature != nullptr,
+      AssertThrow(!has_temperature || adiabatic.is_kept || batch.temperature != nullptr,
                   ExcMessage("A material with a section Heat is advanced without a temperature."));
       advance_stress(batch, is_thermoelastic() ? batch.internal_variables[thermal_work] : nullptr);
       const auto advance =
@@ -261,16 +261,16 @@ namespace tombolo
     {
       AlignedVector<double> bulk(batch.n), shear(batch.n);
       elastic_moduli(batch.n, batch.temperature, bulk.begin(), shear.begin());
-      RadialReturnTangent of_step(batch, temperature_of(batch), adiabatic.per_work);
+      RadialReturnTangent step_tangent(batch, temperature_of(batch), adiabatic.per_work);
       update_stress(batch);
-      of_step.find(batch, *flow_stress, bulk.begin(), shear.begin(), tangent);
+      step_tangent.find(batch, *flow_stress, bulk.begin(), shear.begin(), tangent);
     }
     double slow_yield_stress(const double plastic_strain, const double temperature) const override
     {
       alignas(64) double at[2][n_lanes], yield[n_lanes], slope[n_lanes];
       store_lanes(Lanes(plastic_strain), at[0]);
       store_lanes(Lanes(temperature), at[1]);
-      evaluate_yield_stress(n_lanes, at[0], sees_temperature ? at[1] : nullptr, yield, slope);
+      evaluate_yield_stress(n_lanes, at[0], has_temperature ? at[1] : nullptr, yield, slope);
       return yield[0];
     }
     double melts_at() const override
@@ -299,13 +299,13 @@ namespace tombolo
                           batch.internal_variables[plastic_work] + begin, elastic_bulk_modulus());
       if (damage)
         damage->advance(batch, begin, n, old_strain, strain,
-                        sees_temperature ? temperature_of(batch) + begin : nullptr,
+                        has_temperature ? temperature_of(batch) + begin : nullptr,
                         batch.internal_variables.back() + begin);
     }
-    /** What the flow stress sees at the start of the step; null if it needs none. */
+    /** The temperature of the flow stress at the start of the step; null if it needs none. */
     const double *temperature_of(const MaterialBatch &batch) const
     {
-      if (!sees_temperature)
+      if (!has_temperature)
         return nullptr;
       return adiabatic.is_kept ? batch.internal_variables[own_temperature] : batch.temperature;
     }
@@ -340,8 +340,8 @@ namespace tombolo
         yield = batch.internal_variables[yield_stress] + begin;
       else
         evaluate_yield_stress(n, batch.internal_variables[effective_plastic_strain] + begin,
-                              sees_temperature ? temperature_of(batch) + begin : nullptr,
-                              chunk.flow, chunk.slope);
+                              has_temperature ? temperature_of(batch) + begin : nullptr, chunk.flow,
+                              chunk.slope);
 
       chunk.n = gather_yielding<with_tables>(batch, yield, begin, n, chunk);
       if (chunk.n == 0)
@@ -420,7 +420,7 @@ namespace tombolo
         store_lanes(Lanes(0.), chunk.lower + n_packed);
         store_lanes(upper, chunk.upper + n_packed);
         store_lanes(guess, chunk.increment + n_packed);
-        if (sees_temperature)
+        if (has_temperature)
           store_lanes(load_lanes(old_temperature + from), chunk.old_temperature + n_packed);
         n_packed += n_lanes;
       }
@@ -446,8 +446,8 @@ namespace tombolo
                                 inverse_time_increment,
                                 chunk.strain,
                                 chunk.increment,
-                                sees_temperature ? chunk.new_temperature : nullptr,
-                                sees_temperature ? chunk.temperature_change : nullptr,
+                                has_temperature ? chunk.new_temperature : nullptr,
+                                has_temperature ? chunk.temperature_change : nullptr,
                                 chunk.flow,
                                 chunk.slope};
 
@@ -456,7 +456,7 @@ namespace tombolo
       constexpr unsigned int max_iterations = 80;
       for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
       {
-        if (sees_temperature)
+        if (has_temperature)
           chunk.update_temperature<with_tables>(adiabatic.per_work, constant_threefold_shear);
         chunk.update_strain();
         flow_stress->evaluate(end);
@@ -466,7 +466,7 @@ namespace tombolo
         if (progress.n_outside == 0 && !narrows)
           std::copy_n(chunk.newton, chunk.n, chunk.increment);
         else
-          chunk.take_values_inside(narrows);
+          chunk.set_next_values(narrows);
         if (progress.n_open == 0)
           return;
       }
@@ -490,7 +490,7 @@ namespace tombolo
         for (unsigned int c = 0; c < 6; ++c)
           stress[c] = load_lanes(batch.stress[c] + from);
         const Lanes mean = (stress[0] + stress[1] + stress[2]) * (1. / 3.);
-        const LaneMask flows = increment > 0.; // others keep their digits beside those that flow
+        const LaneMask flows = increment > 0.; // the others keep their digits
         for (unsigned int c = 0; c < 6; ++c)
         {
           where(flows, stress[c]) = c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c];
@@ -535,7 +535,7 @@ namespace tombolo
     std::unique_ptr<const FlowStress> flow_stress;
     std::unique_ptr<const DamageGrowth> damage; // null: none
     unsigned int first_further_field = 0;       // those of pressure, then that of damage
-    bool sees_temperature = false;              ///< the flow stress is evaluated with a temperature
+    bool has_temperature = false;               ///< the flow stress is evaluated with a temperature
     bool keeps_yield_stress = false;
     AdiabaticHeating adiabatic;
   };

@@ -85,8 +85,8 @@ namespace tombolo
 #pragma GCC ivdep
         for (unsigned int i = 0; i < batch.n; ++i)
         {
-          const double wanted = d3 * triaxiality[i];
-          const double above = wanted > -largest_exponent ? wanted : -largest_exponent;
+          const double argument = d3 * triaxiality[i];
+          const double above = argument > -largest_exponent ? argument : -largest_exponent;
           const double exponent = above < largest_exponent ? above : largest_exponent;
           const double relative_rate = inverse_rate * rate[i];
           double strain = (d1 + d2 * std::exp(exponent)) *

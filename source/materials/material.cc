@@ -67,28 +67,28 @@ namespace tombolo
       {
         for (unsigned int c = 0; c < 6; ++c)
         {
-          std::copy_n(batch.stress[c], n, place(c));
-          std::copy_n(batch.strain_increment[c], n, place(6 + c));
+          std::copy_n(batch.stress[c], n, row_values(c));
+          std::copy_n(batch.strain_increment[c], n, row_values(6 + c));
         }
         for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
-          std::copy_n(batch.internal_variables[v], n, place(12 + v));
+          std::copy_n(batch.internal_variables[v], n, row_values(12 + v));
       }
 
       double *strain(const unsigned int component)
       {
-        return place(6 + component);
+        return row_values(6 + component);
       }
 
       void restore(MaterialBatch &batch)
       {
         for (unsigned int c = 0; c < 6; ++c)
-          std::copy_n(place(c), n, batch.stress[c]);
+          std::copy_n(row_values(c), n, batch.stress[c]);
         for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
-          std::copy_n(place(12 + v), n, batch.internal_variables[v]);
+          std::copy_n(row_values(12 + v), n, batch.internal_variables[v]);
       }
 
     private:
-      double *place(const std::size_t row)
+      double *row_values(const std::size_t row)
       {
         return values.data() + row * n;
       }

@@ -61,17 +61,17 @@ namespace tombolo
       const Section &section = e.section();
       strains = section.get_doubles("Plastic strains");
       over_rates = !section.get_doubles("Strain rates").empty();
-      const std::string of_rows = over_rates ? "Strain rates" : "Temperatures";
+      const std::string row_entry = over_rates ? "Strain rates" : "Temperatures";
       if (over_rates && !section.get_doubles("Temperatures").empty())
         section.fail("Strain rates", "rows are over the temperature or over the rate: empty "
                                      "`Temperatures`, or this entry.");
       if (over_rates && rate_factor.is_on())
         section.fail("Cowper-Symonds rate", "the table has `Strain rates` already: one of both.");
-      knots_of_rows = section.get_doubles(of_rows);
+      knots_of_rows = section.get_doubles(row_entry);
       if (strains.empty() || strains.front() != 0.)
         section.fail("Plastic strains", "allowed are numbers that increase from 0.");
       check_increasing(section, "Plastic strains", strains);
-      check_increasing(section, of_rows, knots_of_rows);
+      check_increasing(section, row_entry, knots_of_rows);
 
       const std::vector<std::vector<double>> rows = read_rows(section, "Flow stresses");
       const std::size_t n_rows = knots_of_rows.empty() ? 1 : knots_of_rows.size();
@@ -136,7 +136,7 @@ namespace tombolo
       for (unsigned int begin = 0; begin < batch.n; begin += n_lanes)
       {
         const double *const p = batch.plastic_strain + begin;
-        double t[n_lanes]; // where the rows are asked for
+        double t[n_lanes]; // where the rows are evaluated
         for (unsigned int lane = 0; lane < n_lanes && rows != Rows::one; ++lane)
           t[lane] = rows == Rows::over_rates
                         ? batch.increment[begin + lane] * batch.inverse_time_increment

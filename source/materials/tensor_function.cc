@@ -44,9 +44,9 @@ namespace tombolo
           m(r, q) = m(q, r) = sine * with_p + cosine * with_q;
           for (unsigned int i = 0; i < 3; ++i)
           {
-            const Lanes of_p = v(i, p), of_q = v(i, q);
-            v(i, p) = cosine * of_p - sine * of_q;
-            v(i, q) = sine * of_p + cosine * of_q;
+            const Lanes old_p = v(i, p), old_q = v(i, q);
+            v(i, p) = cosine * old_p - sine * old_q;
+            v(i, q) = sine * old_p + cosine * old_q;
           }
         }
       }
@@ -69,7 +69,7 @@ namespace tombolo
     }
 
     /** The entries of @p from in the lanes of @p mask to @p to. */
-    void take_lanes(const LaneMask &mask, const SymmetricTensor3 &from, SymmetricTensor3 &to)
+    void assign_lanes(const LaneMask &mask, const SymmetricTensor3 &from, SymmetricTensor3 &to)
     {
       for (unsigned int c = 0; c < 6; ++c)
         where(mask, to.entry[c]) = from.entry[c];
@@ -82,8 +82,8 @@ namespace tombolo
     const LaneMask is_in_series = argument.is_below(Function::largest_of_long);
     SymmetricTensor3 result = argument.series(Function::long_series);
     if (!all_of(is_in_series || is_small))
-      take_lanes(!is_in_series, by_principal_values(argument.x, Function::of_number), result);
-    take_lanes(is_small, argument.series(Function::short_series), result);
+      assign_lanes(!is_in_series, by_principal_values(argument.x, Function::scalar_value), result);
+    assign_lanes(is_small, argument.series(Function::short_series), result);
     return result;
   }
 

@@ -42,10 +42,10 @@ namespace tombolo
     // The initial temperature becomes a knot: enthalpies then add up from zero, away from it.
     knot_temperature =
         table_of_capacity.is_constant() ? std::vector<double>() : table_of_capacity.temperatures();
-    const auto place = std::lower_bound(knot_temperature.begin(), knot_temperature.end(), start);
-    first = static_cast<std::size_t>(place - knot_temperature.begin());
-    if (place == knot_temperature.end() || *place != start)
-      knot_temperature.insert(place, start);
+    const auto position = std::lower_bound(knot_temperature.begin(), knot_temperature.end(), start);
+    first = static_cast<std::size_t>(position - knot_temperature.begin());
+    if (position == knot_temperature.end() || *position != start)
+      knot_temperature.insert(position, start);
     const std::size_t n = knot_temperature.size();
     knot_capacity.resize(n);
     table_of_capacity.evaluate(static_cast<unsigned int>(n), knot_temperature.data(),

@@ -31,19 +31,19 @@ namespace tombolo
       return reference_rate > 0.;
     }
 
-    /** Multiplies the flow stress that stands in @p batch, with its slope. */
+    /** Multiplies the flow stress in @p batch, with its slope. */
     void apply(const FlowStressBatch &batch) const
     {
       if (!is_on())
         return;
       constexpr double smallest = 1e-6;
-      const double of_chord = std::pow(smallest, exponent) / smallest;
+      const double chord_slope = std::pow(smallest, exponent) / smallest;
       const double rate_of_increment = batch.inverse_time_increment / reference_rate;
       for (unsigned int i = 0; i < batch.n; ++i)
       {
         const double rate = rate_of_increment * batch.increment[i];
-        const double power = rate > smallest ? std::pow(rate, exponent) : of_chord * rate;
-        const double slope = rate > smallest ? exponent * power / rate : of_chord;
+        const double power = rate > smallest ? std::pow(rate, exponent) : chord_slope * rate;
+        const double slope = rate > smallest ? exponent * power / rate : chord_slope;
         batch.slope[i] =
             batch.slope[i] * (1. + power) + batch.flow_stress[i] * slope * rate_of_increment;
         batch.flow_stress[i] *= 1. + power;

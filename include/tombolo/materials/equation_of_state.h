@@ -43,7 +43,7 @@ namespace tombolo
   };
 
   /**
-   * The pressure of points by an EquationOfState, in the place of that of an elastic bulk modulus.
+   * The pressure of points by an EquationOfState, instead of that of an elastic bulk modulus.
    * The internal energy is E = e + W + Q: the pressure work e = -∫ p dJ, the plastic work W and
    * what artificial viscosity has dissipated, Q, all per unit of initial volume; the elastic energy
    * of the deviator is left out. With the trapezoidal rule for e, which is that of the forces in

@@ -93,7 +93,7 @@ namespace tombolo
    * the positions at its *end*. The gradient at the middle of the step is H (I - H/2)⁻¹, of which a
    * rigid rotation leaves no strain at all, however large (Hughes and Winget 1980). The strain has
    * the directions of the middle; it is turned by half the spin (to first order) to those of the
-   * end, where it meets the stress. Without that the stiffness of a spinning body has an
+   * end, as the stress has. Without that the stiffness of a spinning body has an
    * antisymmetric part of first order in the spin, and its shortest waves grow.
    */
   template <typename Number>

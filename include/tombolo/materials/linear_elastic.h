@@ -141,7 +141,7 @@ namespace tombolo
     }
 
   protected:
-    /** update_stress() with "thermal work" at this place, null where there is none. */
+    /** update_stress() with "thermal work" at this address, null where there is none. */
     void advance_stress(MaterialBatch &batch, double *const thermal_work) const
     {
       if (moduli_are_tables)
@@ -189,7 +189,7 @@ namespace tombolo
     void evaluate_moduli(const unsigned int n, const double *const temperature,
                          double *const bulk_at, double *const shear_at) const
     {
-      // First the tables, each in the place of one modulus.
+      // First the tables, each in the array of one modulus.
       young.evaluate(n, temperature, bulk_at);
       poisson.evaluate(n, temperature, shear_at);
 #pragma GCC ivdep
@@ -229,7 +229,7 @@ namespace tombolo
       return young / (2. * (1. + poisson));
     }
 
-    /** Points of which the moduli are at hand together. */
+    /** Points whose moduli are evaluated together. */
     static constexpr unsigned int points_per_chunk = 64;
 
     using ChunkValues = double[points_per_chunk];

@@ -44,8 +44,8 @@ namespace tombolo
   /**
    * The derivative of the stress of update_stress() with respect to the strain increment of the
    * step, of the points of a batch: entry 6 i + j is the array of ∂σ_i/∂Δε_j by components xx, yy,
-   * zz, yz, xz, xy, where the strain has tensor components and a shear component stands for both of
-   * its entries. As the stress that comes in and the strain increment make one trial stress, a
+   * zz, yz, xz, xy, where the strain has tensor components and a shear component is that of both of
+   * its entries. As the former stress and the strain increment make one trial stress, a
    * change δσ of the former acts as the strain C⁻¹ : δσ. [M/(L T^2)]
    */
   using MaterialTangent = std::array<double *, 36>;
@@ -60,7 +60,7 @@ namespace tombolo
                                        (row < 3 && column < 3 ? bulk - 2. / 3. * shear : 0.);
   }
 
-  /** A material: a function from strain increments to stress, in batches. It knows no mesh. */
+  /** A material: a function from strain increments to stress, in batches. It has no mesh. */
   class Material
   {
   public:
@@ -90,7 +90,7 @@ namespace tombolo
     }
 
     /**
-     * What a point must remember besides the stress. Names that others know:
+     * What a point must store besides the stress. Names with a meaning for others:
      * - "plastic work": energy that plastic flow has dissipated per unit of initial volume
      *   [M/(L T^2)]; enters "plastic dissipation", and heats in scenes with heat;
      * - "thermal work": energy that changes of the temperature have given to the elastic energy,
@@ -103,7 +103,7 @@ namespace tombolo
      *   plastic flow;
      * - "viscous work": what artificial viscosity has dissipated per unit of initial volume
      *   [M/(L T^2)]; the formulation adds to it;
-     * - "bulk modulus": the present one, in the place of bulk_modulus() in step estimates.
+     * - "bulk modulus": the present one, instead of bulk_modulus() in step estimates.
      */
     virtual std::vector<FieldDescription> internal_variables() const
     {

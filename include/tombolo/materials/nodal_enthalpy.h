@@ -15,7 +15,7 @@ namespace tombolo
   class NodalEnthalpy
   {
   public:
-    /** Forgets all. */
+    /** Clears all. */
     void reinit(const unsigned int n_nodes)
     {
       shares.clear();

@@ -24,9 +24,9 @@ namespace tombolo
   class RadialReturnTangent
   {
   public:
-    /** Keeps the plastic strain, the first internal variable of @p batch. @p temperature is what
-     * the flow stress sees at the start of the step without the heating of its end, null where it
-     * sees none. @p heating is the temperature per plastic work, which is the second variable. */
+    /** Keeps the plastic strain, the first internal variable of @p batch. @p temperature is that
+     * of the flow stress at the start of the step without the heating of its end, null where it
+     * has none. @p heating is the temperature per plastic work, which is the second variable. */
     RadialReturnTangent(const MaterialBatch &batch, const double *const temperature,
                         const double heating)
         : increment(batch.n), slope(batch.n), heating(heating)
@@ -73,7 +73,7 @@ namespace tombolo
       return squared;
     }
 
-    /** Takes away what plastic flow takes from the elastic tangent of point @p i. */
+    /** Subtracts the share of plastic flow from the elastic tangent of point @p i. */
     static void soften(const MaterialBatch &batch, const unsigned int i, const double shear,
                        const double increment, const double slope, const MaterialTangent &tangent)
     {
@@ -82,7 +82,7 @@ namespace tombolo
       const double squared = deviator_of(batch, i, s);
       const double flow = std::sqrt(squared), trial = flow + 3. * shear * increment;
       const double kept = flow / trial;
-      // A point that stands on the yield surface flows or not by its last digit. Unloading begins
+      // Whether a point on the yield surface flows depends on its last digit. Unloading begins
       // there, and must not begin without the elastic stiffness.
       if (1. - kept <= round_off)
         return;
@@ -104,9 +104,9 @@ namespace tombolo
     /** Evaluates the slope of the flow stress at the end of the step. */
     void evaluate_slope(const MaterialBatch &batch, const FlowStress &flow_stress)
     {
-      const bool sees_temperature = !temperature_without_own.empty();
+      const bool has_temperature = !temperature_without_own.empty();
       Numbers flow(batch.n), temperature(batch.n), temperature_change(batch.n);
-      for (unsigned int i = 0; sees_temperature && i < batch.n; ++i)
+      for (unsigned int i = 0; has_temperature && i < batch.n; ++i)
       {
         double s[6];
         temperature[i] = temperature_without_own[i] +
@@ -116,13 +116,13 @@ namespace tombolo
       }
       flow_stress.evaluate({batch.n, batch.time_increment > 0. ? 1. / batch.time_increment : 0.,
                             batch.internal_variables[plastic_strain_variable], increment.begin(),
-                            sees_temperature ? temperature.begin() : nullptr,
-                            sees_temperature ? temperature_change.begin() : nullptr, flow.begin(),
+                            has_temperature ? temperature.begin() : nullptr,
+                            has_temperature ? temperature_change.begin() : nullptr, flow.begin(),
                             slope.begin()});
     }
 
     Numbers increment;               // first the old plastic strain
-    Numbers temperature_without_own; // without the plastic heating of the step; empty: not seen
+    Numbers temperature_without_own; // without the plastic heating of the step; empty: not used
     Numbers slope;                   // H [M/(L T^2)]
     double heating;
   };

@@ -20,13 +20,13 @@ namespace tombolo
 
     const Lanes &operator()(const unsigned int i, const unsigned int j) const
     {
-      constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-      return entry[place[i][j]];
+      constexpr unsigned int index[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+      return entry[index[i][j]];
     }
   };
 
-  /** Has @p value found where this stands. A compiler that moves a sum of products behind a branch,
-   * to both sides, rounds another one of them first on each. */
+  /** Forces the evaluation of @p value here. A compiler that moves a sum of products behind a
+   * branch, to both sides, rounds another one of them first on each. */
   TOMBOLO_ALWAYS_INLINE void round_here([[maybe_unused]] Lanes &value)
   {
 #if defined(__GNUC__) && defined(__x86_64__)
@@ -70,21 +70,21 @@ namespace tombolo
     TOMBOLO_ALWAYS_INLINE SymmetricTensor3 series(const std::array<double, n> &a) const
     {
       // Of I, x and A.
-      Lanes of_identity = a[n - 2], of_x = a[n - 1], of_adjugate = 0.;
+      Lanes identity_factor = a[n - 2], x_factor = a[n - 1], adjugate_factor = 0.;
       TOMBOLO_UNROLL
       for (std::size_t k = n - 2; k > 0; --k)
       {
-        const Lanes of_both = of_identity + first * of_x;
-        of_identity = (k == 1 ? 0. : a[k - 1]) + third * of_adjugate - second * of_x;
-        of_adjugate = of_x;
-        of_x = of_both;
+        const Lanes next_factor = identity_factor + first * x_factor;
+        identity_factor = (k == 1 ? 0. : a[k - 1]) + third * adjugate_factor - second * x_factor;
+        adjugate_factor = x_factor;
+        x_factor = next_factor;
       }
       SymmetricTensor3 sum;
       TOMBOLO_UNROLL
       for (unsigned int c = 0; c < 6; ++c)
       {
-        sum.entry[c] = of_adjugate * adjugate.entry[c] + (c < 3 ? of_identity : Lanes(0.));
-        sum.entry[c] += of_x * x.entry[c];
+        sum.entry[c] = adjugate_factor * adjugate.entry[c] + (c < 3 ? identity_factor : Lanes(0.));
+        sum.entry[c] += x_factor * x.entry[c];
       }
       return sum;
     }
@@ -136,7 +136,7 @@ namespace tombolo
    * of a number. */
   struct InverseStretch
   {
-    static double of_number(const double x)
+    static double scalar_value(const double x)
     {
       return std::expm1(-2. * x);
     }
@@ -150,7 +150,7 @@ namespace tombolo
   /** Its inverse, -½ ln(1 + x). */
   struct StrainOfInverseStretch
   {
-    static double of_number(const double x)
+    static double scalar_value(const double x)
     {
       return -0.5 * std::log1p(x);
     }
@@ -161,12 +161,12 @@ namespace tombolo
     static constexpr std::array<double, 31> long_series = strain_series();
   };
 
-  /** A function of a tensor, in each lane by a series or by principal values, as its own size asks
-   * for: which points a lane has beside it, unused ones too, must not change a digit of it. */
+  /** A function of a tensor, in each lane by a series or by principal values, as its own size
+   * requires: other lanes, unused ones too, must not change a digit of it. */
   template <typename Function>
   SymmetricTensor3 function_by_size(const TensorArgument &argument, const LaneMask &is_small);
 
-  /** The same, without a look at the others where the tensors of all lanes are small. */
+  /** The same, without that distinction where the tensors of all lanes are small. */
   template <typename Function>
   TOMBOLO_ALWAYS_INLINE SymmetricTensor3 function_of(const SymmetricTensor3 &x)
   {
