@@ -14,7 +14,7 @@ namespace tombolo
 {
   namespace
   {
-    void take_force(const NodalVector &vector, const unsigned int node, NodalForces &result)
+    void append_force(const NodalVector &vector, const unsigned int node, NodalForces &result)
     {
       const double *const f = vector.node(node);
       if (f[0] == 0. && f[1] == 0. && f[2] == 0.)
@@ -23,11 +23,11 @@ namespace tombolo
       result.forces.push_back(Tensor<1, 3>({f[0], f[1], f[2]}));
     }
 
-    void take_all_forces(const NodalVector &vector, NodalForces &result)
+    void append_all_forces(const NodalVector &vector, NodalForces &result)
     {
       result.clear();
       for (unsigned int node = 0; node < vector.partition()->n_owned(); ++node)
-        take_force(vector, node, result);
+        append_force(vector, node, result);
     }
   } // namespace
 
@@ -36,7 +36,7 @@ namespace tombolo
   {
     result.clear();
     for (const unsigned int node : nodes)
-      take_force(vector, node, result);
+      append_force(vector, node, result);
   }
 
   void StepWork::begin_change(const NodalVector &velocity, double &work)
@@ -131,7 +131,7 @@ namespace tombolo
     if (bridge.has_particles())
     {
       buffer.add_to_owners();
-      take_all_forces(buffer, node_forces);
+      append_all_forces(buffer, node_forces);
     }
     else
     {
@@ -145,7 +145,7 @@ namespace tombolo
   void Action::collect(Bridge &bridge, NodalVector &buffer, NodalVector &total)
   {
     gather();
-    for_given([&](const unsigned int node) { take_force(values, node, node_forces); });
+    for_given([&](const unsigned int node) { append_force(values, node, node_forces); });
     if (acts_at != ActsAt::nodes)
       spread(bridge, buffer);
     for (std::size_t k = 0; k < node_forces.nodes.size(); ++k)

@@ -80,7 +80,7 @@ namespace tombolo
           dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
       if (grouped_cells == nullptr)
         continue;
-      // Some microseconds, and whole blocks of CellIntegration: fewer cells are not worth it.
+      // Some microseconds, and whole blocks of CellIntegration: fewer cells do not pay.
       constexpr unsigned int n_points_of_lane = 16;
       const unsigned int n_batches_of_piece = std::max(
           1u, n_points_of_lane / std::max(1u, model.parts[p].formulation->n_points_per_cell()));
@@ -90,12 +90,12 @@ namespace tombolo
         const bool are_early = is_early(*grouped_cells, begin);
         for (end = begin + 1; end < n_batches && is_early(*grouped_cells, end) == are_early; ++end)
           ;
-        const bool are_worth_it = are_early && end - begin >= n_batches_of_piece;
-        if (!are_worth_it && !late.empty() && late.back().part == p &&
+        const bool are_enough = are_early && end - begin >= n_batches_of_piece;
+        if (!are_enough && !late.empty() && late.back().part == p &&
             late.back().batches.end_batch == begin)
           late.back().batches.end_batch = end;
         else
-          (are_worth_it ? early : late)
+          (are_enough ? early : late)
               .push_back({p, grouped_cells, {1, begin, end}, n_batches_of_piece});
       }
     }

@@ -49,8 +49,8 @@ namespace tombolo
   double taken_by_change(const double before, const double after, const double step,
                          const MPI_Comm communicator)
   {
-    const double taken = 0.5 * step * (before - after);
-    return std::isfinite(dealii::Utilities::MPI::sum(taken, communicator)) ? taken : 0.;
+    const double dissipated = 0.5 * step * (before - after);
+    return std::isfinite(dealii::Utilities::MPI::sum(dissipated, communicator)) ? dissipated : 0.;
   }
 
   template double internal_power(const Model<2> &, double);

@@ -214,7 +214,7 @@ namespace tombolo
     if (has_mechanics)
       set_inertia();
     notify_processes();
-    settle_rows();
+    match_rows();
   }
 
   template <int dim>
@@ -223,7 +223,7 @@ namespace tombolo
     set_element_mass();
     set_inertia();
     notify_processes();
-    settle_rows();
+    match_rows();
   }
 
   template <int dim>
@@ -249,7 +249,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Model<dim>::settle_rows()
+  void Model<dim>::match_rows()
   {
     if (!has_mechanics || !heat)
       return;
@@ -350,7 +350,7 @@ namespace tombolo
         heat->update_shape_functions();
       if (bridge->operators() != Bridge::Operators::identity)
         bridge->update_nodal_mass();
-      settle_rows();
+      match_rows();
       return change;
     }
     renew_partition();
@@ -398,9 +398,9 @@ namespace tombolo
   template <int dim>
   bool Model<dim>::has_heat_sources() const
   {
-    const auto gives = [](const auto &process) { return process->actions.has_heat(); };
-    return heat != nullptr &&
-           (heat->has_plastic_heat() || std::any_of(processes.begin(), processes.end(), gives));
+    const auto has_sources = [](const auto &process) { return process->actions.has_heat(); };
+    return heat != nullptr && (heat->has_plastic_heat() ||
+                               std::any_of(processes.begin(), processes.end(), has_sources));
   }
 
   template <int dim>

@@ -30,7 +30,7 @@ namespace tombolo
              first_word != "group" && first_word != "mesh" && first_word != "from";
     }
 
-    /** The entries that stand in no section. */
+    /** The entries outside of sections. */
     void declare_names(const Entries &e)
     {
       e.text("Title", "", "", "A title for logs and pictures.");
@@ -172,7 +172,7 @@ namespace tombolo
       Part<dim> part;
       if (!parameters.attempt([&] { read_part(section, materials, part); }))
       {
-        are_complete = false; // which a part without a formulation says
+        are_complete = false; // which a part without a formulation marks
         part.formulation.reset();
         part.particles = nullptr;
       }
@@ -218,17 +218,17 @@ namespace tombolo
     unsigned int result = 1;
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
-      const unsigned int wanted = parts[p].formulation->degree();
-      if (wanted == 0 || wanted == result)
+      const unsigned int part_degree = parts[p].formulation->degree();
+      if (part_degree == 0 || part_degree == result)
         continue;
       for (unsigned int q = 0; q < p; ++q)
         if (parts[q].formulation->degree() != 0)
           part_sections[p].fail("Formulation", "the part has nodes of degree " +
-                                                   std::to_string(wanted) + ", but part \"" +
+                                                   std::to_string(part_degree) + ", but part \"" +
                                                    parts[q].name + "\" has degree " +
                                                    std::to_string(result) +
                                                    "; the parts of a scene share their nodes.");
-      result = wanted;
+      result = part_degree;
     }
     return result;
   }
@@ -275,7 +275,7 @@ namespace tombolo
 
   namespace
   {
-    /** Refuses what can be seen to be wrong with a condition without a mesh. Returns whether it is
+    /** Checks what can be checked of a condition without a mesh. Returns whether it is
      * one of radiation. */
     template <int dim>
     bool validate_condition(const Section &section, const Physics<dim> &physics)

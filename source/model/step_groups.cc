@@ -151,7 +151,7 @@ namespace tombolo
     {
       const double elapsed = group.age * clock.previous_step;
       if (elapsed == 0.)
-        continue; // stresses are those of now
+        continue; // stresses are the present ones
       find_velocity(x, group.position, elapsed, group.local, velocity);
       for (const Share &share : group.shares)
         for_group(*parts[share.part], group.ratio,

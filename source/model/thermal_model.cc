@@ -117,7 +117,7 @@ namespace tombolo
                                          const NodalVector &smoothed, NodalVector &heat_of_nodes)
   {
     assembly.assemble(bridge, smoothed, heat_of_nodes,
-                      [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
+                      [&](const Part<dim> &part, const NodalVector &part_field, NodalVector &result)
                       {
                         Stencils *const rows =
                             part.particles != nullptr && part.particles->pairs() == nullptr
@@ -127,7 +127,7 @@ namespace tombolo
                             rows == nullptr || rows->inverse_deformation_is_current;
                         if (!is_current)
                           NodalSmoothing::try_inverse_deformation<dim>(position.data(), *rows);
-                        part.formulation->add_conduction(position, field, seen, result);
+                        part.formulation->add_conduction(position, field, part_field, result);
                         // Heat that affects nothing must not change the forces, which compute their
                         // own.
                         if (!is_current)
@@ -272,7 +272,7 @@ namespace tombolo
     loads.set_zero();
     for (unsigned int i = 0; i < n_owned; ++i)
       *loads.node(i) = std::exchange(*state.pending.node(i), 0.);
-    loads.condense(); // nodes can hang since
+    loads.condense(); // nodes can depend on others since then
     std::vector<unsigned int> heated;
     for (unsigned int i = 0; i < n_owned; ++i)
       if (double &nodal_load = *loads.node(i); nodal_load != 0. && *bridge.mass().node(i) == 0.)

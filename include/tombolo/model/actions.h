@@ -74,15 +74,15 @@ namespace tombolo
    * step before rows or masses change, and go through checkpoints.
    *
    * It costs what its nodes cost, and one pass over the nodes of the rank where forces are spread
-   * by Φᵀ or nodes hang.
+   * by Φᵀ or nodes are dependent.
    */
   class Action : public NodalSource
   {
   public:
     Action(std::string name, ActsAt acts_at);
 
-    /** Books the work under the name @p energy: what it has done where the kind is external, and
-     * what it has taken otherwise. Without it the process accounts for its energies itself. */
+    /** Books the work under the name @p work_name: work done where the kind is external, and
+     * work received otherwise. Without it the process accounts for its energies itself. */
     Action &books(const std::string &work_name, const EnergyKind energy_kind)
     {
       energy = work_name;
@@ -90,7 +90,7 @@ namespace tombolo
       return *this;
     }
 
-    /** Its impulse comes from outside: momentum is not kept without it. */
+    /** Its impulse comes from outside: momentum is not conserved without it. */
     Action &comes_from_outside()
     {
       is_from_outside = true;
@@ -157,8 +157,8 @@ namespace tombolo
    * The heat of one source, at positions, as that of surfaces. It is made once, by
    * Actions::add_heat(); the process sets heat at local nodes, in add_heat() or with its forces,
    * at owned nodes (stays_on_rank()) at any time of the step, and all else is done as for forces.
-   * The heat waits in ThermalState::pending for the end of the thermal step, where nodes get it by
-   * Sᵀ Φᵀ. The balance of heat has what was given, as external, and what waits.
+   * The heat waits in ThermalState::pending for the end of the thermal step, where nodes receive it
+   * by Sᵀ Φᵀ. The balance of heat has what was added, as external, and what is pending.
    */
   class HeatAction : public NodalSource
   {
@@ -171,7 +171,7 @@ namespace tombolo
       add(node, heat);
     }
 
-    /** Adds what was given to @p pending at owned nodes (scalar); is called
+    /** Moves the heat of the process to @p pending at owned nodes (scalar); is called
      * for the process after it has set its forces. Collective. */
     void collect(NodalVector &pending);
 

@@ -12,9 +12,9 @@
 namespace tombolo
 {
   /**
-   * Forces of cells of elements that a rank can find while smoothed velocities travel: all of their
-   * nodes are its own, move alone (MassSplit::move_alone()) and depend on no others. These cells
-   * come first on several ranks, whether there was time to wait or not, so that sums have one
+   * Forces of cells of elements that a rank can find while smoothed velocities are exchanged: all
+   * of their nodes are its own, move alone (MassSplit::move_alone()) and depend on no others. These
+   * cells come first on several ranks, whether there was time to wait or not, so that sums have one
    * order. On one rank there are none.
    */
   template <int dim>
@@ -31,8 +31,8 @@ namespace tombolo
       return next < early.size();
     }
 
-    /** Adds the forces of the next of these cells, so few @p as_a_piece that a rank does not let
-     * others wait for long. */
+    /** Adds the forces of the next of these cells, so few @p as_a_piece that other ranks do
+     * not wait for long. */
     void add_next(const MechanicalInput &input,
                   const typename StepGroups<dim>::Evaluation &evaluate, bool as_a_piece,
                   NodalVector &force);

@@ -20,7 +20,7 @@ namespace tombolo
   public:
     using Vector = std::array<double, 3>;
 
-    /** Lets what was added in the last step count. */
+    /** Counts what was added in the last step. */
     void begin_step()
     {
       for (unsigned int d = 0; d < 3; ++d)
@@ -31,7 +31,7 @@ namespace tombolo
       pending_linear = pending_angular = {};
     }
 
-    /** Adds the impulse of a force at @p position in the step at hand. */
+    /** Adds the impulse of a force at @p position in the present step. */
     void add(const double *position, const Vector &impulse)
     {
       for (unsigned int d = 0; d < 3; ++d)
@@ -39,7 +39,7 @@ namespace tombolo
       add_moment(position, impulse.data(), pending_angular);
     }
 
-    /** Adds the impulse of the step at hand with its moment, or @p interval times a force and its
+    /** Adds the impulse of the present step with its moment, or @p interval times a force and its
      * moment. */
     void add(const Vector &impulse, const Vector &moment, const double interval = 1.)
     {

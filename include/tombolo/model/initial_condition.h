@@ -17,7 +17,7 @@ namespace tombolo
   template <int dim>
   struct Physics;
 
-  /** What a section "Initial condition: NAME" says. */
+  /** The content of a section "Initial condition: NAME". */
   template <int dim>
   struct InitialCondition
   {
@@ -42,12 +42,12 @@ namespace tombolo
   template <int dim>
   void validate_initial_conditions(const Parameters &parameters, const Physics<dim> &physics);
 
-  /** Sets velocities, temperatures and stresses of @p model as all initial conditions say, then the
+  /** Sets velocities, temperatures and stresses of @p model by all initial conditions, then the
    * velocities that conditions prescribe. Throws InputError. Collective. */
   template <int dim>
   void set_initial_conditions(const Parameters &parameters, Model<dim> &model);
 
-  /** An interval that is short beside the first step; a thousandth of 1e300 where nothing limits
+  /** An interval that is short against the first step; a thousandth of 1e300 where nothing limits
    * that. Collective. */
   template <int dim>
   double short_interval(const Model<dim> &model);

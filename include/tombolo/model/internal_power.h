@@ -11,8 +11,8 @@ namespace tombolo
   template <int dim>
   double internal_power(const Model<dim> &model, double step);
 
-  /** What a change of the model between two steps takes from the energy besides what it changes at
-   * once, this rank's share: ½ Δt times internal_power() @p before less that @p after. Forces of
+  /** The energy that a change of the model between two steps dissipates besides what it changes at
+   * once, this rank's share: ½ Δt times internal_power() @p before minus that @p after. Forces of
    * before work on the first half of the step, and the points that advance over the whole of it are
    * those of after. Zero where either is not a number on any rank. Collective. */
   double taken_by_change(double before, double after, double step, MPI_Comm communicator);

@@ -311,8 +311,8 @@ namespace tombolo
     void find_momentum(const Model<dim> &model, const std::vector<VisibleCells> &visible)
     {
       constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
-      // Each node within joined cells counts once, in the first of them; not where it goes on to
-      // move by itself.
+      // Each node within joined cells counts once, in the first of them; not where it remains
+      // an unknown.
       std::map<std::uint64_t, std::uint64_t> first_cell;
       std::set<std::uint64_t> free;
       for (std::size_t p = 0; p < visible.size(); ++p)
@@ -344,13 +344,13 @@ namespace tombolo
             continue;
           const std::uint64_t id = persistent_id(part_cells.cells[c]->id(), dim);
           model.nodes->cell_nodes(part_cells.cells[c], nodes);
-          std::set<std::uint64_t> seen;
+          std::set<std::uint64_t> counted;
           for (unsigned int child = 0; child < n_corners; ++child)
             for (unsigned int k = 0; k < n_corners; ++k)
             {
               const std::uint64_t node = part_cells.node(source.ids[child], k);
               if (child == k || first_cell.at(node) != id || free.count(node) > 0 ||
-                  !seen.insert(node).second)
+                  !counted.insert(node).second)
                 continue;
               const std::vector<CornerSource> corners = corner_of_child<dim>(child, k);
               Tensor<1, dim> excess = part_cells.velocity(source.ids[child], k);
@@ -366,7 +366,7 @@ namespace tombolo
     }
 
     RowSources node_sources;
-    /** What corners of owned joined cells get, by global numbers [M L/T]. */
+    /** What corners of owned joined cells receive, by global numbers [M L/T]. */
     std::vector<std::pair<dealii::types::global_dof_index, dealii::Tensor<1, dim>>> momenta;
     std::vector<PointTransfer<dim>> points; ///< of each part
   };

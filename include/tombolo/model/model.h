@@ -22,28 +22,28 @@
 
 namespace tombolo
 {
-  /** What those processes connect to that need more than functions of Process provide.
+  /** Signals for processes that need more than functions of Process provide.
    * Collective, but for part_force. */
   struct ModelSignals
   {
-    /** Masses, cells or rows are about to change: what has to be accounted for with the present
-     * ones, by the smoothed velocity of the rows as they are, is accounted for now. */
+    /** Masses, cells or rows are about to change: receivers account now for what depends on the
+     * present ones, by the smoothed velocity of the present rows. */
     Signal<> change;
-    /** Rows of a part are about to change in update_stencils(), and its successor: all have, with
+    /** Rows of a part are about to change in update_stencils(), and then: all have changed, with
      * the partition of before. */
     Signal<> rows_change, rows_changed;
-    /** The number of a part, the vector that its internal force at t_n goes to at local nodes,
+    /** The number of a part, the vector of its internal force at t_n at local nodes,
      * ghosts and images not collected yet, and whether it is added already. */
     Signal<std::size_t, const NodalVector &, bool> part_force;
     /** Owned nodes of which the first vector (scalar) is positive are about to be placed: where
-     * they are now, or those next to them on the surface of now, and where they go. Moves those
+     * they are now, or those next to them on the present surface, and where they go. Moves those
      * deeper in a surface than these, and those that touched it, to where they are as deep, and
      * marks them in the last vector (scalar). A node with less than one may leave a surface
      * steeply. */
     Signal<const Clock &, const NodalVector &, const NodalVector &, NodalVector &, NodalVector &>
         nodes_move;
     /** Nodes were placed anew, at positions to which no motion has led, as when a part is refilled;
-     * their former positions, with the ghosts of now. Emitted after Process::model_changed(). */
+     * their former positions, with the present ghosts. Emitted after Process::model_changed(). */
     Signal<const Clock &, const NodalVector &> nodes_placed;
     /** A step of bodies at rest begins, where nothing resists rates, and what is apart by less than
      * the length touches. Forces are requested at several positions, each time with the records
@@ -114,12 +114,12 @@ namespace tombolo
     /** The partition alone, where the state is read afterwards. Collective. */
     void set_partition();
 
-    /** No condition acts any more on the faces of these cells, each given by its nodes.
+    /** Removes the faces of these cells, each given by its nodes, from all conditions.
      * renew_masses() must follow. */
     void
     remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
 
-    /** For parts that a checkpoint was read into, before the state of nodes is: processes answer,
+    /** For parts that a checkpoint was read into, before the state of nodes is: processes respond,
      * then the partition, the parts and the masses are renewed. Collective. */
     void parts_were_read();
 
@@ -193,7 +193,7 @@ namespace tombolo
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
      */
-    void settle_rows();
+    void match_rows();
     /** The bridge for the present masses. */
     void set_inertia();
     void notify_processes();

@@ -52,7 +52,7 @@ namespace tombolo
   /** Whether cells can be divided while the run goes on (`Mesh/Adaptive refinement`). */
   bool divides_cells_in_run(const Parameters &parameters);
 
-  /** Fills an empty mesh as the section "Mesh" says, and refines it. Throws InputError, also where
+  /** Fills an empty mesh by the section "Mesh", and refines it. Throws InputError, also where
    * vertices are so far away that volumes would overflow. Collective. */
   template <int dim>
   void read_mesh(const Section &section, Mesh<dim> &mesh, MPI_Comm communicator);

@@ -8,7 +8,7 @@
 namespace tombolo
 {
   /** The kind of processes of a class that has no entries of its own. Made<dim> has a static
-   * function make(), which does what ProcessKind::create_one() says. */
+   * function make(), which does what ProcessKind::create_one() describes. */
   template <int dim, template <int> class Made>
   class PlainKind : public ProcessKind<dim>
   {
@@ -21,7 +21,7 @@ namespace tombolo
   };
 } // namespace tombolo
 
-/** Makes the class template Made<dim> known as a process by PlainKind. To stand once, in a source
+/** Registers the class template Made<dim> as a process by PlainKind. Once, in a source
  * file. */
 #define TOMBOLO_REGISTER_PROCESS(Made, order)                                                      \
   namespace                                                                                        \

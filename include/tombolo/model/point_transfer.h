@@ -188,7 +188,7 @@ namespace tombolo
           }
     }
 
-    /** Gives new points the volumes that they have at @p position, that of their state, with the
+    /** Sets the volumes of new points at @p position, that of their state, with the
      * integrals of what is held. */
     void settle_volumes(const Model<dim> &model, const NodalVector &position) const
     {
@@ -208,13 +208,13 @@ namespace tombolo
                      { are_new[i] = true; });
       formulation.find_volumes(position, are_new);
       // A volume at these positions over a volume ratio is not quite the initial volume.
-      std::map<std::pair<std::size_t, unsigned int>, double> taken;
+      std::map<std::pair<std::size_t, unsigned int>, double> volume_sum;
       for_new_points(
           [&](const unsigned int i, const std::vector<PointSource> &from,
               const CellSource::Kind kind)
           {
             if (kind == CellSource::Kind::parent)
-              taken[{from[0].cell, from[0].point}] += initial_volume(points, i);
+              volume_sum[{from[0].cell, from[0].point}] += initial_volume(points, i);
           });
       for_new_points(
           [&](const unsigned int i, const std::vector<PointSource> &from,
@@ -224,7 +224,7 @@ namespace tombolo
             for (const PointSource &source : from)
               before += volumes[source.cell * n_points + source.point];
             const double now = kind == CellSource::Kind::parent
-                                   ? taken.at({from[0].cell, from[0].point})
+                                   ? volume_sum.at({from[0].cell, from[0].point})
                                    : initial_volume(points, i);
             for (unsigned int f = 0; f < points.fields().size(); ++f)
               if (points.fields()[f].on_division == OnDivision::held)
@@ -275,7 +275,7 @@ namespace tombolo
       std::vector<std::vector<PointSource>> from;
       std::vector<double> volume; ///< initial ones
       /** The sum of the initial volumes of the points that are made of one. */
-      std::map<std::pair<std::size_t, unsigned int>, double> taken;
+      std::map<std::pair<std::size_t, unsigned int>, double> volume_sum;
     };
 
     void find_points(const Model<dim> &model)
@@ -316,7 +316,7 @@ namespace tombolo
                                                  [&](const unsigned int old_point)
                                                  { return old_position(cell, old_point); });
             sources.from[row * n_points + q].push_back({cell, r, 1.});
-            sources.taken[{cell, r}] += sources.volume[row * n_points + q];
+            sources.volume_sum[{cell, r}] += sources.volume[row * n_points + q];
           }
         for (unsigned int q = 0; q < n_points; ++q)
         {
@@ -355,12 +355,12 @@ namespace tombolo
         else if (kind == CellSource::Kind::children)
           result += value_of(source);
         else
-          result +=
-              value_of(source) * sources.volume[k] / sources.taken.at({source.cell, source.point});
+          result += value_of(source) * sources.volume[k] /
+                    sources.volume_sum.at({source.cell, source.point});
       return result;
     }
 
-    /** Gives points of new cells the gradient that the means of stress at nodes have; the mean of
+    /** Adds to points of new cells the gradient that the means of stress at nodes have; the mean of
      * those that are made of one point stays. */
     void add_gradient_of_stress(const Model<dim> &model) const
     {
@@ -401,7 +401,7 @@ namespace tombolo
                 means.emplace(std::make_pair(source.cell, source.point), Stress{}).first->second;
             for (unsigned int c = 0; c < 6; ++c)
               mean[c] += point_stress[k][c] * sources.volume[k] /
-                         sources.taken.at({source.cell, source.point});
+                         sources.volume_sum.at({source.cell, source.point});
           });
       MaterialPoints &points = formulation.points();
       for_new_points(

@@ -27,7 +27,7 @@ namespace tombolo
   {
     bool stencils = false; ///< values or neighbours of rows: the operators have another spectrum
     bool masses = false;   ///< inertia of nodes
-    bool cells = false;    ///< cells were removed: an earlier limit of the step says nothing
+    bool cells = false;    ///< cells were removed: an earlier limit of the step is not valid
 
     ModelChange &operator|=(const ModelChange &other)
     {
@@ -68,7 +68,7 @@ namespace tombolo
    * The few that need more connect to ModelSignals.
    *
    * All functions are collective and are called on all ranks, in the order of the processes, unless
-   * they say otherwise. Each has an empty default.
+   * stated otherwise. Each has an empty default.
    */
   template <int dim>
   class Process
@@ -91,7 +91,7 @@ namespace tombolo
      * checkpoint was read. */
     virtual void model_changed(const Model<dim> &) {}
 
-    /** Gives its actions their forces at t_n. @p force has the nodal forces of the parts and of the
+    /** Sets the forces of its actions at t_n. @p force has the nodal forces of the parts and of the
      * processes before this one, at owned nodes [M L/T^2]. */
     virtual void add_forces(const Model<dim> &, const Clock &, const NodalVector & /*force*/) {}
 
@@ -126,7 +126,7 @@ namespace tombolo
     };
     Roles roles;
 
-    /** Gives its sources of heat (Actions::add_heat()) that of a thermal step from @p begin to @p
+    /** Sets its sources of heat (Actions::add_heat()) to that of a thermal step from @p begin to @p
      * end, where it does not come with the steps of the mechanics. */
     virtual void add_heat(const Model<dim> &, double /*begin*/, double /*end*/) {}
 
@@ -172,7 +172,7 @@ namespace tombolo
       Signal<const TimeTable &, Json &> results;
       /** Write lines for the audit. */
       Signal<std::ostream &> audit;
-      /** Add what should be known then: sentences, the same on all ranks. */
+      /** Add warnings: sentences, the same on all ranks. */
       Signal<const Clock &, Occasion, std::vector<std::string> &> warnings;
       /** Add what outputs may show. Not collective. */
       Signal<OutputView<dim> &> views;
@@ -198,10 +198,10 @@ namespace tombolo
     /** Its forces and its heat, made in its constructor or in initialize(). */
     Actions actions;
 
-    /** What steps call: add_forces(), and @p force with what it has given. */
+    /** For steps: add_forces(), whose forces are added to @p force. */
     void act(const Model<dim> &model, const Clock &clock, NodalVector &force);
 
-    /** add_heat(), and what it has given. Returns whether the process ever heats. */
+    /** For steps: add_heat(). Returns whether the process has sources of heat. */
     bool give_heat(const Model<dim> &model, double begin, double end);
 
     /** constrain_acceleration(), and the actions that follow the acceleration. */
@@ -218,10 +218,10 @@ namespace tombolo
   };
 
   /**
-   * Makes the processes of one kind from a parameter file, or none. A kind is known by one line,
-   * TOMBOLO_REGISTER_PROCESS_KIND, in the source file of the process; nothing else in the library
-   * is edited. Kinds whose entries stand in sections of their own derive from this class; a process
-   * that the file names in `Processes` is a plug-in of kind Process.
+   * Makes the processes of one kind from a parameter file, or none. A kind is registered by one
+   * line, TOMBOLO_REGISTER_PROCESS_KIND, in the source file of the process; nothing else in the
+   * library is edited. Kinds whose entries are in sections of their own derive from this class; a
+   * process that the file names in `Processes` is a plug-in of kind Process.
    */
   template <int dim>
   class ProcessKind
@@ -255,7 +255,7 @@ namespace tombolo
     }
   };
 
-  /** Where a process stands among the others: lower ones come first. */
+  /** The order of processes: lower numbers come first. */
   namespace process_order
   {
     constexpr int damping = -10, sections = -5, prescribed_motion = 0, loads = 10, erosion = 20,
@@ -304,7 +304,7 @@ namespace tombolo
   extern template class Process<3>;
 } // namespace tombolo
 
-/** Makes the class template Kind<dim> known as a ProcessKind. To stand once, in a source file. */
+/** Registers the class template Kind<dim> as a ProcessKind. Once, in a source file. */
 #define TOMBOLO_REGISTER_PROCESS_KIND(Kind, order)                                                 \
   namespace                                                                                        \
   {                                                                                                \

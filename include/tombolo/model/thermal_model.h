@@ -115,11 +115,11 @@ namespace tombolo
     /** Whether plastic work can heat in this scene. */
     bool has_plastic_heat() const;
 
-    /** Takes the plastic heat that the points hold for the nodes, and adds it to @p enthalpy at
+    /** Moves the plastic heat from the points to @p enthalpy at
      * owned nodes. Collective. */
     void add_plastic_heat(NodalVector &enthalpy);
 
-    /** Gives nodes the heat that waits (ThermalState::pending), through Sᵀ Φᵀ. Collective. */
+    /** Adds the pending heat (ThermalState::pending) to nodes, through Sᵀ Φᵀ. Collective. */
     void add_pending_heat();
 
     /** Removes the heat of removed cells: that of the mass which these owned nodes have lost, at
@@ -138,8 +138,8 @@ namespace tombolo
     ThermalConditions<dim> conditions;
     Bridge bridge;
     NodalEnthalpy nodal_enthalpy;
-    // What lose_heat() took, on this rank: before the thermal step in progress, and the difference
-    // that it makes at its end.
+    // What lose_heat() removed, on this rank: before the thermal step in progress, and the
+    // difference that it makes at its end.
     double eroded_heat = 0, eroding_heat = 0;
     bool limit_is_outdated = false; ///< of explicit steps
     bool can_lose_heat = false;     ///< lose_heat() can be called in the run
