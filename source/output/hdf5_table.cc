@@ -26,16 +26,16 @@ namespace tombolo
     public:
       TablesAccess() : list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose)
       {
-        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told by return values
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are reported by return values
         H5Pset_libver_bounds(list, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
 #if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
-        // Who looks at the file meanwhile does not stop the run.
+        // A reader of the file must not stop the run.
         H5Pset_file_locking(list, false, true);
 #endif
       }
 
-      /** Takes a file from a run that was killed while it added rows. */
-      void forgive_open_file()
+      /** Accepts a file of a run that was killed while it added rows. */
+      void allow_open_file()
       {
         const hbool_t yes = true;
         H5Pset(list, "clear_status_flags", &yes);
@@ -110,7 +110,7 @@ namespace tombolo
       return H5Dset_extent(dataset, size) >= 0 ? "" : full_disk;
     }
 
-    /** Changes a copy of a file, or a new one where there is none, which then takes its place.
+    /** Changes a copy of a file, or a new one where there is none, which then replaces it.
      * Returns what is wrong, or nothing. */
     std::string replace_tables(const std::string &path,
                                const std::function<std::string(hid_t)> &change)
@@ -128,7 +128,7 @@ namespace tombolo
       if (!is_new)
       {
         fs::copy_file(path, temporary, fs::copy_options::overwrite_existing, code);
-        access.forgive_open_file();
+        access.allow_open_file();
       }
       if (!code)
       {
@@ -173,7 +173,7 @@ namespace tombolo
           const Hdf5Handle in_file(H5Dget_space(dataset), H5Sclose);
           const Hdf5Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
           H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
-          // Values may wait in memory until then, and closing does not tell all that fails.
+          // Values may wait in memory until then, and closing does not report all failures.
           is_written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT,
                                 values.data()) >= 0 &&
                        H5Fflush(file, H5F_SCOPE_LOCAL) >= 0;

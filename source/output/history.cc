@@ -182,7 +182,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void BalanceHistory<dim>::ask(const OutputView<dim> &at, const bool with_row)
+  void BalanceHistory<dim>::query(const OutputView<dim> &at, const bool with_row)
   {
     view = &at;
     adds_columns = with_row;
@@ -190,14 +190,14 @@ namespace tombolo
     present_summary.clear();
     present_largest.clear();
     if (const auto found = at.histories.find(kind.name); found != at.histories.end())
-      for (const auto &[place, fill] : found->second)
+      for (const auto &[order, fill] : found->second)
         fill(*this);
   }
 
   template <int dim>
   void BalanceHistory<dim>::begin(const OutputView<dim> &at)
   {
-    ask(at, false);
+    query(at, false);
     if (this->table.is_continued())
       return;
     last = now;
@@ -223,8 +223,8 @@ namespace tombolo
   {
     if (!kind.summary.empty())
     {
-      if (step_of_row != at.step) // the row has told it already
-        ask(at, false);
+      if (step_of_row != at.step) // the row has queried it already
+        query(at, false);
       summary_at_output = present_summary;
     }
     History<dim>::write(at, statistics);

@@ -28,7 +28,7 @@ namespace tombolo
     for (const auto &[order, output] : OutputOfScene::all())
     {
       switched_by[output.name] = output.switched_by;
-      if (output.is_wanted(section))
+      if (output.is_requested(section))
         names.push_back(output.name);
     }
     for (const std::string &name : section.get_list("Further outputs"))

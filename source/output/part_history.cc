@@ -18,12 +18,12 @@ namespace tombolo
       std::array<double, 5> sums{};
       for (unsigned int node = 0; node < partition.n_owned(); ++node)
       {
-        const double of_part = *mass.node(node);
-        if (of_part == 0.)
+        const double part_mass = *mass.node(node);
+        if (part_mass == 0.)
           continue;
-        sums[0] += of_part;
+        sums[0] += part_mass;
         // With lumped rows v̂ has other masses than the cells, together as much.
-        const double m = of_part * view.unsmoothed_share(node);
+        const double m = part_mass * view.unsmoothed_share(node);
         const double *const v = view.state->unsmoothed_velocity.node(node);
         for (unsigned int d = 0; d < 3; ++d)
         {

@@ -15,7 +15,7 @@ namespace tombolo
 
   namespace
   {
-    const OutputOfScene of_probes(
+    const OutputOfScene probes_registration(
         1, "probes", "its own Locations, Nodes, Mesh nodes, Where and Boundary",
         [](const Section &output)
         {
@@ -28,17 +28,17 @@ namespace tombolo
 
     const char *const points_file = "points.csv";
 
-    const OutputOfScene of_points(2, "point history", "its own Locations",
-                                  [](const Section &output) {
-                                    return output.subsection("point history").is_set("Locations");
-                                  });
+    const OutputOfScene
+        points_registration(2, "point history", "its own Locations",
+                            [](const Section &output)
+                            { return output.subsection("point history").is_set("Locations"); });
   } // namespace
 
   /**
    * Histories at material points: `points.csv`, whose rows have time, step, and of the point next
-   * to each place of `Locations`, by initial positions, the stress (xx, yy, zz, yz, xz, xy), its
-   * von Mises stress and what the material and the formulation remember there. Of points at the
-   * same distance the one that comes first by its coordinates is taken. It is looked for in each
+   * to each position of `Locations`, by initial positions, the stress (xx, yy, zz, yz, xz, xy), its
+   * von Mises stress and the internal variables of material and formulation there. Of points at the
+   * same distance the one that comes first by its coordinates is taken. It is searched for in each
    * row, so that it is the one that is there: where cells are divided a point of a child, where
    * they become particles one of these.
    */
@@ -54,8 +54,8 @@ namespace tombolo
              "integration point of an element or a particle: a list, separated by semicolons, of "
              "`name: x, y, z`, or without a name.");
       if (!e.declares())
-        places = NamedPlace<dim>::read(e.section(), "Locations", "point");
-      e.refuse(places.empty(), "Locations",
+        locations = NamedLocation<dim>::read(e.section(), "Locations", "point");
+      e.refuse(locations.empty(), "Locations",
                "give at least one location, for example `root: 0, 0, 0`");
     }
 
@@ -64,12 +64,12 @@ namespace tombolo
       if (!view.has_mechanics)
         this->section.fail("Locations", "the scene has no mechanics, and no material points");
       const double largest_cell = largest_cell_diameter(*view.nodes);
-      for (const NamedPlace<dim> &place : places)
-        if (const double distance = nearest(view, place.location).distance; distance > largest_cell)
+      for (const NamedLocation<dim> &named : locations)
+        if (const double distance = nearest(view, named.location).distance; distance > largest_cell)
           this->section.fail(
               "Locations",
               "the nearest material point is " + format_number(distance) + " away from \"" +
-                  place.name + "\", more than the largest cell measures (" +
+                  named.name + "\", more than the largest cell measures (" +
                   format_number(largest_cell) + "): this place is outside of the body");
       History<dim>::check(view);
     }
@@ -92,7 +92,7 @@ namespace tombolo
       }
     };
 
-    /** The material point next to a place, the same on all ranks. Collective. */
+    /** The material point next to a position, the same on all ranks. Collective. */
     Candidate nearest(const OutputView<dim> &view, const Point<dim> &location) const
     {
       const MPI_Comm communicator = view.nodes->communicator();
@@ -119,9 +119,9 @@ namespace tombolo
 
     void add_columns(const OutputView<dim> &view) override
     {
-      for (const NamedPlace<dim> &place : places)
+      for (const NamedLocation<dim> &named : locations)
       {
-        const Candidate found = nearest(view, place.location);
+        const Candidate found = nearest(view, named.location);
         const MaterialPoints &points = view.parts[found.part].formulation->points();
         const MPI_Comm communicator = view.nodes->communicator();
         const bool is_here = found.rank == Utilities::MPI::this_mpi_process(communicator);
@@ -135,22 +135,22 @@ namespace tombolo
             values[c] = points.component(f, c)[found.point];
           // One rank has the point: the sum only adds zeros to its values.
           Utilities::MPI::sum(std::vector<double>(values), communicator, values);
-          const std::string name = place.name + " " + field.name;
-          static const std::array<const char *, 6> of_tensor = {
+          const std::string name = named.name + " " + field.name;
+          static const std::array<const char *, 6> tensor_suffix = {
               {" xx", " yy", " zz", " yz", " xz", " xy"}};
           for (unsigned int c = 0; c < field.n_components; ++c)
             this->table.add(name + (field.n_components == 1   ? ""
-                                    : field.n_components == 6 ? of_tensor[c]
+                                    : field.n_components == 6 ? tensor_suffix[c]
                                                               : " " + std::to_string(c + 1)),
                             field.unit, values[c]);
           if (f == MaterialPoints::stress)
-            this->table.add(place.name + " von Mises stress", field.unit,
+            this->table.add(named.name + " von Mises stress", field.unit,
                             von_mises_stress(values.data()));
         }
       }
     }
 
-    std::vector<NamedPlace<dim>> places;
+    std::vector<NamedLocation<dim>> locations;
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, PointHistory, "point history",

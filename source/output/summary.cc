@@ -70,7 +70,7 @@ namespace tombolo
     (*root)["peak_memory_bytes"] =
         Utilities::MPI::sum(static_cast<std::uint64_t>(memory.VmHWM) * 1024, communicator);
 
-    // Last, where a reader looks for them.
+    // Last, where a reader expects them.
     (*root)["results"] = *case_results;
     directory.write("summary.json", [&](std::ostream &out) { out << json_text(*root); });
   }

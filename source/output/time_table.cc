@@ -27,13 +27,13 @@ namespace tombolo
 
   TableFormat::TableFormat(const Entries &e)
   {
-    const std::string wanted =
+    const std::string format_name =
         e.choice("Table format", "csv", "csv|hdf5|csv and hdf5",
                  "In which files the tables over time are: `csv`, a file of comma-separated values "
                  "for each, or `hdf5`, one file histories.h5 with a dataset for each, whose "
                  "attributes name columns and units.");
-    csv = wanted != "hdf5";
-    hdf5 = wanted != "csv";
+    csv = format_name != "hdf5";
+    hdf5 = format_name != "csv";
   }
 
   TimeTable::TimeTable(const std::string &file_name, const Rows rows)
@@ -168,10 +168,10 @@ namespace tombolo
                        "`: set it back, or resume into another output directory.");
   }
 
-  void TimeTable::open(const OutputDirectory &of_run, const UnitLabels &labels)
+  void TimeTable::open(const OutputDirectory &run_directory, const UnitLabels &labels)
   {
     const bool has_wrong_columns = has_other_columns(labels);
-    directory = std::make_unique<OutputDirectory>(of_run);
+    directory = std::make_unique<OutputDirectory>(run_directory);
     unit_labels = labels;
     if (rows == Rows::in_memory)
     {
@@ -321,9 +321,9 @@ namespace tombolo
     archive("is given", given);
     if (!archive.is_reading())
       return;
-    const auto check = [&](const char *const what, const std::size_t n, const std::size_t wanted)
+    const auto check = [&](const char *const what, const std::size_t n, const std::size_t expected)
     {
-      if (n != wanted)
+      if (n != expected)
         archive.fail("\"" + file_name + "/" + what + "\" has " + std::to_string(n) +
                      " values in it, but there are " + std::to_string(names.size()) +
                      " columns of " + std::to_string(n_kept_rows) + " rows.");

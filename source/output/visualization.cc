@@ -77,7 +77,7 @@ namespace tombolo
       {
         for (const auto &[name, terms] : view.nodal_forces)
         {
-          NodalVector &force = forces[name].of_nodes;
+          NodalVector &force = forces[name].nodal_values;
           force.reinit(view.state->partition());
           for (const auto &add_to : terms)
             add_to(force);
@@ -107,7 +107,7 @@ namespace tombolo
           displacements.push_back(position[d] - initial[d]);
           velocities.push_back(state.velocity.node(node)[d]);
           for (auto &[name, force] : forces)
-            force.of_points.push_back(force.of_nodes.node(node)[d]);
+            force.point_values.push_back(force.nodal_values.node(node)[d]);
           if (view.reaction)
             reactions.push_back(reaction.node(node)[d]);
         }
@@ -130,7 +130,7 @@ namespace tombolo
           piece.point_data.add("displacement", "L", 3, std::move(displacements));
           piece.point_data.add("velocity", "L/T", 3, std::move(velocities));
           for (auto &[name, force] : forces)
-            piece.point_data.add(name, "M L/T^2", 3, std::move(force.of_points));
+            piece.point_data.add(name, "M L/T^2", 3, std::move(force.point_values));
           if (view.reaction)
             piece.point_data.add("reaction", "M L/T^2", 3, std::move(reactions));
         }
@@ -145,8 +145,8 @@ namespace tombolo
     private:
       struct Force
       {
-        NodalVector of_nodes; ///< with ghosts
-        std::vector<double> of_points;
+        NodalVector nodal_values; ///< with ghosts
+        std::vector<double> point_values;
       };
 
       const OutputView<dim> &view;
@@ -300,16 +300,16 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &wanted)
+  VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &requested)
   {
-    VtuPiece piece(dim == 2 ? 9 : 12, 1u << dim, wanted.double_precision);
+    VtuPiece piece(dim == 2 ? 9 : 12, 1u << dim, requested.double_precision);
     const NodePartition &partition = *view.state->partition();
     const unsigned int degree = view.nodes->degree();
     const auto subcells = linear_cells<dim>(degree);
     const auto cells = cells_of_parts(view);
 
     NodeData<dim> node_data(view);
-    PointData<dim> point_data(view, wanted, false);
+    PointData<dim> point_data(view, requested, false);
     std::vector<std::int64_t> point_of_node(partition.n_local(), -1);
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> node_positions;
@@ -365,15 +365,15 @@ namespace tombolo
   }
 
   template <int dim>
-  VtuPiece make_particle_piece(const OutputView<dim> &view, const PictureFields &wanted)
+  VtuPiece make_particle_piece(const OutputView<dim> &view, const PictureFields &requested)
   {
-    VtuPiece piece(1, 1, wanted.double_precision);
+    VtuPiece piece(1, 1, requested.double_precision);
     const NodePartition &partition = *view.state->partition();
     const std::vector<std::uint64_t> &node_ids = view.nodes->persistent_ids();
     const NodalVector is_element_node = nodes_of_elements(view);
 
     NodeData<dim> node_data(view);
-    PointData<dim> point_data(view, wanted, true);
+    PointData<dim> point_data(view, requested, true);
     std::vector<std::uint64_t> ids;
     std::vector<double> unsmoothed_velocities, supports, masses;
     std::vector<std::int64_t> is_shared;
@@ -425,9 +425,9 @@ namespace tombolo
   template VtuPiece make_particle_piece<2>(const OutputView<2> &, const PictureFields &);
   template VtuPiece make_particle_piece<3>(const OutputView<3> &, const PictureFields &);
 
-  const OutputOfScene of_visualization(0, "visualization", "Output/Write solution",
-                                       [](const Section &output)
-                                       { return output.get_bool("Write solution"); });
+  const OutputOfScene visualization_registration(0, "visualization", "Output/Write solution",
+                                                 [](const Section &output)
+                                                 { return output.get_bool("Write solution"); });
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, Visualization, "visualization",
                                   "Cells and particles with all their fields, for ParaView (.pvtu, "

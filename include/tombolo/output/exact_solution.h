@@ -37,7 +37,7 @@ namespace tombolo
   class ExactSolution
   {
   public:
-    /** Whether the section gives anything. */
+    /** Whether the section sets anything. */
     static bool is_given(const Section &section)
     {
       return section.is_set("Stress") || section.is_set("Velocity") ||
@@ -58,7 +58,7 @@ namespace tombolo
           e.if_set<Expression<dim>>("Temperature", "temperature", "The exact temperature.", 1);
     }
 
-    /** Throws InputError if the section gives what no run can compare with. */
+    /** Throws InputError if the section sets what no run can compare with. */
     static void validate(const Section &section, const bool has_mechanics, const bool has_heat)
     {
       const ExactSolution solution(section);
@@ -87,19 +87,19 @@ namespace tombolo
     }
 
     /** xx; yy; zz; yz; xz; xy at an initial position. */
-    dealii::SymmetricTensor<2, 3> stress(const Point<dim> &place, const double time) const
+    dealii::SymmetricTensor<2, 3> stress(const Point<dim> &point, const double time) const
     {
       static constexpr unsigned int row[6] = {0, 1, 2, 1, 0, 0};
       static constexpr unsigned int column[6] = {0, 1, 2, 2, 2, 1};
       SymmetricTensor<2, 3> result;
       for (unsigned int c = 0; c < 6; ++c)
-        result[row[c]][column[c]] = stress_function->value(place, time, c);
+        result[row[c]][column[c]] = stress_function->value(point, time, c);
       return result;
     }
 
-    double temperature(const dealii::Point<dim> &place, const double time) const
+    double temperature(const dealii::Point<dim> &point, const double time) const
     {
-      return temperature_function->value(place, time);
+      return temperature_function->value(point, time);
     }
 
     /** Errors at @p time of the stress of the parts and of the nodal velocities, which are those of
@@ -117,11 +117,11 @@ namespace tombolo
           {
             const MaterialPoints &points = part->points();
             const double *const volume = points.component(MaterialPoints::volume, 0);
-            const auto &places = part->initial_point_positions();
+            const auto &positions = part->initial_point_positions();
             for (unsigned int i = 0; i < points.size(); ++i)
               for (unsigned int c = 0; c < 6; ++c)
               {
-                const double exact = stress_function->value(places[i], time, c);
+                const double exact = stress_function->value(positions[i], time, c);
                 const double error = points.component(MaterialPoints::stress, c)[i] - exact;
                 const double weight = volume[i] * (c < 3 ? 1. : 2.);
                 if (c == 0)
@@ -136,17 +136,17 @@ namespace tombolo
         if (has_velocity())
           for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
           {
-            const Point<dim> place = point_of<dim>(initial_position.node(i));
+            const Point<dim> point = point_of<dim>(initial_position.node(i));
             for (unsigned int d = 0; d < dim; ++d)
             {
-              const double exact = velocity_function->value(place, velocity_time, d);
+              const double exact = velocity_function->value(point, velocity_time, d);
               const double error = velocity.node(i)[d] - exact;
               sums[4] += *mass.node(i) * error * error;
               sums[5] += *mass.node(i) * exact * exact;
             }
           }
       };
-      // A function can be without a value where only one rank looks.
+      // A function can be without a value on one rank only.
       attempt_on_all_ranks<RunError>(velocity.partition()->communicator(), add);
       const std::array<double, 6> total = ordered_sum(sums, velocity.partition()->communicator());
       for (const auto &[exact, largest] :

@@ -17,7 +17,7 @@ namespace tombolo
    * Between two calls the file is closed, and it is whole at any time, so that a run that is killed
    * loses nothing that was written before: rows are added in the mode of HDF5 for a single writer
    * and many readers, which orders what it writes, and all other changes are made to a copy that
-   * takes the place of the file.
+   * replaces the file.
    */
   class Hdf5Table
   {
@@ -31,7 +31,7 @@ namespace tombolo
 
     explicit Hdf5Table(const std::string &name) : name(name) {}
 
-    /** Begins the table anew, or goes on after its first @p first_rows rows where these are not
+    /** Begins a new table, or goes on after its first @p first_rows rows where these are not
      * zero. Throws RunError on every rank where they are not there or the file cannot be written.
      * Collective. */
     void begin(const OutputDirectory &directory, const std::vector<Column> &columns,

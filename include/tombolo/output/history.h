@@ -22,7 +22,7 @@ namespace tombolo
   class History : public Output<dim>
   {
   public:
-    /** The names of the entries that say when there are rows, and the default of the first. */
+    /** The names of the entries that set when there are rows, and the default of the first. */
     struct RowEntries
     {
       const char *steps = "Steps between rows", *by_default = "10", *time = "Time between rows";
@@ -47,8 +47,8 @@ namespace tombolo
     /** Adds the columns of the present row to the table. Collective. */
     virtual void add_columns(const OutputView<dim> &view) = 0;
 
-    /** Refuses columns that are not those of the run that is resumed, where it can say more than
-     * the table. */
+    /** Refuses columns that are not those of the run that is resumed, where its message can be more
+     * precise than that of the table. */
     virtual void check_columns(const OutputDirectory & /*directory*/, const UnitLabels &) {}
 
     /** Whether the step that has ended has a row. */
@@ -57,7 +57,7 @@ namespace tombolo
     /** The row was written. */
     virtual void end_row(const OutputView<dim> & /*view*/) {}
 
-    /** Writes a row of now. Collective. */
+    /** Writes the present row. Collective. */
     void write_row(const OutputView<dim> &view);
 
     /** Adds the components of a vector to the row: all of one of rotation that can differ from
@@ -74,35 +74,35 @@ namespace tombolo
     double next_time = 0; ///< of a row, with a time between rows
   };
 
-  /** What a table of histories of things of one kind is called, and what it has. */
+  /** The name of a table of histories of items of one kind, and what it contains. */
   struct HistoryOfBalances
   {
     std::string name, file_name;
     std::string description; ///< of the output
-    /** Whether impulses of the row at t_n go until t_{n+1/2}; else until what balances say. */
+    /** Whether impulses of the row at t_n go until t_{n+1/2}; else until that of balances. */
     bool is_ahead = false;
-    /** Whether an entry says what moments are about, which balances have about the origin. */
+    /** Whether an entry sets the reference point of moments, which is the origin for balances. */
     bool has_reference_point = false;
     std::string summary{}, largest{}; ///< its group there, and see summarize_largest()
   };
 
-  /** Makes a table of histories known as an output: a static object in the file of who fills it.
+  /** Registers a table of histories as an output: a static object in the file that fills it.
    * Other than with the second constructor, scenes name it in `Further outputs`. */
   struct HistoryRegistration
   {
     explicit HistoryRegistration(const HistoryOfBalances &kind);
     HistoryRegistration(const HistoryOfBalances &kind, const int order,
                         const std::string &switched_by,
-                        const std::function<bool(const Section &)> &is_wanted)
+                        const std::function<bool(const Section &)> &is_requested)
         : HistoryRegistration(kind)
     {
-      OutputOfScene(order, kind.name, switched_by, is_wanted);
+      OutputOfScene(order, kind.name, switched_by, is_requested);
     }
   };
 
   /**
-   * A history of things of one kind, such as contacts or sections, each with columns whose names
-   * begin with its own. It is filled by those who have them:
+   * A history of items of one kind, such as contacts or sections, each with columns whose names
+   * begin with its own. It is filled by the processes that have them:
    *
    * @verbatim
    *   this->observed.history("section history",
@@ -184,19 +184,19 @@ namespace tombolo
       return now.size() <= last.size() ? last[now.size() - 1] : now.back();
     }
 
-    /** Lets the items tell what they are, and add columns to the present row if @p with_row. */
-    void ask(const OutputView<dim> &view, bool with_row);
+    /** Collects what the items are, and adds columns to the present row if @p with_row. */
+    void query(const OutputView<dim> &view, bool with_row);
     void begin(const OutputView<dim> &view) override;
     void add_columns(const OutputView<dim> &view) override
     {
-      ask(view, true);
+      query(view, true);
     }
     void end_row(const OutputView<dim> &view) override;
 
     HistoryOfBalances kind;
     std::vector<double> reference_point;      ///< of moments; empty: that of the items [L]
-    const OutputView<dim> *view = nullptr;    ///< while items are asked
-    bool adds_columns = false;                ///< while they are asked for a row
+    const OutputView<dim> *view = nullptr;    ///< while items are queried
+    bool adds_columns = false;                ///< while they are queried for a row
     std::vector<ImpulseBalance> now, last;    ///< at this row, and at the one before
     double time_of_row = 0;                   ///< until which impulses of the last row go
     double time_of_work = 0;                  ///< until which its works go

@@ -31,7 +31,7 @@ namespace tombolo
   template <int dim>
   class ContactSurface;
 
-  /** A part, as outputs see it. */
+  /** A part, as outputs use it. */
   template <int dim>
   struct OutputPart
   {
@@ -45,7 +45,7 @@ namespace tombolo
     std::function<NodalVector()> nodal_mass;
   };
 
-  /** A surface beside the bodies that acts on them, as outputs see it. */
+  /** A surface beside the bodies that acts on them, as outputs use it. */
   template <int dim>
   struct OutputSurface
   {
@@ -137,7 +137,7 @@ namespace tombolo
     /** At the end: adds to `results` of the summary, and writes what is left. */
     virtual void finish(Json & /*results*/) {}
 
-    /** What the user shall read on the screen, asked for after write() and after finish(); empty
+    /** A text for the screen, called after write() and after finish(); empty
      * for nothing. Not collective; that of rank 0 is printed. */
     virtual std::string report() const
     {
@@ -160,25 +160,25 @@ namespace tombolo
   template <int dim>
   std::vector<std::string> output_names(const Section &section);
 
-  /** Makes what section Output asks for: the outputs of the scene, then `Further outputs`, each in
+  /** Makes what section Output requests: the outputs of the scene, then `Further outputs`, each in
    * their order. Needs no mesh and writes nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);
 
   /** An output that is not named in `Further outputs`: a scene has it where it has what the output
-   * shows. A static object makes it known. */
+   * shows. A static object registers it. */
   struct OutputOfScene
   {
     OutputOfScene(const int order, const std::string &name, const std::string &switched_by,
-                  const std::function<bool(const Section &)> &is_wanted)
-        : name(name), switched_by(switched_by), is_wanted(is_wanted)
+                  const std::function<bool(const Section &)> &is_requested)
+        : name(name), switched_by(switched_by), is_requested(is_requested)
     {
       all().emplace(order, *this);
     }
 
-    std::string name;                               ///< of the plug-in
-    std::string switched_by;                        ///< for messages
-    std::function<bool(const Section &)> is_wanted; ///< from section Output
+    std::string name;                                  ///< of the plug-in
+    std::string switched_by;                           ///< for messages
+    std::function<bool(const Section &)> is_requested; ///< from section Output
 
     /** All of them, by their order. */
     static std::multimap<int, OutputOfScene> &all();

@@ -24,7 +24,7 @@ namespace tombolo
   {
   public:
     /** Reads section Output. Throws InputError where more than one of `Times`, `Interval` and
-     * `Number` is set, or a time is outside [start, end], or stands twice. */
+     * `Number` is set, or a time is outside [start, end], or is repeated. */
     OutputSchedule(const Section &section, const double start_time, const double end_time)
         : start_time(start_time), statistics_interval(section.get_double("Statistics interval"))
     {

@@ -22,7 +22,7 @@
 
 namespace tombolo
 {
-  /** How pictures are written, and which fields they have only because they are asked for: entries
+  /** How pictures are written, and which fields they have only on request: entries
    * `Format`, `Precision` and `Further fields`. */
   struct PictureFields
   {
@@ -34,7 +34,7 @@ namespace tombolo
 
     PictureFields() = default;
 
-    /** Throws InputError for a field that cannot be asked for. */
+    /** Throws InputError for a field that cannot be requested. */
     explicit PictureFields(const Entries &e)
     {
       xdmf = e.choice("Format", "vtu", "vtu|xdmf",
@@ -53,7 +53,7 @@ namespace tombolo
         names.push_back(name);
         allowed += (allowed.empty() ? "" : ", ") + name;
       }
-      for (const std::string &wanted : e.list(
+      for (const std::string &field_name : e.list(
                "Further fields", "",
                "Fields that are written only on request, separated by commas: `logarithmic "
                "strain` (Hencky's, ½ ln(F Fᵀ)), `principal stresses` (`principal stress 1` is the "
@@ -62,13 +62,13 @@ namespace tombolo
       {
         bool is_known = false;
         for (const auto &[name, field] : further_fields())
-          if (name == wanted)
+          if (name == field_name)
             is_known = this->*field = true;
         if (is_known)
           continue;
-        const std::string nearest = nearest_name(wanted, names);
+        const std::string nearest = nearest_name(field_name, names);
         e.section().fail("Further fields",
-                         "there is no field \"" + wanted + "\" that is written on request" +
+                         "there is no field \"" + field_name + "\" that is written on request" +
                              (nearest.empty() ? "." : ", did you mean \"" + nearest + "\"?") +
                              " Allowed: " + allowed + ".");
       }
@@ -95,9 +95,10 @@ namespace tombolo
   class PointData
   {
   public:
-    PointData(const OutputView<dim> &view, const PictureFields &wanted, const bool of_particles)
-        : view(view), wanted(wanted),
-          fields(point_fields(view, of_particles, wanted.internal_fields)), values(fields.size())
+    PointData(const OutputView<dim> &view, const PictureFields &requested, const bool for_particles)
+        : view(view), requested(requested),
+          fields(point_fields(view, for_particles, requested.internal_fields)),
+          values(fields.size())
     {}
 
     /** Sets the part of the points of the following add(). */
@@ -142,7 +143,7 @@ namespace tombolo
       if (fields.empty())
         return;
       add_derived(indices, weights);
-      if (wanted.logarithmic_strain)
+      if (requested.logarithmic_strain)
       {
         const SymmetricComponents strain = logarithmic_strain(deformation_gradient());
         strains.insert(strains.end(), strain.begin(), strain.end());
@@ -165,10 +166,10 @@ namespace tombolo
           data.add("exact stress", unit, 6, std::move(exact_stresses));
         data.add("pressure", unit, 1, std::move(pressures));
         data.add("von Mises stress", unit, 1, std::move(von_mises_stresses));
-        if (wanted.principal_stresses)
+        if (requested.principal_stresses)
           for (unsigned int d = 0; d < 3; ++d)
             data.add("principal stress " + std::to_string(d + 1), unit, 1, std::move(principal[d]));
-        if (wanted.logarithmic_strain)
+        if (requested.logarithmic_strain)
           data.add("logarithmic strain", "1", 6, std::move(strains));
       }
     }
@@ -181,11 +182,11 @@ namespace tombolo
       const double *const stress = &*(values[MaterialPoints::stress].end() - 6);
       pressures.push_back(pressure(stress));
       von_mises_stresses.push_back(von_mises_stress(stress));
-      if (wanted.principal_stresses)
+      if (requested.principal_stresses)
       {
-        const std::array<double, 3> of_entity = principal_values(stress);
+        const std::array<double, 3> entity_principal = principal_values(stress);
         for (unsigned int d = 0; d < 3; ++d)
-          principal[d].push_back(of_entity[d]);
+          principal[d].push_back(entity_principal[d]);
       }
       if (!view.exact_stress)
         return;
@@ -222,13 +223,13 @@ namespace tombolo
 
     /** The standard fields, then internal variables by name. */
     static std::vector<FieldDescription>
-    point_fields(const OutputView<dim> &view, const bool of_particles, const bool with_internal)
+    point_fields(const OutputView<dim> &view, const bool for_particles, const bool with_internal)
     {
       std::vector<FieldDescription> result;
       if (!view.has_mechanics)
         return result;
       for (const OutputPart<dim> &part : view.parts)
-        if ((part.particles != nullptr) == of_particles && has_points(part))
+        if ((part.particles != nullptr) == for_particles && has_points(part))
           for (const FieldDescription &field : part.formulation->points().fields())
           {
             if (field.is_internal && !with_internal)
@@ -246,7 +247,7 @@ namespace tombolo
     }
 
     const OutputView<dim> &view;
-    PictureFields wanted;
+    PictureFields requested;
     std::vector<FieldDescription> fields;
     std::vector<std::vector<double>> values;
     std::vector<double> pressures, von_mises_stresses, exact_stresses, strains;

@@ -30,37 +30,37 @@
 
 namespace tombolo
 {
-  /** A place that an output is asked for, and what its columns are called. */
+  /** A location of which an output is requested, and the name of its columns. */
   template <int dim>
-  struct NamedPlace
+  struct NamedLocation
   {
     std::string name;
     dealii::Point<dim> location;
 
-    /** The places of an entry, a list, separated by semicolons, of `name: x, y, z`; one without a
-     * name is called @p word and its number in the list. Throws InputError. */
-    static std::vector<NamedPlace> read(const Section &section, const std::string &entry,
-                                        const std::string &word)
+    /** The locations of an entry, a list, separated by semicolons, of `name: x, y, z`; one without
+     * a name is called @p word and its number in the list. Throws InputError. */
+    static std::vector<NamedLocation> read(const Section &section, const std::string &entry,
+                                           const std::string &word)
     {
-      std::vector<NamedPlace> result;
+      std::vector<NamedLocation> result;
       for (const std::string &text : dealii::Utilities::split_string_list(section.get(entry), ';'))
       {
-        const auto place =
-            read_place(text, section, entry, word + " " + std::to_string(result.size() + 1));
+        const auto named =
+            read_one(text, section, entry, word + " " + std::to_string(result.size() + 1));
         if (std::any_of(result.begin(), result.end(),
-                        [&](const NamedPlace &other) { return other.name == place.name; }))
-          section.fail(entry, "two " + word + "s are called \"" + place.name + "\"");
-        result.push_back(place);
+                        [&](const NamedLocation &other) { return other.name == named.name; }))
+          section.fail(entry, "two " + word + "s are called \"" + named.name + "\"");
+        result.push_back(named);
       }
       return result;
     }
 
   private:
-    static NamedPlace read_place(const std::string &text, const Section &section,
-                                 const std::string &entry, const std::string &name)
+    static NamedLocation read_one(const std::string &text, const Section &section,
+                                  const std::string &entry, const std::string &name)
     {
       const std::size_t colon = text.rfind(':');
-      NamedPlace result{
+      NamedLocation result{
           colon == std::string::npos ? name : dealii::Utilities::trim(text.substr(0, colon)), {}};
       if (result.name.empty())
         section.fail(entry, "\"" + text + "\" has no name before the colon");
@@ -82,12 +82,12 @@ namespace tombolo
    * displacement and velocity (of half a step before) and, in scenes with heat, temperature of its
    * node.
    *
-   * `Locations` lists places, to which the nearest node at the start is taken:
+   * `Locations` lists positions, of each of which the nearest node at the start is used:
    * `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called "probe" and its number in
    * the list. Of nodes at the same distance the one with the smallest persistent id is taken, so
    * the choice does not depend on the number of ranks. `Nodes` lists persistent ids, and all nodes
    * on `Boundary` and where `Where` holds are taken: these are called "node" and their persistent
-   * id at the start, and those of a region stand in its order. `Mesh nodes` lists numbers of the
+   * id at the start, and those of a region are in its order. `Mesh nodes` lists numbers of the
    * mesh file; these are called "mesh node" and their number there.
    */
   template <int dim>
@@ -96,7 +96,7 @@ namespace tombolo
   public:
     explicit Probes(const Entries &e) : History<dim>(e, probes_file, {"Steps", "1", "Interval"})
     {
-      this->records.value("places of nodes", places).optional();
+      this->records.value("places of nodes", initial_coordinates).optional();
       this->records.value("numbers of nodes", chosen).optional();
       this->records.value("choice of nodes", choice).optional();
       e.text("Locations", "", "L",
@@ -104,22 +104,22 @@ namespace tombolo
              "nearest node is taken: a list, separated by semicolons, of `name: x, y, z`, or "
              "without a name.");
       if (!e.declares())
-        for (const NamedPlace<dim> &place :
-             NamedPlace<dim>::read(e.section(), "Locations", "probe"))
-          add({place.name, place.location, {}});
+        for (const NamedLocation<dim> &named :
+             NamedLocation<dim>::read(e.section(), "Locations", "probe"))
+          add({named.name, named.location, {}});
       n_locations = probes.size();
-      const std::string of_nodes = e.text(
+      const std::string nodes_text = e.text(
           "Nodes", "", "",
           "Further nodes by number, separated by commas: the `persistent id` of particles in "
           "pictures, by which messages name nodes, too.");
-      numbers = read_numbers("Nodes", of_nodes);
-      const std::string of_mesh = e.text(
+      numbers = read_numbers("Nodes", nodes_text);
+      const std::string mesh_nodes_text = e.text(
           "Mesh nodes", "", "",
           "Further nodes by their number in the mesh file, separated by commas: the tag of a node "
           "of gmsh, which is the number of the deck where scripts/import has made the file, or the "
           "index of a point of VTK, counted from 0. Corners of cells have one, also where the "
           "cells are refined.");
-      mesh_numbers = read_numbers("Mesh nodes", of_mesh);
+      mesh_numbers = read_numbers("Mesh nodes", mesh_nodes_text);
       where = e.optional<Predicate<dim>>("Where", "",
                                          "All nodes at whose initial position this holds, such as "
                                          "`x < 1e-9`, with `Boundary` those of them on it.");
@@ -127,12 +127,12 @@ namespace tombolo
           e.text("Boundary", "", "",
                  "All nodes on these boundaries, names separated by commas, with `Where` those "
                  "of them where it holds.");
-      wanted_choice = of_nodes + "|" + e.given("Where") + "|" + boundary +
-                      (of_mesh.empty() ? "" : "|" + of_mesh);
+      requested_choice = nodes_text + "|" + e.given("Where") + "|" + boundary +
+                         (mesh_nodes_text.empty() ? "" : "|" + mesh_nodes_text);
       const bool has_choice =
           !numbers.empty() || !mesh_numbers.empty() || where || !boundary.empty();
       if (!has_choice)
-        choice = wanted_choice;
+        choice = requested_choice;
       e.refuse(probes.empty() && !has_choice, "Locations",
                "give at least one location, for example `tip: 10, 0, 0`");
     }
@@ -203,44 +203,44 @@ namespace tombolo
       if (mesh_numbers.empty())
         return result;
       const std::string entry = "Mesh nodes";
-      const std::vector<long long> of_vertices =
+      const std::vector<long long> vertex_numbers =
           mesh_source<dim>(this->section.all())->node_numbers();
-      if (of_vertices.empty())
+      if (vertex_numbers.empty())
         this->section.fail(entry,
                            "the mesh is not that of a file, and its nodes have no numbers of "
                            "their own; give `Locations`, `Where`, `Boundary` or `Nodes`");
-      std::map<unsigned int, std::size_t> place_of_vertex;
+      std::map<unsigned int, std::size_t> index_of_vertex;
       for (std::size_t p = 0; p < mesh_numbers.size(); ++p)
       {
         const auto distance = [&](const long long number)
         { return std::abs(static_cast<double>(number) - static_cast<double>(mesh_numbers[p])); };
-        const auto nearest = std::min_element(of_vertices.begin(), of_vertices.end(),
+        const auto nearest = std::min_element(vertex_numbers.begin(), vertex_numbers.end(),
                                               [&](const long long a, const long long b)
                                               { return distance(a) < distance(b); });
         if (static_cast<std::uint64_t>(*nearest) != mesh_numbers[p])
           this->section.fail(entry, "no cell of the mesh file has a corner with the number " +
                                         std::to_string(mesh_numbers[p]) +
                                         "; the nearest number is " + std::to_string(*nearest));
-        place_of_vertex[static_cast<unsigned int>(nearest - of_vertices.begin())] = p;
+        index_of_vertex[static_cast<unsigned int>(nearest - vertex_numbers.begin())] = p;
       }
 
       // The vertices of the file are the first ones of the mesh, however its cells are divided.
       struct Found
       {
-        std::size_t place;
+        std::size_t index;
         std::uint64_t id;
       };
       std::vector<Found> found;
       const Nodes<dim> &nodes = *view.nodes;
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
         for (const unsigned int v : cell->vertex_indices())
-          if (const auto wanted = place_of_vertex.find(cell->vertex_index(v));
-              !cell->is_artificial() && wanted != place_of_vertex.end())
+          if (const auto requested = index_of_vertex.find(cell->vertex_index(v));
+              !cell->is_artificial() && requested != index_of_vertex.end())
             if (const auto node = cell->vertex_dof_index(v, 0); nodes.owned().is_element(node))
-              found.push_back({wanted->second,
+              found.push_back({requested->second,
                                nodes.persistent_ids()[view.state->partition()->local_index(node)]});
       for (const Found &node : of_all_ranks(found, nodes.communicator()))
-        result[node.place] = node.id;
+        result[node.index] = node.id;
       return result;
     }
 
@@ -252,7 +252,7 @@ namespace tombolo
       struct Found
       {
         std::uint64_t number;
-        dealii::Point<dim> place;
+        dealii::Point<dim> position;
         bool is_listed;
       };
       const Nodes<dim> &nodes = *view.nodes;
@@ -282,11 +282,11 @@ namespace tombolo
             for (unsigned int i = 0; i < partition.n_owned(); ++i)
             {
               const std::uint64_t number = nodes.persistent_ids()[i];
-              const auto place = point_of<dim>(view.state->initial_position.node(i));
+              const auto position = point_of<dim>(view.state->initial_position.node(i));
               const bool is_listed =
                   std::find(listed.begin(), listed.end(), number) != listed.end();
-              if (is_listed || (is_in_region[i] && (!where || (*where)(place))))
-                found.push_back({number, place, is_listed});
+              if (is_listed || (is_in_region[i] && (!where || (*where)(position))))
+                found.push_back({number, position, is_listed});
             }
           });
       found = of_all_ranks(found, nodes.communicator());
@@ -300,11 +300,11 @@ namespace tombolo
                                        [&](const Found &one) { return one.number == number; });
         if (node == found.end())
           this->section.fail("Nodes", "there is no node with the number " + std::to_string(number));
-        result.emplace_back(number, node->place);
+        result.emplace_back(number, node->position);
       }
       for (const Found &node : found)
         if (!node.is_listed)
-          result.emplace_back(node.number, node.place);
+          result.emplace_back(node.number, node.position);
       if (result.size() == listed.size() && (where || !boundary.empty()))
         this->section.fail(where ? "Where" : "Boundary",
                            "there is no node beside those of `Nodes`; nothing would be written");
@@ -314,9 +314,9 @@ namespace tombolo
     /** What one of these is called. */
     std::string name_of_chosen(const std::size_t index) const
     {
-      const std::size_t of_mesh = index - numbers.size();
-      return index >= numbers.size() && of_mesh < mesh_numbers.size()
-                 ? "mesh node " + std::to_string(mesh_numbers[of_mesh])
+      const std::size_t mesh_index = index - numbers.size();
+      return index >= numbers.size() && mesh_index < mesh_numbers.size()
+                 ? "mesh node " + std::to_string(mesh_numbers[mesh_index])
                  : "node " + std::to_string(chosen[index]);
     }
 
@@ -325,29 +325,29 @@ namespace tombolo
     void begin(const OutputView<dim> &view) override
     {
       probes.resize(n_locations);
-      if (choice != wanted_choice)
+      if (choice != requested_choice)
       {
-        choice = wanted_choice;
+        choice = requested_choice;
         chosen.clear();
-        places.clear();
-        for (const auto &[number, place] : choose_nodes(view))
+        initial_coordinates.clear();
+        for (const auto &[number, position] : choose_nodes(view))
         {
           chosen.push_back(number);
-          add({name_of_chosen(chosen.size() - 1), place, {}});
+          add({name_of_chosen(chosen.size() - 1), position, {}});
         }
       }
       else
         for (std::size_t index = 0; index < chosen.size(); ++index)
           add({name_of_chosen(index), {}, {}});
       const double largest_cell = largest_cell_diameter(*view.nodes);
-      const bool are_known = places.size() == dim * probes.size();
-      places.resize(dim * probes.size());
+      const bool are_known = initial_coordinates.size() == dim * probes.size();
+      initial_coordinates.resize(dim * probes.size());
       for (std::size_t p = 0; p < probes.size(); ++p)
       {
         BodyPoint<dim> &node = probes[p].node;
         dealii::Tensor<1, dim> location = probes[p].location;
         for (unsigned int d = 0; d < dim && are_known; ++d)
-          location[d] = places[dim * p + d];
+          location[d] = initial_coordinates[dim * p + d];
         node.find(*view.nodes, *view.state, location, largest_cell,
                   p < n_locations ? std::nullopt : std::make_optional(chosen[p - n_locations]));
         if (const double nearest = node.distance_at_start(); nearest > largest_cell)
@@ -356,7 +356,7 @@ namespace tombolo
                                               ", more than the largest cell measures (" +
                                               format_number(largest_cell) +
                                               "): this place is outside of the body");
-        std::copy_n(node.place_at_start().begin_raw(), dim, places.data() + dim * p);
+        std::copy_n(node.initial_position().begin_raw(), dim, initial_coordinates.data() + dim * p);
       }
     }
 
@@ -413,8 +413,9 @@ namespace tombolo
     std::vector<std::uint64_t> mesh_numbers; ///< of the entry `Mesh nodes`
     std::optional<Predicate<dim>> where;     ///< of the region
     std::string boundary;                    ///< likewise
-    std::string wanted_choice, choice;       ///< what was asked for, and what is chosen
+    std::string requested_choice, choice;    ///< what is requested, and what is chosen
     std::vector<std::uint64_t> chosen;       ///< of the nodes by number and region, at the start
-    std::vector<double> places; ///< initial coordinates of the nodes, one after the other
+    std::vector<double>
+        initial_coordinates; ///< initial coordinates of the nodes, one after the other
   };
 } // namespace tombolo

@@ -280,7 +280,7 @@ namespace tombolo
         {&Dimensions::largest_diameter, "largest diameter", "largest_diameter"},
         {&Dimensions::bulge_diameter, "bulge diameter", "bulge_diameter"}};
 
-    // Dimensions that a test gives.
+    // Dimensions of a test.
     static constexpr const char *test_entries[] = {"Test length", "Test foot diameter",
                                                    "Test bulge diameter"};
     static constexpr double Dimensions::*tested[] = {

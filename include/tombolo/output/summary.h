@@ -13,7 +13,7 @@ namespace tombolo
   class UnitLabels;
 
   /**
-   * `summary.json`: what a program wants to know about a run, written when all else has been, so
+   * `summary.json`: a run in a form for programs, written when all else has been, so
    * that its presence says that the run is complete. Starts with the versions of the program and
    * its libraries, and the ranks; the simulation adds its counts, and each case its own values
    * under `results`. Keys (documented in full where they are set): `nodes`, `fe_cells`,
@@ -33,13 +33,13 @@ namespace tombolo
     /** The value at a key of the document. */
     Json &operator[](const std::string &key);
 
-    /** The whole document, for who fills it. */
+    /** The whole document, to be filled. */
     Json &document()
     {
       return *root;
     }
 
-    /** The object in which a case puts its own values. */
+    /** The object for the values of a case. */
     Json &results()
     {
       return *case_results;
@@ -60,6 +60,6 @@ namespace tombolo
     std::chrono::steady_clock::time_point start;
   };
 
-  /** Versions of the program and the libraries it stands on, by name, for --version too. */
+  /** Versions of the program and the libraries it uses, by name, for --version too. */
   Json version_information();
 } // namespace tombolo

@@ -60,12 +60,12 @@ namespace tombolo
     TimeTable(const std::string &file_name, Rows rows);
 
     /** Before open(). */
-    void set_format(const TableFormat &wanted)
+    void set_format(const TableFormat &new_format)
     {
-      format = wanted;
+      format = new_format;
     }
 
-    /** The file has time, step and these columns only, by name without units; a `*` stands for any
+    /** The file has time, step and these columns only, by name without units; a `*` matches any
      * text. Empty: all. */
     void choose(const std::vector<std::string> &names)
     {

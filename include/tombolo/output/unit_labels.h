@@ -16,9 +16,9 @@ namespace tombolo
   class Entries;
 
   /**
-   * The names of the units that a run is computed in. Descriptions give units in terms of L
-   * (length), M (mass), T (time) and K (temperature), for example "M/(L T^2)"; label() puts the
-   * names in: "t/(mm s^2)", or "MPa" where the entry `Unit labels` has a name for the quantity or
+   * The names of the units that a run is computed in. Descriptions have units in terms of L
+   * (length), M (mass), T (time) and K (temperature), for example "M/(L T^2)"; label() inserts the
+   * names: "t/(mm s^2)", or "MPa" where the entry `Unit labels` has a name for the quantity or
    * where it follows from those of mass, length and time. Without labels the symbols stand for
    * themselves. Labels change no number.
    */
@@ -31,7 +31,7 @@ namespace tombolo
     /** Reads `Unit labels` of the root section. Throws InputError. */
     explicit UnitLabels(const Entries &e);
 
-    /** The unit with names put in; "1" stays. */
+    /** The unit with names inserted; "1" stays. */
     std::string label(const std::string &unit) const;
 
     /** The same of a quantity of this name: a moment has the unit of a torque, not of an energy. */

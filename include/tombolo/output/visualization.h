@@ -28,11 +28,11 @@ namespace tombolo
   /** The cells of this rank's finite elements, with the data that Visualization describes.
    * Collective. */
   template <int dim>
-  VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &wanted);
+  VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &requested);
 
   /** The particles of this rank, with the data that Visualization describes. Collective. */
   template <int dim>
-  VtuPiece make_particle_piece(const OutputView<dim> &view, const PictureFields &wanted);
+  VtuPiece make_particle_piece(const OutputView<dim> &view, const PictureFields &requested);
 
   /**
    * The solution for ParaView: `solution/cells_NNNN.pvtu` (finite elements on their present
@@ -67,7 +67,7 @@ namespace tombolo
   {
   public:
     explicit Visualization(const Entries &e)
-        : wanted(e), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
+        : requested(e), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
     {
       using Entry = VtuSeries::Entry;
       this->records.value("outputs", n_outputs);
@@ -83,7 +83,7 @@ namespace tombolo
     {
       unit_labels = labels;
       this->directory = std::make_unique<OutputDirectory>(directory);
-      if (!wanted.xdmf)
+      if (!requested.xdmf)
         directory.create_subdirectory("solution");
       if (n_outputs == 0)
         return;
@@ -96,9 +96,9 @@ namespace tombolo
 
     void write(const OutputView<dim> &view, TimeTable & /*statistics*/) override
     {
-      if (remark_is_told)
+      if (remark_is_printed)
         remark.clear();
-      remark_is_told = true;
+      remark_is_printed = true;
       const auto is_particles = [](const OutputPart<dim> &part)
       { return part.particles != nullptr; };
       if (!std::all_of(view.parts.begin(), view.parts.end(), is_particles))
@@ -122,8 +122,8 @@ namespace tombolo
     void write_bodies(const OutputView<dim> &view, const bool are_particles)
     {
       const VtuPiece piece =
-          are_particles ? make_particle_piece(view, wanted) : make_cell_piece(view, wanted);
-      if (wanted.xdmf)
+          are_particles ? make_particle_piece(view, requested) : make_cell_piece(view, requested);
+      if (requested.xdmf)
         (are_particles ? xdmf_particles : xdmf_cells)
             .write(*directory, piece, n_outputs, view.time, unit_labels);
       else
@@ -150,40 +150,40 @@ namespace tombolo
 
     void write_tools(const OutputView<dim> &view)
     {
-      if (wanted.xdmf)
+      if (requested.xdmf)
       {
         // All ranks have all surfaces; the first writes them.
         const bool is_first =
             dealii::Utilities::MPI::this_mpi_process(directory->communicator()) == 0;
-        const VtuPiece piece = make_tool_piece(view, wanted.double_precision, is_first);
+        const VtuPiece piece = make_tool_piece(view, requested.double_precision, is_first);
         xdmf_tools.write(*directory, piece, n_outputs, view.time, unit_labels);
         return;
       }
       const std::string file = std::string("solution/") + tools + "_" +
                                dealii::Utilities::int_to_string(n_outputs, 4) + ".vtu";
-      const VtuPiece piece = make_tool_piece(view, wanted.double_precision);
+      const VtuPiece piece = make_tool_piece(view, requested.double_precision);
       directory->write(file, [&](std::ostream &out) { piece.write(out, view.time, unit_labels); });
       series.entries.push_back({view.time, file, tools, 0});
     }
 
     void write_series()
     {
-      VtuSeries of_bodies, of_tools;
+      VtuSeries body_series, tool_series;
       for (const VtuSeries::Entry &entry : series.entries)
-        (entry.name == tools ? of_tools : of_bodies).entries.push_back(entry);
-      if (!wanted.xdmf || !of_bodies.entries.empty())
-        directory->write("solution.pvd", [&](std::ostream &out) { of_bodies.write(out); });
-      if (!of_tools.entries.empty())
-        directory->write("tools.pvd", [&](std::ostream &out) { of_tools.write(out); });
+        (entry.name == tools ? tool_series : body_series).entries.push_back(entry);
+      if (!requested.xdmf || !body_series.entries.empty())
+        directory->write("solution.pvd", [&](std::ostream &out) { body_series.write(out); });
+      if (!tool_series.entries.empty())
+        directory->write("tools.pvd", [&](std::ostream &out) { tool_series.write(out); });
     }
 
-    PictureFields wanted;
+    PictureFields requested;
     UnitLabels unit_labels;
     std::unique_ptr<OutputDirectory> directory;
     unsigned int n_outputs = 0;
     VtuSeries series; ///< of bodies and tools, in two files
     XdmfSeries xdmf_cells, xdmf_particles, xdmf_tools;
-    std::string remark; ///< what was found when the series was resumed; until it was told
-    bool remark_is_told = false;
+    std::string remark; ///< what was found when the series was resumed; until it is printed
+    bool remark_is_printed = false;
   };
 } // namespace tombolo

@@ -23,7 +23,7 @@
 
 namespace tombolo
 {
-  /** Text as it stands in XML, also within the quotes of an attribute. */
+  /** Text as it is in XML, also within the quotes of an attribute. */
   inline std::string xml_escaped(const std::string &text)
   {
     std::string result;
@@ -49,7 +49,7 @@ namespace tombolo
   }
 
   /**
-   * An unstructured grid of one kind of cell with data, as one rank sees it, and its files in the
+   * An unstructured grid of one kind of cell with data, that of one rank, and its files in the
    * XML format of VTK (.vtu, and .pvtu for all ranks): binary, compressed. Not dealii::DataOut,
    * because that has no data on cells, repeats the points of each cell, and writes every number in
    * single precision, which cannot hold identifiers. Every rank adds the same arrays in the same
@@ -57,7 +57,7 @@ namespace tombolo
    *
    * Components have names: those of 3 are a vector's, those of 9 a tensor's by rows. Arrays of 6
    * are symmetric tensors, added in the order of the state, xx, yy, zz, yz, xz, xy, and written in
-   * that which VTK takes six components for: XX, YY, ZZ, XY, YZ, XZ.
+   * that of VTK for six components: XX, YY, ZZ, XY, YZ, XZ.
    */
   class VtuPiece
   {
