@@ -78,7 +78,7 @@ namespace tombolo
              (title.empty() ? "" : " (" + title + ")") +
              ". Name another directory, or replace them with --overwrite.";
     }
-    /** A lock of a whole file. It belongs to the process, and goes with it. */
+    /** A lock of a whole file. It belongs to the process, and ends with it. */
     struct flock whole_file()
     {
       struct flock lock = {};

@@ -149,7 +149,7 @@ namespace tombolo
         records.group("plausibility", plausibility.records).optional();
         double wall_seconds = seconds.before_resumption + seconds_since(seconds.start);
         records.value("wall seconds", wall_seconds);
-        // In another directory, where their files are not, all outputs start anew.
+        // In another directory, where their files are not, all outputs begin again.
         if (!archive.is_reading() || resumption.continues_files)
           records.group("outputs", outputs.records);
         records.serialize(archive);
@@ -296,7 +296,7 @@ namespace tombolo
         return result;
       }
 
-      /** Brings heat to the present time, and the mechanics to the acceleration there, and says
+      /** Brings heat to the present time, and the mechanics to the acceleration there, and returns
        * what has changed in the model. False where a signal ended it among very many thermal steps.
        */
       bool evaluate(ModelChange &change)
@@ -324,7 +324,7 @@ namespace tombolo
         else if (target > run_clock.time)
           run_clock.next_step =
               step_size.next(*model, run_clock, target, change.stencils || change.masses);
-        else // at the end there is no coming step; the last stands in for it
+        else // at the end there is no coming step; the last replaces it
           run_clock.next_step = run_clock.previous_step;
         if (model->has_mechanics && !statics)
           run_clock.stable_step = step_size.stable();
@@ -334,7 +334,7 @@ namespace tombolo
        * otherwise a row of the statistics where @p has_row. */
       void write_histories(const bool is_output, const bool has_row)
       {
-        // Asking for the processor time takes a share of a step that has nothing to write.
+        // Reading the processor time takes a share of a step that has nothing to write.
         const auto start = is_output || has_row ? std::make_optional<Moment>() : std::nullopt;
         outputs.after_step(run_clock, statics && run_clock.time >= end_time);
         if (is_output || has_row)
@@ -362,7 +362,7 @@ namespace tombolo
         {
           last.energy = energy_balance();
           add_mechanical_statistics(*model, last.energy, statistics);
-          plausibility.look(*model, last.energy, run_clock.time);
+          plausibility.update(*model, last.energy, run_clock.time);
           if (statics)
             statics->report(statistics);
         }
@@ -411,7 +411,7 @@ namespace tombolo
           add_heat_to_summary(*thermal_step, last.heat, summary);
         // The wall time is that of this process, and so are the steps that it is shared among.
         const auto n_steps = std::max(run_clock.step - resumption.first_step, 1ul);
-        add_costs_to_summary(*model, step, thermal_step.get(), seconds.of_steps(),
+        add_costs_to_summary(*model, step, thermal_step.get(), seconds.step_duration(),
                              static_cast<double>(n_steps), summary);
         if (resumption.is_resumed)
         {
@@ -427,29 +427,30 @@ namespace tombolo
         summary.write(*directory);
       }
 
-      /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
+      /** Between two steps: writes a checkpoint where one is due. Returns the signal that requests
        * the end, or zero; the same on all ranks. */
       int serve_requests()
       {
         requests.agree(checkpoints.is_due_by_wall_time());
         const bool is_due = run_clock.step > resumption.first_step &&
                             checkpoints.is_due(run_clock.step, run_clock.time >= end_time);
-        if (is_due || requests.wants_checkpoint())
+        if (is_due || requests.is_checkpoint_requested())
         {
           const Moment start;
           write_checkpoint(false);
           seconds.output.add_since(start);
         }
         adapt_mesh<dim>(model, step, run_clock, *directory, log,
-                        [this](CheckpointHeader of_mesh) { rebuild_model(std::move(of_mesh)); });
+                        [this](CheckpointHeader mesh_header)
+                        { rebuild_model(std::move(mesh_header)); });
         return requests.signal();
       }
 
       /** The model on the mesh of another run, in its initial state. Collective. */
-      void rebuild_model(CheckpointHeader of_mesh)
+      void rebuild_model(CheckpointHeader mesh_header)
       {
-        of_mesh.entries = header.entries;
-        header = std::move(of_mesh);
+        mesh_header.entries = header.entries;
+        header = std::move(mesh_header);
         tombolo::rebuild_model(parameters, header, model);
         step_size.mesh_has_changed(parameters);
         if (thermal_step)
@@ -480,13 +481,12 @@ namespace tombolo
       double largest_energy_error; ///< of the largest energy put in; zero: any
       CheckpointHeader header;     ///< of this run
       const std::size_t bytes_before = allocated_bytes();
-      std::optional<Model<dim>>
-          model; ///< built anew, at its place, on another division of the mesh
+      std::optional<Model<dim>> model; ///< rebuilt, at its address, on another division of the mesh
       EnergyLedger ledger;
       StepSize<dim> step_size;
       MechanicalStep<dim> step;
       std::unique_ptr<ThermalStep<dim>> thermal_step; ///< null in scenes without heat
-      std::unique_ptr<StaticSteps<dim>> statics;      ///< in place of `step`; null: explicit steps
+      std::unique_ptr<StaticSteps<dim>> statics;      ///< instead of `step`; null: explicit steps
       Clock run_clock;
       OutputSchedule schedule;
       RunOutputs<dim> outputs;

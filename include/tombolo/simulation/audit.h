@@ -66,7 +66,7 @@ namespace tombolo
       model.bridge->apply_smoothing(velocity, force);
       model.bridge->apply_adjoint(velocity, force);
     };
-    // A short first one waits for what the next one finds in the caches.
+    // A short first one fills the caches for the next.
     constexpr double short_time = 0.05;
     double seconds = 0.;
     for (unsigned int round = 0; round < 2 && seconds < short_time; ++round)
@@ -275,13 +275,13 @@ namespace tombolo
   {
     if (!model.has_mechanics)
       return;
-    std::optional<Bodies<dim>> of_elements;
+    std::optional<Bodies<dim>> element_bodies;
     if (model.bodies == nullptr)
-      of_elements.emplace(*model.nodes);
-    const Bodies<dim> &bodies = of_elements ? *of_elements : *model.bodies;
+      element_bodies.emplace(*model.nodes);
+    const Bodies<dim> &bodies = element_bodies ? *element_bodies : *model.bodies;
     if (bodies.n_bodies() < 2)
       return;
-    // Of a part whose fragments feel each other, all bodies are one here; so are those of
+    // Of a part whose fragments interact, all bodies are one here; so are those of
     // contacts between bodies.
     std::set<types::global_dof_index> touching = ContactNodes<dim>(model).bodies_of_contacts(
         shown_by_processes<SurfaceContact<dim>>(model), bodies);
@@ -289,9 +289,9 @@ namespace tombolo
       for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
         for (const auto &face : side->faces())
           touching.insert(bodies.body_of(face.global_nodes[0]));
-    const std::vector<types::global_dof_index> of_this_rank(touching.begin(), touching.end());
-    for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, of_this_rank))
-      touching.insert(of_rank.begin(), of_rank.end());
+    const std::vector<types::global_dof_index> own_bodies(touching.begin(), touching.end());
+    for (const auto &rank_bodies : Utilities::MPI::all_gather(model.communicator, own_bodies))
+      touching.insert(rank_bodies.begin(), rank_bodies.end());
     std::set<std::pair<types::global_dof_index, std::string>> found;
     std::vector<types::global_dof_index> cell_nodes;
     for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
@@ -308,10 +308,10 @@ namespace tombolo
       }
     std::set<types::global_dof_index> separate;
     std::set<std::string> names;
-    for (const auto &of_rank : Utilities::MPI::all_gather(
+    for (const auto &rank_names : Utilities::MPI::all_gather(
              model.communicator, std::vector<std::pair<types::global_dof_index, std::string>>(
                                      found.begin(), found.end())))
-      for (const auto &[body, name] : of_rank)
+      for (const auto &[body, name] : rank_names)
       {
         separate.insert(body);
         names.insert(name);

@@ -13,7 +13,7 @@
 
 namespace tombolo
 {
-  /** What a checkpoint says of the model of its run. */
+  /** The description of the model of its run in a checkpoint. */
   struct CheckpointHeader
   {
     std::string entries; ///< text_of_entries()

@@ -19,7 +19,7 @@
 
 namespace tombolo
 {
-  /** Whether the step is one in which the balance is looked at between outputs, which takes half as
+  /** Whether the step is one in which the balance is checked between outputs, which takes half as
    * long as a step; @p limit is that of check_energy_balance(). */
   inline bool is_energy_check_due(const Clock &clock, const double limit)
   {
@@ -34,7 +34,7 @@ namespace tombolo
   {
     const std::string cure = std::string("a smaller step (`Time step/") +
                              (step_size.is_given() ? "Fixed" : "Safety factor") + "`) helps.";
-    // Such energies come from steps alone, and their positions are not to be looked at.
+    // Such energies come from steps alone; their positions mean nothing.
     constexpr double without_bound = 1e3;
     const double put_in = std::abs(balance.initial_total + balance.external);
     if (!(std::abs(balance.total) <= without_bound * put_in))
@@ -73,7 +73,7 @@ namespace tombolo
     return text.str();
   }
 
-  /** What brings the balance of static steps nearer. */
+  /** The remedy for the balance of static steps. */
   inline std::string judgement_at_rest()
   {
     return "Works are those of forces that change linearly over a step; where they do not, a "
@@ -82,7 +82,7 @@ namespace tombolo
 
   /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
    * largest energy put in (zero: no limit) and by more than the round-off of the energies, or of
-   * the smallest numbers. That of a body at rest is all round-off. The message says what helps:
+   * the smallest numbers. That of a body at rest is all round-off. The message has the remedy:
    * @p step_size has chosen the steps, and none where bodies are at rest. Collective. */
   template <int dim>
   void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,

@@ -31,7 +31,7 @@ namespace tombolo
       if (exact == nullptr)
         return;
       exact->list(records);
-      records.items(of_outputs)
+      records.items(output_errors)
           .numbers("errors",
                    [](Errors &errors) -> std::vector<double *>
                    {
@@ -70,7 +70,7 @@ namespace tombolo
         errors.temperature = exact->temperature_error(model.state.initial_position,
                                                       model.heat->state.present_temperature,
                                                       model.heat->bridge.mass(), clock.time);
-      of_outputs.push_back(errors);
+      output_errors.push_back(errors);
 
       if (exact->has_stress())
       {
@@ -87,15 +87,15 @@ namespace tombolo
      * of the initial conditions. */
     std::string report() const
     {
-      if (of_outputs.empty() || !(of_outputs.back().time > 0.))
+      if (output_errors.empty() || !(output_errors.back().time > 0.))
         return "";
-      const Errors &errors = of_outputs.back();
+      const Errors &errors = output_errors.back();
       std::ostringstream line;
       line.precision(4);
       line << "  t = " << errors.time << ": relative L2 error";
-      const auto print = [&](const char *of_what, const double error)
+      const auto print = [&](const char *label, const double error)
       {
-        line << of_what;
+        line << label;
         if (std::isfinite(error))
           line << error;
         else
@@ -119,7 +119,7 @@ namespace tombolo
       if (exact == nullptr)
         return;
       Json list = Json::array();
-      for (const Errors &errors : of_outputs)
+      for (const Errors &errors : output_errors)
       {
         Json entry = Json::object();
         entry["time"] = errors.time;
@@ -151,6 +151,6 @@ namespace tombolo
     };
 
     std::unique_ptr<ExactSolution<dim>> exact;
-    std::vector<Errors> of_outputs;
+    std::vector<Errors> output_errors;
   };
 } // namespace tombolo

@@ -37,7 +37,7 @@ namespace tombolo
           "mesh.");
     }
 
-    /** Refuses what can be seen to be wrong without the state. Throws InputError. */
+    /** Checks what can be checked without the state. Throws InputError. */
     static void validate(const Parameters &parameters)
     {
       const Section root = parameters.section("");
@@ -54,10 +54,10 @@ namespace tombolo
                                     "state\" keeps its cells.");
     }
 
-    /** Gives the model, as it was built, and its processes the state that the entry names, and the
-     * clock the stable step there, which springs of contacts need from the first forces on. Returns
-     * false where it names none. Throws InputError where there is no such state, or where it is of
-     * another mesh or of other parts. Collective. */
+    /** Sets the model, as it was built, and its processes to the state that the entry names, and
+     * the clock to the stable step there, which springs of contacts need from the first forces on.
+     * Returns false where it names none. Throws InputError where there is no such state, or where
+     * it is of another mesh or of other parts. Collective. */
     static bool read(const Parameters &parameters, Model<dim> &model, Clock &clock, Log &log)
     {
       const Section root = parameters.section("");
@@ -75,13 +75,13 @@ namespace tombolo
       {
         const double courant = courant_limit(model).time_step;
         Clock earlier;
-        Records of_earlier;
-        list(of_earlier.group("clock"), earlier);
-        of_earlier.serialize(archive);
+        Records earlier_records;
+        list(earlier_records.group("clock"), earlier);
+        earlier_records.serialize(archive);
         clock.stable_step = earlier.stable_step > 0. ? earlier.stable_step : courant;
         for (const auto &process : model.processes)
           process->records.continue_from(archive);
-        const double interval = 1e-3 * courant; // short beside a step
+        const double interval = 1e-3 * courant; // short against a step
         model.conditions->prescribe_initial_velocity(model.state, 0., interval);
         throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
         model.bridge->positions_have_changed();

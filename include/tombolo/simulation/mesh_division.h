@@ -65,10 +65,10 @@ namespace tombolo
   }
 
   /**
-   * Where AdaptiveRefinement wants another division of the mesh, takes the state over to it: writes
-   * it to a file of @p directory, lets @p rebuild make the model of a run with another header in
-   * the place of the old one, reads the state there and books what the new mesh takes. Throws
-   * RunError where it cannot be; the file is removed. Collective.
+   * Where AdaptiveRefinement requires another division of the mesh, transfers the state to it:
+   * writes it to a file of @p directory, calls @p rebuild for the model of a run with another
+   * header instead of the old one, reads the state there and books the energy that the new mesh
+   * loses. Throws RunError where it cannot be; the file is removed. Collective.
    */
   template <int dim>
   void adapt_mesh(std::optional<Model<dim>> &model, MechanicalStep<dim> &step, const Clock &clock,
@@ -89,8 +89,8 @@ namespace tombolo
     };
     try
     {
-      const auto wanted = refinement->next_divisions(*model, clock.step);
-      if (!wanted)
+      const auto requested = refinement->next_divisions(*model, clock.step);
+      if (!requested)
         return;
       if (model->has_mechanics)
       {
@@ -101,7 +101,7 @@ namespace tombolo
       const double eroded = model->heat ? model->heat->eroded_heat : 0.,
                    eroding = model->heat ? model->heat->eroding_heat : 0.;
       write_before_division(*model, clock, file);
-      rebuild({"", *wanted});
+      rebuild({"", *requested});
       log.change_nodes(model->state.partition()->n_global(), clock.step);
       read_after_division(*model, clock, file);
       if (model->heat)
@@ -136,8 +136,8 @@ namespace tombolo
     return one.divisions == other.divisions;
   }
 
-  /** Builds the model anew on the mesh of @p header, and names there what is divided beside it, for
-   * neighbours. Collective. */
+  /** Rebuilds the model on the mesh of @p header, and adds to this the cells that are divided for
+   * their neighbours. Collective. */
   template <int dim>
   void rebuild_model(const Parameters &parameters, CheckpointHeader &header,
                      std::optional<Model<dim>> &model)

@@ -23,8 +23,8 @@
 namespace tombolo
 {
   /**
-   * What a run shows that can hardly be: the worst of all rows of the table over time, each as a
-   * sentence with place and number.
+   * Implausible results of a run: the worst of all rows of the table over time, each as a
+   * sentence with position and number.
    *
    * - a material point that is hotter than the melting temperature of its material, if it has one;
    * - a kinetic energy that is nearly all in the lattice mode, with velocities that alternate from
@@ -46,13 +46,13 @@ namespace tombolo
       add("angular momentum", angular_momentum);
     }
 
-    /** Looks at a row. Collective. */
+    /** Checks a row. Collective. */
     template <int dim>
-    void look(const Model<dim> &model, const EnergyBalance &balance, const double time)
+    void update(const Model<dim> &model, const EnergyBalance &balance, const double time)
     {
-      look_for_melt(model, time);
-      look_for_lattice_mode(model, balance, time);
-      look_for_drift(balance, time);
+      check_melt(model, time);
+      check_lattice_mode(model, balance, time);
+      check_drift(balance, time);
     }
 
     /** The sentences; the same on all ranks. */
@@ -75,7 +75,7 @@ namespace tombolo
     };
 
     template <int dim>
-    void look_for_melt(const Model<dim> &model, const double time)
+    void check_melt(const Model<dim> &model, const double time)
     {
       for (const Part<dim> &part : model.parts)
       {
@@ -98,18 +98,18 @@ namespace tombolo
             Utilities::MPI::max(largest, model.communicator) - melting_temperature;
         if (!(excess > melt.value))
           continue;
-        const auto place = [&]
+        const auto largest_position = [&]
         { return place_text<dim>(part.formulation->initial_point_positions()[hottest]); };
         melt = {excess,
                 as_text(std::setprecision(4), "At t = ", time, " part \"", part.name, "\" has ",
                         melting_temperature + excess, " at the point that started at ",
-                        text_at_largest(largest, model.communicator, place), ", ", excess,
-                        " above the melting temperature of its material.")};
+                        text_at_largest(largest, model.communicator, largest_position), ", ",
+                        excess, " above the melting temperature of its material.")};
       }
     }
     template <int dim>
-    void look_for_lattice_mode(const Model<dim> &model, const EnergyBalance &balance,
-                               const double time)
+    void check_lattice_mode(const Model<dim> &model, const EnergyBalance &balance,
+                            const double time)
     {
       constexpr double near_one = 0.9;
       constexpr double smallest_kinetic = 1e-3; // of the energy put in
@@ -132,16 +132,16 @@ namespace tombolo
           node = i;
         }
       }
-      const auto place = [&]
+      const auto largest_position = [&]
       { return place_text(vector_of<dim>(model.state.position.node(node))); };
       lattice_mode = {
           balance.short_wave_share,
           as_text(std::setprecision(3), "At t = ", time, " ", 100. * balance.short_wave_share,
                   " % of the kinetic energy are velocities that alternate from particle "
                   "to particle, the lattice mode, most at ",
-                  text_at_largest(largest, model.communicator, place), ".")};
+                  text_at_largest(largest, model.communicator, largest_position), ".")};
     }
-    void look_for_drift(const EnergyBalance &balance, const double time)
+    void check_drift(const EnergyBalance &balance, const double time)
     {
       constexpr double largest_drift = 0.01;
       if (!is_zero(balance.impulse) || !is_zero(balance.angular_impulse) ||
@@ -161,9 +161,9 @@ namespace tombolo
                                        const std::function<std::string()> &text)
     {
       const bool is_here = Utilities::MPI::max(value, communicator) == value;
-      for (const std::string &of_rank : texts_of_ranks(communicator, is_here ? text() : ""))
-        if (!of_rank.empty())
-          return of_rank;
+      for (const std::string &rank_text : texts_of_ranks(communicator, is_here ? text() : ""))
+        if (!rank_text.empty())
+          return rank_text;
       return "";
     }
 

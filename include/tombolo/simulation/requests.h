@@ -13,7 +13,7 @@
 namespace tombolo
 {
   /**
-   * Requests from outside that a run serves between two steps: the signals SIGINT and SIGTERM, and
+   * Requests from outside that a run handles between two steps: the signals SIGINT and SIGTERM, and
    * checkpoints that are due by wall time. Ranks may receive a signal, or reach a wall time, in
    * different steps; they agree every few steps, as many as take a fraction of a second.
    */
@@ -39,7 +39,7 @@ namespace tombolo
       is_catching = true;
     }
 
-    /** Gives signals back to the handlers of before catch_signals(). */
+    /** Restores the handlers of before catch_signals(). */
     void restore_signals()
     {
       if (!is_catching)
@@ -50,7 +50,7 @@ namespace tombolo
     }
 
     /** Call between two steps. @p is_checkpoint_due is that of this rank. Afterwards signal() and
-     * wants_checkpoint() are the same on all ranks. Collective. */
+     * is_checkpoint_requested() are the same on all ranks. Collective. */
     void agree(const bool is_checkpoint_due)
     {
       constexpr unsigned int most_steps = 8;
@@ -59,31 +59,31 @@ namespace tombolo
       if (--steps_to_agreement > 0)
         return;
       const auto now = std::chrono::steady_clock::now();
-      // A signal goes before the time.
+      // A signal has priority over the time.
       const int own = noted_signal != 0   ? 1 + static_cast<int>(noted_signal)
                       : is_checkpoint_due ? 1
                                           : 0;
-      std::vector<double> of_all(2);
+      std::vector<double> maxima(2);
       dealii::Utilities::MPI::max(
           std::vector<double>{double(own),
                               std::chrono::duration<double>(now - last_agreement).count()},
-          communicator, of_all);
-      request = static_cast<int>(of_all[0]);
-      const double step_seconds = of_all[1] / steps_between_agreements;
+          communicator, maxima);
+      request = static_cast<int>(maxima[0]);
+      const double step_seconds = maxima[1] / steps_between_agreements;
       steps_between_agreements = static_cast<unsigned int>(
           std::clamp(seconds / std::max(step_seconds, 1e-9), 1., double(most_steps)));
       steps_to_agreement = steps_between_agreements;
       last_agreement = now;
     }
 
-    /** The signal that asks for the end of the run, or zero. */
+    /** The signal that requests the end of the run, or zero. */
     int signal() const
     {
       return std::max(request - 1, 0);
     }
 
-    /** Whether a checkpoint is asked for: by a signal, or by any rank. */
-    bool wants_checkpoint() const
+    /** Whether a checkpoint is requested: by a signal, or by any rank. */
+    bool is_checkpoint_requested() const
     {
       return request > 0;
     }

@@ -13,7 +13,7 @@ namespace tombolo
    * file in the directory itself is none of others. Collective. */
   void refuse_results_of_another_file(const Parameters &parameters);
 
-  /** Throws an InputError about `Output directory` where a run with checkpoints has not come to its
+  /** Throws an InputError about `Output directory` where a run with checkpoints has not reached its
    * end there: what would be removed can be resumed. Collective. */
   void refuse_unfinished_run(const Parameters &parameters);
 

@@ -20,7 +20,7 @@ namespace tombolo
   class RunOutputs
   {
   public:
-    /** Makes what section Output asks for. Throws InputError. */
+    /** Makes what section Output requests. Throws InputError. */
     explicit RunOutputs(const Section &section)
         : names(output_names<dim>(section)), outputs(create_outputs<dim>(section))
     {
@@ -28,7 +28,7 @@ namespace tombolo
         records.group(names[i], outputs[i]->records).optional();
     }
 
-    /** Takes the model, instead of an earlier one where there was one, and the exact solution of
+    /** Sets the model, instead of an earlier one where there was one, and the exact solution of
      * the case (null for none), which must outlive this. */
     void attach(const Model<dim> &model, const ExactSolution<dim> *exact_solution)
     {
@@ -93,7 +93,7 @@ namespace tombolo
     }
 
     /** What outputs keep. One without state in the checkpoint, since the earlier run did not have
-     * it, starts anew. */
+     * it, begins again. */
     Records records;
 
     void finish(Json &results, Log &log)

@@ -20,8 +20,8 @@ namespace tombolo
   void validate_run(const Parameters &parameters, MPI_Comm communicator);
 
   /** Reads the mesh, and refuses parts, conditions and contacts that name groups of cells or
-   * boundaries which it does not have, and cells that no part, or two, would take. Builds no model.
-   * Returns the remarks of the reader of the mesh. Throws InputError. Collective. */
+   * boundaries which it does not have, and cells that no part, or two, would contain. Builds no
+   * model. Returns the remarks of the reader of the mesh. Throws InputError. Collective. */
   template <int dim>
   std::vector<std::string> validate_mesh(const Parameters &parameters, MPI_Comm communicator);
 } // namespace tombolo

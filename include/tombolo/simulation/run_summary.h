@@ -31,7 +31,7 @@ namespace tombolo
    * `exchange_share` the mean share of the time in them, waiting for slower ranks included;
    * `exchanges_per_step` their number; `messages_per_step_max`, `bytes_per_step_mean` and
    * `bytes_per_step_max` what a rank sends; `ghost_nodes_mean` and `ghost_nodes_max` the nodes of
-   * others that it sees. The same on all ranks. Collective.
+   * others that it has. The same on all ranks. Collective.
    */
   inline Json describe_rank_balance(const NodePartition &partition, const double seconds,
                                     const double steps)
@@ -230,30 +230,31 @@ namespace tombolo
 
     // The slowest rank determines the wall time of each phase.
     Json phases = Json::object();
-    double of_elements = 0, of_particles = 0;
+    double element_seconds = 0, particle_seconds = 0;
     for (const std::string phase :
          {"neighbourhoods", "smoothing", "element forces", "particle forces", "loads",
           "acceleration", "motion", "processes after the motion"})
     {
-      double of_phase = 0;
+      double phase_seconds = 0;
       for (const auto &[name, value] : step.times().seconds())
         if (name == phase)
-          of_phase = value;
-      of_phase = dealii::Utilities::MPI::max(of_phase, communicator);
-      phases[phase] = of_phase;
+          phase_seconds = value;
+      phase_seconds = dealii::Utilities::MPI::max(phase_seconds, communicator);
+      phases[phase] = phase_seconds;
       if (phase == "element forces")
-        of_elements += of_phase;
+        element_seconds += phase_seconds;
       if (phase == "particle forces" || phase == "smoothing" || phase == "neighbourhoods")
-        of_particles += of_phase;
+        particle_seconds += phase_seconds;
     }
-    const auto nanoseconds = [&](const double of_ranks, const double of_steps, const auto n)
-    { return 1e9 * n_ranks * of_ranks / (of_steps * static_cast<double>(n)); };
+    const auto nanoseconds = [&](const double wall_seconds, const double step_count, const auto n)
+    { return 1e9 * n_ranks * wall_seconds / (step_count * static_cast<double>(n)); };
     if (thermal_step != nullptr)
     {
-      const double of_heat = dealii::Utilities::MPI::max(thermal_step->seconds(), communicator);
-      phases["heat"] = of_heat;
+      const double heat_seconds =
+          dealii::Utilities::MPI::max(thermal_step->seconds(), communicator);
+      phases["heat"] = heat_seconds;
       summary["ns_per_node_thermal_step"] = nanoseconds(
-          of_heat, static_cast<double>(std::max(thermal_step->n_steps(), 1ul)), counts.nodes);
+          heat_seconds, static_cast<double>(std::max(thermal_step->n_steps(), 1ul)), counts.nodes);
     }
     summary["seconds_per_phase"] = phases;
     if (!(seconds > 0))
@@ -261,10 +262,10 @@ namespace tombolo
     // Whole steps where there is one kind; its own phases where there are two.
     if (counts.cells > 0)
       summary["ns_per_cell_step"] =
-          nanoseconds(counts.particles > 0 ? of_elements : seconds, n_steps, counts.cells);
+          nanoseconds(counts.particles > 0 ? element_seconds : seconds, n_steps, counts.cells);
     if (counts.particles > 0)
       summary["ns_per_particle_step"] =
-          nanoseconds(counts.cells > 0 ? of_particles : seconds, n_steps, counts.particles);
+          nanoseconds(counts.cells > 0 ? particle_seconds : seconds, n_steps, counts.particles);
     summary["ns_per_node_step"] = nanoseconds(seconds, n_steps, counts.nodes);
   }
 } // namespace tombolo

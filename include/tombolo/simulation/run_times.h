@@ -47,7 +47,7 @@ namespace tombolo
     Duration loop;   ///< steps and what is written between them
     Duration output; ///< what is written
 
-    Duration of_steps() const
+    Duration step_duration() const
     {
       return {loop.wall - output.wall, loop.processor - output.processor};
     }

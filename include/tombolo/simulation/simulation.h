@@ -28,7 +28,7 @@ namespace tombolo
      * time step, expected steps, memory and wall time; then warnings and advice. Collective. */
     virtual void audit() = 0;
 
-    /** Takes the state from a checkpoint: @p checkpoint is a file or a directory of them; empty, it
+    /** Reads the state from a checkpoint: @p checkpoint is a file or a directory of them; empty, it
      * is the newest whole one of the output directory. run() then continues there and keeps the
      * results of before. Throws InputError where there is none, where it is damaged or of another
      * model. Collective. */

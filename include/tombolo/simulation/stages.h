@@ -24,7 +24,7 @@ namespace tombolo
 {
   /**
    * A chain of runs in one file: `set Stages = press, cool, release`, with a section "Stage: NAME"
-   * each, whose entries and sections stand in place of those outside of it. Each stage is a run of
+   * each, whose entries and sections replace those outside of it. Each stage is a run of
    * its own, with its own clock and output directory (that of the file, then the name of the
    * stage), which starts from the state at the end of the one before. Sections of conditions,
    * materials and the like that a stage does not list, but another does, are no part of it.
@@ -43,14 +43,14 @@ namespace tombolo
       stage_names = split_list(entry->value);
       const auto refuse = [&](const SourceLocation &location, const std::string &message)
       { throw InputError(to_string(location) + ": " + message); };
-      std::set<std::string> seen;
+      std::set<std::string> found_names;
       for (const std::string &name : stage_names)
       {
         if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
           refuse(entry->location, "entry \"Stages\" = " + in_quotes(entry->value) +
                                       ": allowed are names, separated by commas, that can be names "
                                       "of directories.");
-        if (!seen.insert(name).second)
+        if (!found_names.insert(name).second)
           refuse(entry->location,
                  "entry \"Stages\": the name " + in_quotes(name) + " stands twice.");
         if (scanner.section(stage_prefix + name) == nullptr)
@@ -68,7 +68,7 @@ namespace tombolo
           refuse(item.location, "section " + in_quotes(item.path) +
                                     ": sections of stages stand in the file that has \"Stages\", " +
                                     file + ", not in one that it includes.");
-        if (seen.count(name) == 0)
+        if (found_names.count(name) == 0)
         {
           refuse(item.location,
                  "section " + in_quotes(item.path) +
@@ -213,16 +213,16 @@ namespace tombolo
     }
 
     /** Whether a section "KIND: NAME" is of other stages only. */
-    bool is_of_others(const std::string &stage, const std::string &section) const
+    bool is_in_other_stages(const std::string &stage, const std::string &section) const
     {
       const std::size_t colon = section.find(": ");
       if (colon == std::string::npos || colon == 0)
         return false;
       const std::string kind = section.substr(0, colon), name = section.substr(colon + 2);
       const std::string list = list_of_sections(kind);
-      const auto lists_it = [&](const std::string &of_stage)
+      const auto lists_it = [&](const std::string &stage_name)
       {
-        const std::vector<std::string> listed = split_list(value(of_stage, list));
+        const std::vector<std::string> listed = split_list(value(stage_name, list));
         return std::find(listed.begin(), listed.end(), name) != listed.end();
       };
       return !lists_it(stage) && std::any_of(stage_names.begin(), stage_names.end(), lists_it);
@@ -236,7 +236,7 @@ namespace tombolo
       for (const Line &line : lines)
       {
         const bool is_left_out = line.section.rfind(stage_prefix, 0) == 0 ||
-                                 (!line.section.empty() && is_of_others(stage, line.section));
+                                 (!line.section.empty() && is_in_other_stages(stage, line.section));
         result += (is_left_out ? "" : line.text) + "\n";
       }
       return result;
