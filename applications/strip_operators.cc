@@ -131,7 +131,7 @@ namespace
     return numbers;
   }
 
-  /** Writes doubles beside a parameter file. Throws RunError. */
+  /** Writes doubles to a file next to a parameter file. Throws RunError. */
   void write(const std::string &file, const std::vector<double> &numbers)
   {
     std::ofstream out(file.substr(0, file.rfind('.')) + ".operators", std::ios::binary);

@@ -50,7 +50,7 @@ namespace
       "                                has not come to its end and could be resumed\n"
       "  --quiet                       no progress\n";
 
-  /** What `--print-parameters=FORMAT:SECTION` asks for. */
+  /** The request of `--print-parameters=FORMAT:SECTION`. */
   struct Listing
   {
     explicit Listing(const CommandLine &command_line)
@@ -80,7 +80,7 @@ namespace
       parameters.add_override(std::string(list) + " = NAME");
   }
 
-  /** A word of a command, as a shell takes it. */
+  /** A word of a command, quoted for a shell. */
   std::string shell_word(const std::string &word)
   {
     const std::string harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
@@ -104,7 +104,7 @@ namespace
     return command;
   }
 
-  /** Whether the scripts stand beside the program, as commands. */
+  /** Whether the scripts are in the directory of the program, as commands. */
   bool is_installed()
   {
     namespace fs = std::filesystem;
@@ -129,7 +129,7 @@ namespace
         !(resumes && is_checkpoint_of(checkpoint, directory, MPI_COMM_WORLD)))
     {
       refuse_results_of_another_file(parameters);
-      // A chain that is resumed comes to its later stages anew.
+      // A chain that is resumed starts its later stages from their beginning.
       if (resumes || !command_line.has("--resume"))
         refuse_unfinished_run(parameters);
     }
@@ -199,7 +199,7 @@ namespace
       name_one_of_each(parameters);
     for (const std::string &assignment : command_line.overrides())
       parameters.attempt([&] { parameters.add_override(assignment); });
-    // What the file says cannot be judged without its plug-ins, nor in no dimension.
+    // The file cannot be checked without its plug-ins, or without a dimension.
     if (!parameters.attempt([&] { load_plugin_libraries(parameters, MPI_COMM_WORLD); }))
       parameters.refuse_mistakes();
     const std::string dimension = parameters.raw("Dimension", "3");
@@ -234,7 +234,7 @@ namespace
   }
 
   /** The runs of a file with `Stages`. All are validated before the first begins; a resumed chain
-   * goes on with the first that has not come to its end. */
+   * goes on with the first that has not reached its end. */
   int run_stages(const Stages &stages, const CommandLine &command_line)
   {
     const std::size_t n_stages = stages.names().size();

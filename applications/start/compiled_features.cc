@@ -3,7 +3,7 @@
 
 #include <tombolo/version.h>
 
-// Compiled with the options of the programs, which the macros tell.
+// Compiled with the options of the programs, which the macros show.
 extern "C" const unsigned int tombolo_compiled_features = 0
 #ifdef __SSE4_2__
                                                           | 1u << 0
