@@ -11,21 +11,21 @@ namespace tombolo
       section.fail("Criterion", missing + ", so that the criterion is zero everywhere.");
     for (const Part<dim> &part : parts)
     {
-      const Section of_part = parameters.section("Part: " + part.name);
+      const Section part_section = parameters.section("Part: " + part.name);
       const bool becomes_other =
           part.source ||
           std::any_of(parts.begin(), parts.end(),
                       [&](const Part<dim> &other)
                       { return other.source && parts[*other.source].name == part.name; });
       if (!part.formulation->can_be_divided() || part.formulation->degree() > 1)
-        of_part.fail("Formulation", "cells of this part cannot be divided in a run (\"" +
-                                        std::string(adaptive_path) +
-                                        "\"); allowed are elements of degree one and smoothed "
-                                        "cells.");
+        part_section.fail("Formulation", "cells of this part cannot be divided in a run (\"" +
+                                             std::string(adaptive_path) +
+                                             "\"); allowed are elements of degree one and smoothed "
+                                             "cells.");
       if (becomes_other || part.formulation->can_lose_cells())
-        of_part.fail("Formulation", "cells of this part can leave, by erosion, conversion or "
-                                    "refills, which excludes \"" +
-                                        std::string(adaptive_path) + "\".");
+        part_section.fail("Formulation", "cells of this part can leave, by erosion, conversion or "
+                                         "refills, which excludes \"" +
+                                             std::string(adaptive_path) + "\".");
     }
     for (const Section &contact : named_sections(parameters, "Contacts", "Contact"))
     {
@@ -107,10 +107,10 @@ namespace tombolo
   {
     const char *const plastic_strain_name = "effective plastic strain";
 
-    /** The gradient in the middle of a cell of what has @p values at its corners @p places, both in
-     * the order of corners. Zero where the cell has no volume. */
+    /** The gradient in the middle of a cell of a field with @p values at the corners @p positions,
+     * in their order. Zero where the cell has no volume. */
     template <int dim>
-    Tensor<1, dim> gradient_in_the_middle(const std::vector<Tensor<1, dim>> &places,
+    Tensor<1, dim> gradient_in_the_middle(const std::vector<Tensor<1, dim>> &positions,
                                           const std::vector<double> &values)
     {
       Point<dim> middle;
@@ -118,10 +118,10 @@ namespace tombolo
         middle[d] = 0.5;
       Tensor<2, dim> jacobian;
       Tensor<1, dim> along_axes;
-      for (unsigned int k = 0; k < places.size(); ++k)
+      for (unsigned int k = 0; k < positions.size(); ++k)
       {
         const Tensor<1, dim> shape = GeometryInfo<dim>::d_linear_shape_function_gradient(middle, k);
-        jacobian += outer_product(places[k], shape);
+        jacobian += outer_product(positions[k], shape);
         along_axes += values[k] * shape;
       }
       if (!(std::abs(determinant(jacobian)) > 0.))
@@ -139,16 +139,16 @@ namespace tombolo
       for_cells(model,
                 [&](const auto &, const std::vector<unsigned int> &nodes)
                 {
-                  std::vector<Tensor<1, dim>> places;
+                  std::vector<Tensor<1, dim>> positions;
                   for (const unsigned int node : nodes)
-                    places.push_back(vector_of<dim>(model.state.position.node(node)));
+                    positions.push_back(vector_of<dim>(model.state.position.node(node)));
                   double squared = 0;
                   std::vector<double> at_nodes(nodes.size());
                   for (const auto &[field, weight] : fields)
                   {
                     for (std::size_t k = 0; k < nodes.size(); ++k)
                       at_nodes[k] = *field->node(nodes[k]);
-                    squared += weight * gradient_in_the_middle(places, at_nodes).norm_square();
+                    squared += weight * gradient_in_the_middle(positions, at_nodes).norm_square();
                   }
                   result.push_back(std::sqrt(squared));
                 });

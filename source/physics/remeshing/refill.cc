@@ -33,7 +33,7 @@ namespace tombolo
   /**
    * Refills of parts of smoothed cells (PartRefill) before the forces at t_n. Mass, momentum,
    * enthalpy and what was dissipated stay where the remap is conservative; kinetic and elastic
-   * energy that it takes is accounted for as `remap loss`, and heats where heat is modelled.
+   * energy that it removes is accounted for as `remap loss`, and heats where heat is modelled.
    * A ValueRemap keeps the mass alone: the change of momentum and angular momentum leaves as that
    * of removed mass, the change of all mechanical energies, dissipated ones too, is `remap loss`,
    * which does not heat, and the change of heat is `eroded heat`.
@@ -42,7 +42,7 @@ namespace tombolo
   class Refill : public Process<dim>
   {
   public:
-    /** @p end_time: of the run [T]. Takes conditions off the faces of void cells. Throws
+    /** @p end_time: of the run [T]. Removes conditions from the faces of void cells. Throws
      * InputError. Collective. */
     Refill(Model<dim> &model, const double end_time)
     {
@@ -95,13 +95,14 @@ namespace tombolo
         const HeatContent heat_before =
             model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
         const double power = internal_power(model, clock.previous_step);
-        NodalVector places;
+        NodalVector former_positions;
         if (part.refill->settings.surface_slides)
-          places = model.state.position.copy();
+          former_positions = model.state.position.copy();
         if (!part.refill->refill(model, clock))
           continue;
-        const double given =
-            part.refill->settings.surface_slides ? place_nodes(model, clock, places) : 0.;
+        const double given = part.refill->settings.surface_slides
+                                 ? notify_placed_nodes(model, clock, former_positions)
+                                 : 0.;
         if (is_conservative)
           restore_angular_momentum(model, part.refill->moved_nodes(), before);
         model.bridge->smooth_velocity(model.state);
@@ -180,14 +181,14 @@ namespace tombolo
   private:
     using Vector = std::array<double, 3>;
 
-    /** What nodes and parts hold: this rank's shares. */
+    /** The content of nodes and parts: this rank's shares. */
     struct Content
     {
       double energy = 0;
       Vector momentum{}, angular_momentum{};
     };
 
-    /** A part, and how often its cells are looked at. */
+    /** A part, and how often its cells are checked. */
     struct Refilled
     {
       std::unique_ptr<PartRefill<dim>> refill;
@@ -195,8 +196,8 @@ namespace tombolo
       bool has_reached_end = false; ///< metal, the end of the void cells
     };
 
-    /** Heat of nodes at both ends of the thermal step, and what plastic work has given them: this
-     * rank's shares. */
+    /** Heat of nodes at both ends of the thermal step, and what plastic work has added: this rank's
+     * shares. */
     struct HeatContent
     {
       double enthalpy = 0, next_enthalpy = 0, given = 0;
@@ -277,19 +278,19 @@ namespace tombolo
       return result;
     }
 
-    /** Books what a remap that does not conserve has made of @p before. */
+    /** Accounts for the change of heat by a remap that does not conserve it. */
     static void book_heat(Model<dim> &model, const HeatContent &before)
     {
       const HeatContent after = heat_content_of(model);
       const double now = before.enthalpy - after.enthalpy;
-      // Plastic heat that is said to have come from outside is that of the work of now.
+      // Plastic heat that counts as external is that of the present work.
       model.heat->eroded_heat += now + after.given - before.given;
       model.heat->eroding_heat += before.next_enthalpy - after.next_enthalpy - now;
     }
 
-    /** Tells processes of the nodes that were at @p before. Returns this rank's share of the energy
-     * that they store now beyond that of before. Collective. */
-    static double place_nodes(Model<dim> &model, const Clock &clock, NodalVector &before)
+    /** Notifies processes of the nodes that were at @p before. Returns this rank's share of the
+     * increase of the energy that they store. Collective. */
+    static double notify_placed_nodes(Model<dim> &model, const Clock &clock, NodalVector &before)
     {
       const auto stored = [&model]
       {
@@ -307,8 +308,8 @@ namespace tombolo
       return stored() - former;
     }
 
-    /** A rigid rotation of the nodes that have moved brings the angular momentum back that the
-     * remap has taken. Collective. */
+    /** Adds a rigid rotation of the nodes that have moved, which restores the angular momentum
+     * before the remap. Collective. */
     static void restore_angular_momentum(Model<dim> &model, const std::vector<unsigned int> &nodes,
                                          const Content &before)
     {
@@ -366,7 +367,7 @@ namespace tombolo
     }
 
     using HeatNode = std::function<void(unsigned int node, double heat)>;
-    /** Shares @p energy out to the nodes of the patch, by their masses. Collective. */
+    /** Distributes @p energy over the nodes of the patch, by their masses. Collective. */
     static void heat_nodes(const Model<dim> &model, const NodalVector &in_patch,
                            const double energy, const HeatNode &add)
     {
@@ -381,14 +382,14 @@ namespace tombolo
           add(i, sums[0] * *model.bridge->mass().node(i) / sums[1]);
     }
 
-    /** Gives the heat that waits at nodes without mass to those of the patch. Collective. */
+    /** Distributes the pending heat of nodes without mass over those of the patch. Collective. */
     void carry_heat(Model<dim> &model, const NodalVector &in_patch)
     {
       NodalVector &pending = model.heat->state.pending;
-      double of_massless = 0;
+      double massless_heat = 0;
       for (const unsigned int node : massless)
-        of_massless += std::exchange(*pending.node(node), 0.);
-      heat_nodes(model, in_patch, of_massless,
+        massless_heat += std::exchange(*pending.node(node), 0.);
+      heat_nodes(model, in_patch, massless_heat,
                  [&](const unsigned int node, const double share)
                  { *pending.node(node) += share; });
     }

@@ -36,7 +36,7 @@
 
 namespace tombolo
 {
-  /** What decides where cells are divided in a run: a plug-in, `Criterion` in section
+  /** Decides where cells are divided in a run: a plug-in, `Criterion` in section
    * `Mesh/Adaptive refinement`. */
   template <int dim>
   class RefinementCriterion
@@ -58,8 +58,8 @@ namespace tombolo
     virtual std::vector<double> values(const Model<dim> &model) const = 0;
 
   private:
-    /** What a part lacks whose cells have no other values than zero, as a clause of a scene that
-     * has such parts only; else nothing. */
+    /** What a part lacks whose cells have only the value zero, as a clause about a scene of such
+     * parts; else nothing. */
     virtual std::string lack(const Part<dim> &part) const = 0;
   };
 
@@ -90,10 +90,10 @@ namespace tombolo
                        *adaptive_path = "Mesh/Adaptive refinement", *no_criterion = "none";
 
   /**
-   * Says between two steps which cells a criterion wants to be divided or joined, and keeps the
-   * books of what each new mesh takes: the run itself makes a new model of the same parameters
-   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than
-   * that of the file, from which levels count.
+   * Finds between two steps which cells a criterion divides or joins, and accounts for what each
+   * new mesh loses: the run itself makes a new model of the same parameters there (Simulation). A
+   * cell is divided once in a check; the mesh never becomes coarser than that of the file, from
+   * which levels count.
    */
   template <int dim>
   class AdaptiveRefinement : public Process<dim>
@@ -141,7 +141,7 @@ namespace tombolo
     AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model)
         : AdaptiveRefinement(parameters.section(adaptive_path))
     {
-      of_file = model.mesh.of_file ? *model.mesh.of_file : divided_cells(model.mesh);
+      file_divisions = model.mesh.of_file ? *model.mesh.of_file : divided_cells(model.mesh);
       Records &all = this->records.group("adaptive refinement");
       all.value("meshes", n_meshes);
       all.value("is announced", is_announced);
@@ -172,12 +172,12 @@ namespace tombolo
           });
     }
 
-    /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
+    /** Refuses scenes with what cannot be transferred to another mesh. Throws InputError. */
     void validate(const std::vector<Part<dim>> &parts) const;
 
-    /** The divided cells of the mesh to go over to before the step number @p step; nothing where
-     * the present mesh stays. Where cells become smaller than all that there are, one step that
-     * suits them is taken before: a long one would excite what only the new mesh can hold. Throws
+    /** The divided cells of the next mesh before the step number @p step; nothing where the present
+     * mesh stays. Where cells become smaller than all present ones, one step of their size is made
+     * before: a long one would excite what only the new mesh can represent. Throws
      * InputError where the mesh does not fit into memory. Collective. */
     std::optional<CellDivisions> next_divisions(const Model<dim> &model, const unsigned long step)
     {
@@ -192,7 +192,7 @@ namespace tombolo
       return wanted->divisions;
     }
 
-    /** Books that a new mesh has @p after of what the one before had. */
+    /** Accounts for the change from @p before to @p after by a new mesh. */
     void book(const ModelContent &before, const ModelContent &after, const Model<dim> &model);
 
     void model_changed(const Model<dim> &model) override
@@ -220,7 +220,7 @@ namespace tombolo
       return result;
     }
 
-    /** What the criterion wants. */
+    /** The mesh by the criterion. */
     struct Wanted
     {
       CellDivisions divisions;
@@ -242,7 +242,8 @@ namespace tombolo
                   const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
                   const bool is_of_file =
                       cell->level() == 0 ||
-                      std::binary_search(of_file.begin(), of_file.end(), parent_of<dim>(id));
+                      std::binary_search(file_divisions.begin(), file_divisions.end(),
+                                         parent_of<dim>(id));
                   finest = std::max(finest, level);
                   if (is_fine[number] && level < most_levels)
                   {
@@ -268,9 +269,9 @@ namespace tombolo
                                [&](const std::uint64_t id)
                                { return std::binary_search(removed.begin(), removed.end(), id); }),
                 all.end());
-      const CellDivisions of_all = of_all_ranks(divided, model.communicator);
-      const std::size_t n_divided = of_all.size();
-      all.insert(all.end(), of_all.begin(), of_all.end());
+      const CellDivisions all_divided = of_all_ranks(divided, model.communicator);
+      const std::size_t n_divided = all_divided.size();
+      all.insert(all.end(), all_divided.begin(), all_divided.end());
       std::sort(all.begin(), all.end());
       if (all == present)
         return std::nullopt;
@@ -283,8 +284,8 @@ namespace tombolo
                              dealii::Utilities::MPI::max(finest, model.communicator)};
     }
 
-    /** Whether each cell of for_cells() is so near to one that the criterion wants fine that it is
-     * to be fine, too. Collective. */
+    /** Whether each cell of for_cells() is to be fine: by the criterion, or near such a cell.
+     * Collective. */
     std::vector<bool> cells_to_be_fine(const Model<dim> &model,
                                        const std::vector<double> &values) const
     {
@@ -294,10 +295,10 @@ namespace tombolo
       std::vector<dealii::Point<dim>> centres;
       std::vector<std::vector<unsigned int>> nodes;
       for_cells(model,
-                [&](const auto &cell, const std::vector<unsigned int> &of_cell)
+                [&](const auto &cell, const std::vector<unsigned int> &local_nodes)
                 {
                   centres.push_back(cell->center());
-                  nodes.push_back(of_cell);
+                  nodes.push_back(local_nodes);
                 });
       for (unsigned int layer = 0;; ++layer)
       {
@@ -328,7 +329,7 @@ namespace tombolo
         if (cell->is_locally_owned())
         {
           const unsigned int divisions =
-              levels_beyond(persistent_id(cell->id(), dim), cell->level(), of_file);
+              levels_beyond(persistent_id(cell->id(), dim), cell->level(), file_divisions);
           coarsest = std::min(coarsest, cell->level() - static_cast<int>(divisions));
           finest = std::max(finest, cell->level() - static_cast<int>(divisions));
         }
@@ -345,7 +346,7 @@ namespace tombolo
     void refuse_too_many_levels(const Model<dim> &model) const
     {
       const auto [coarsest, finest_of_file] = levels_of_file(model);
-      constexpr int most_of_all = 12; // that numbers of cells can tell apart
+      constexpr int most_of_all = 12; // that numbers of cells distinguish
       const int finest = std::max(coarsest + static_cast<int>(most_levels), finest_of_file);
       const double bits =
           std::log2(static_cast<double>(model.mesh.triangulation.n_cells(0))) + dim * (finest + 2.);
@@ -366,9 +367,9 @@ namespace tombolo
     std::optional<double> coarsen_below;
     unsigned int most_levels, layers, interval;
 
-    CellDivisions of_file;      ///< of the mesh of the file, which the run never makes coarser
-    bool is_announced = false;  ///< smaller cells come after this step
-    unsigned long n_meshes = 0; ///< that the run has made
+    CellDivisions file_divisions; ///< of the mesh of the file, which the run never makes coarser
+    bool is_announced = false;    ///< smaller cells come after this step
+    unsigned long n_meshes = 0;   ///< that the run has made
     double n_cells = 0, most_cells = 0;
     // On the first rank.
     double lost = 0;

@@ -38,8 +38,8 @@ namespace tombolo
     {}
 
     /** Finds how much of the cells with the corners @p mesh, of those that are @p wanted, is in the
-     * full cells with the corners @p present, of those that are @p near: by the share of 64
-     * places. Cells that are not wanted count as they are. Collective. */
+     * full cells with the corners @p present, of those that are @p near: by the share of 64 points.
+     * Other cells count as full or void as they are. Collective. */
     void measure(const std::vector<bool> &is_void, const std::vector<Corners> &present,
                  const std::vector<bool> &near, const std::vector<Corners> &mesh,
                  const std::vector<bool> &wanted)
@@ -68,7 +68,7 @@ namespace tombolo
       return result;
     }
 
-    /** Whether there was a measure() yet. */
+    /** Whether measure() was called. */
     bool is_measured() const
     {
       return !shares.empty();
@@ -80,7 +80,7 @@ namespace tombolo
       return shares[cell];
     }
 
-    /** Lets a cell count as if the body had nothing of it. */
+    /** Sets the share of a cell to zero. */
     void discard(const std::size_t cell)
     {
       shares[cell] = 0.;
@@ -92,7 +92,7 @@ namespace tombolo
                              const std::vector<bool> &may_change) const
     {
       constexpr double filled_from = 0.6, emptied_below = 0.4; // shares
-      std::vector<Known> own, cells;
+      std::vector<KnownCell> own, cells;
       for (std::size_t c = 0; c < is_void.size(); ++c)
         if (near[c])
           own.push_back(
@@ -100,14 +100,14 @@ namespace tombolo
                may_change[c] ? shares[c] < (is_void[c] ? filled_from : emptied_below) : is_void[c],
                may_change[c]});
       std::size_t first_of_rank = 0;
-      const auto of_ranks = items_of_ranks(own, communicator);
-      for (unsigned int rank = 0; rank < of_ranks.size(); ++rank)
+      const auto rank_cells = items_of_ranks(own, communicator);
+      for (unsigned int rank = 0; rank < rank_cells.size(); ++rank)
       {
         if (rank == dealii::Utilities::MPI::this_mpi_process(communicator))
           first_of_rank = cells.size();
-        cells.insert(cells.end(), of_ranks[rank].begin(), of_ranks[rank].end());
+        cells.insert(cells.end(), rank_cells[rank].begin(), rank_cells[rank].end());
       }
-      Sheets(cells).mend();
+      Sheets(cells).correct();
       std::vector<bool> result = is_void;
       for (std::size_t c = 0, next = first_of_rank; c < is_void.size(); ++c)
         if (near[c])
@@ -116,25 +116,25 @@ namespace tombolo
     }
 
   private:
-    /** Tells whether places are in one of the full cells of all ranks. */
+    /** Checks whether points are in one of the full cells of all ranks. */
     class FullBody
     {
     public:
       /** Collective. */
-      FullBody(const std::vector<Corners> &of_rank, const MPI_Comm communicator)
+      FullBody(const std::vector<Corners> &own_cells, const MPI_Comm communicator)
       {
-        for (const auto &of_one : items_of_ranks(of_rank, communicator))
-          for (const Corners &corners : of_one)
+        for (const auto &one_rank : items_of_ranks(own_cells, communicator))
+          for (const Corners &corners : one_rank)
             add(corners);
         tree.emplace(dealii::pack_rtree_of_indices(boxes));
       }
 
-      bool contains(const dealii::Point<dim> &place) const
+      bool contains(const dealii::Point<dim> &point) const
       {
         std::vector<std::size_t> found;
-        tree->query(boost::geometry::index::intersects(place), std::back_inserter(found));
+        tree->query(boost::geometry::index::intersects(point), std::back_inserter(found));
         return std::any_of(found.begin(), found.end(),
-                           [&](const std::size_t cell) { return is_inside(cell, place); });
+                           [&](const std::size_t cell) { return is_inside(cell, point); });
       }
 
     private:
@@ -150,7 +150,7 @@ namespace tombolo
         }
       }
 
-      bool is_inside(const std::size_t cell, const dealii::Point<dim> &place) const
+      bool is_inside(const std::size_t cell, const dealii::Point<dim> &point) const
       {
         constexpr double tolerance = 1e-12;
         const std::size_t n = CellSimplices<dim>::all().size();
@@ -159,7 +159,7 @@ namespace tombolo
           if (!coordinates[s])
             continue;
           double values[dim + 1];
-          coordinates[s]->evaluate(place, values);
+          coordinates[s]->evaluate(point, values);
           if (*std::min_element(values, values + dim + 1) > -tolerance)
             return true;
         }
@@ -179,18 +179,18 @@ namespace tombolo
       for (unsigned int i = 0; i < n; ++i)
       {
         const unsigned int steps[3] = {i % n_along, i / n_along % n_along, i / n_along / n_along};
-        dealii::Point<dim> in_cell, place;
+        dealii::Point<dim> in_cell, point;
         for (unsigned int d = 0; d < dim; ++d)
           in_cell[d] = (steps[d] + 0.5) / n_along;
         for (unsigned int k = 0; k < corners.size(); ++k)
-          place += dealii::GeometryInfo<dim>::d_linear_shape_function(in_cell, k) * corners[k];
-        n_inside += body.contains(place) ? 1 : 0;
+          point += dealii::GeometryInfo<dim>::d_linear_shape_function(in_cell, k) * corners[k];
+        n_inside += body.contains(point) ? 1 : 0;
       }
       return static_cast<double>(n_inside) / n;
     }
 
-    /** What is known of a cell on all ranks. */
-    struct Known
+    /** The data of a cell that all ranks have. */
+    struct KnownCell
     {
       Ids ids;
       double share;
@@ -201,7 +201,7 @@ namespace tombolo
     class Sheets
     {
     public:
-      explicit Sheets(std::vector<Known> &cells) : cells(cells)
+      explicit Sheets(std::vector<KnownCell> &cells) : cells(cells)
       {
         for (unsigned int c = 0; c < cells.size(); ++c)
           for (const std::uint64_t id : cells[c].ids)
@@ -211,7 +211,7 @@ namespace tombolo
           sort(star);
       }
 
-      void mend()
+      void correct()
       {
         constexpr unsigned int most_sweeps = 20;
         bool has_changed = true;
@@ -223,7 +223,7 @@ namespace tombolo
           for (const auto &[id, star] : stars)
             if (std::any_of(star.begin(), star.end(),
                             [&](const unsigned int c) { return cells[c].may_change; }))
-              has_changed = mend_node(star, may_fill) || has_changed;
+              has_changed = correct_node(star, may_fill) || has_changed;
         }
       }
 
@@ -246,12 +246,12 @@ namespace tombolo
       }
 
       /** The void or the full cells around a node, those together that are joined by faces. */
-      std::vector<Group> groups(const Group &star, const bool of_void) const
+      std::vector<Group> groups(const Group &star, const bool is_void) const
       {
         std::vector<Group> result;
         for (const unsigned int c : star)
         {
-          if (cells[c].is_void != of_void)
+          if (cells[c].is_void != is_void)
             continue;
           Group joined{c};
           for (auto group = result.begin(); group != result.end();)
@@ -269,7 +269,7 @@ namespace tombolo
         return result;
       }
 
-      /** What becomes wrong where these cells become full or void; nothing if one must stay. */
+      /** The error where these cells become full or void, in shares; nothing if one must stay. */
       std::optional<double> cost(const Group &group, const bool fills) const
       {
         double result = 0;
@@ -282,8 +282,8 @@ namespace tombolo
         return result;
       }
 
-      /** All cells of @p of_groups but those of the group that would cost most. */
-      Group but_the_largest(const std::vector<Group> &of_groups, const bool fills) const
+      /** All cells of these groups except those of the most expensive one. */
+      Group but_the_largest(const std::vector<Group> &all, const bool fills) const
       {
         const auto size = [&](const Group &group)
         {
@@ -293,16 +293,16 @@ namespace tombolo
           return result;
         };
         const auto largest =
-            std::max_element(of_groups.begin(), of_groups.end(),
+            std::max_element(all.begin(), all.end(),
                              [&](const Group &a, const Group &b) { return size(a) < size(b); });
         Group result;
-        for (auto group = of_groups.begin(); group != of_groups.end(); ++group)
+        for (auto group = all.begin(); group != all.end(); ++group)
           if (group != largest)
             result.insert(result.end(), group->begin(), group->end());
         return result;
       }
 
-      bool mend_node(const Group &star, const bool may_fill)
+      bool correct_node(const Group &star, const bool may_fill)
       {
         const std::vector<Group> full = groups(star, false), empty = groups(star, true);
         const bool is_whole = star.size() >= (1u << dim); // not at the end of the mesh
@@ -311,7 +311,7 @@ namespace tombolo
           Group all_void;
           for (const Group &group : empty)
             all_void.insert(all_void.end(), group.begin(), group.end());
-          return take_cheaper(but_the_largest(full, false), all_void, may_fill);
+          return apply_cheaper(but_the_largest(full, false), all_void, may_fill);
         }
         if (empty.size() < 2 || !is_whole)
           return false;
@@ -321,22 +321,22 @@ namespace tombolo
           if (cells[c].may_change &&
               (parting.empty() || cells[c].share < cells[parting.front()].share))
             parting = {c};
-        return take_cheaper(parting, but_the_largest(empty, true), may_fill);
+        return apply_cheaper(parting, but_the_largest(empty, true), may_fill);
       }
 
-      bool take_cheaper(const Group &to_empty, const Group &to_fill, const bool may_fill)
+      bool apply_cheaper(const Group &to_empty, const Group &to_fill, const bool may_fill)
       {
-        const auto of_emptying = to_empty.empty() ? std::nullopt : cost(to_empty, false);
-        const auto of_filling = to_fill.empty() || !may_fill ? std::nullopt : cost(to_fill, true);
-        if (!of_emptying && !of_filling)
+        const auto emptying_cost = to_empty.empty() ? std::nullopt : cost(to_empty, false);
+        const auto filling_cost = to_fill.empty() || !may_fill ? std::nullopt : cost(to_fill, true);
+        if (!emptying_cost && !filling_cost)
           return false;
-        const bool fills = of_filling && (!of_emptying || *of_filling <= *of_emptying);
+        const bool fills = filling_cost && (!emptying_cost || *filling_cost <= *emptying_cost);
         for (const unsigned int c : fills ? to_fill : to_empty)
           cells[c].is_void = !fills;
         return true;
       }
 
-      std::vector<Known> &cells;
+      std::vector<KnownCell> &cells;
       std::map<std::uint64_t, Group> stars;
     };
 

@@ -31,9 +31,9 @@ namespace tombolo
   namespace CellMarks
   {
     template <typename Nodes>
-    bool any_marked(const Nodes &of_cell, const NodalVector &marks)
+    bool any_marked(const Nodes &cell_nodes, const NodalVector &marks)
     {
-      return std::any_of(of_cell.begin(), of_cell.end(),
+      return std::any_of(cell_nodes.begin(), cell_nodes.end(),
                          [&](const unsigned int node) { return *marks.node(node) > 0.; });
     }
 
@@ -41,25 +41,25 @@ namespace tombolo
      * are not. Collective. */
     template <typename Nodes>
     NodalVector nodes_of(const std::shared_ptr<const NodePartition> &partition,
-                         const std::vector<Nodes> &of_cells, const std::vector<bool> &is_chosen,
-                         const bool of_chosen = true)
+                         const std::vector<Nodes> &nodes, const std::vector<bool> &is_chosen,
+                         const bool marks_chosen = true)
     {
       return marked_nodes(partition,
                           [&](const auto &mark)
                           {
-                            for (std::size_t c = 0; c < of_cells.size(); ++c)
-                              if (is_chosen[c] == of_chosen)
-                                std::for_each(of_cells[c].begin(), of_cells[c].end(), mark);
+                            for (std::size_t c = 0; c < nodes.size(); ++c)
+                              if (is_chosen[c] == marks_chosen)
+                                std::for_each(nodes[c].begin(), nodes[c].end(), mark);
                           });
     }
 
     /** Which cells have a marked node. */
     template <typename Nodes>
-    std::vector<bool> cells_marked(const std::vector<Nodes> &of_cells, const NodalVector &marks)
+    std::vector<bool> cells_marked(const std::vector<Nodes> &nodes, const NodalVector &marks)
     {
       std::vector<bool> result;
-      for (const Nodes &of_cell : of_cells)
-        result.push_back(any_marked(of_cell, marks));
+      for (const Nodes &cell_nodes : nodes)
+        result.push_back(any_marked(cell_nodes, marks));
       return result;
     }
 

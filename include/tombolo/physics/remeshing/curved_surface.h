@@ -14,7 +14,7 @@
 namespace tombolo
 {
   /** A piece of the boundary of a part, of all ranks: facets that are curved between the nodes of
-   * their faces. Where several places are equally near, one direction decides, and no round-off. */
+   * their faces. Where several points are equally near, one direction decides, and no round-off. */
   template <int dim>
   struct CurvedSurface
   {
@@ -25,10 +25,11 @@ namespace tombolo
     /** The nodes of a face of the boundary, and the normals there; zero at edges of the body. */
     struct Face
     {
-      std::array<dealii::Tensor<1, dim>, n_face_nodes> places, normals;
+      std::array<dealii::Tensor<1, dim>, n_face_nodes> positions, normals;
     };
 
-    /** Of the vertices of a facet, in the places of the nodes of its face. */
+    /** The position of each vertex of a facet is this mean of the positions of the nodes of its
+     * face. */
     using Shares = std::array<std::array<double, n_face_nodes>, dim>;
 
     ClosedSurface<dim> facets;
@@ -36,7 +37,7 @@ namespace tombolo
     std::vector<Face> faces;    ///< of each facet
     std::vector<Shares> shares; ///< of each facet
 
-    /** A facet as ranks send it to each other. */
+    /** A facet in messages between ranks. */
     struct Piece
     {
       std::array<dealii::Tensor<1, dim>, dim> vertices;
@@ -45,9 +46,9 @@ namespace tombolo
       Face face;
     };
 
-    void add(const std::vector<Piece> &of_rank)
+    void add(const std::vector<Piece> &rank_pieces)
     {
-      for (const Piece &piece : of_rank)
+      for (const Piece &piece : rank_pieces)
       {
         typename ClosedSurface<dim>::Facet facet;
         for (unsigned int v = 0; v < dim; ++v)
@@ -72,7 +73,7 @@ namespace tombolo
       tree = FacetTree<dim>(facets);
       double largest = 0; // so that it does not depend on the order of ranks
       for (const Face &face : faces)
-        largest = std::max(largest, (face.places.back() - face.places.front()).norm_square());
+        largest = std::max(largest, (face.positions.back() - face.positions.front()).norm_square());
       for (unsigned int d = 0; d < dim; ++d)
         aside[d] = share_of_size * std::sqrt(largest) * direction[d];
     }
@@ -91,9 +92,9 @@ namespace tombolo
       return found ? std::optional<Nearest>(tree.nearest_on_facet_of(*found, point)) : std::nullopt;
     }
 
-    /** The place on the curved surface over a place of a facet: half of the way to the tangent
+    /** The point of the curved surface over a point of a facet: half of the way to the tangent
      * planes at the nodes of the face. */
-    dealii::Tensor<1, dim> raise(const dealii::Tensor<1, dim> &place,
+    dealii::Tensor<1, dim> raise(const dealii::Tensor<1, dim> &point,
                                  const unsigned int facet) const
     {
       const auto vertex = [&](const unsigned int v) -> const dealii::Tensor<1, dim> &
@@ -102,12 +103,12 @@ namespace tombolo
       if constexpr (dim == 2)
       {
         const dealii::Tensor<1, dim> along = vertex(1) - vertex(0);
-        coordinates[1] = (place - vertex(0)) * along / along.norm_square();
+        coordinates[1] = (point - vertex(0)) * along / along.norm_square();
       }
       else
       {
         const dealii::Tensor<1, dim> a = vertex(1) - vertex(0), b = vertex(2) - vertex(0),
-                                     r = place - vertex(0);
+                                     r = point - vertex(0);
         const double aa = a * a, ab = a * b, bb = b * b, determinant = aa * bb - ab * ab;
         coordinates[1] = (bb * (r * a) - ab * (r * b)) / determinant;
         coordinates[2] = (aa * (r * b) - ab * (r * a)) / determinant;
@@ -115,27 +116,27 @@ namespace tombolo
       coordinates[0] = 1.;
       for (unsigned int v = 1; v < dim; ++v)
         coordinates[0] -= coordinates[v];
-      dealii::Tensor<1, dim> result = place;
+      dealii::Tensor<1, dim> result = point;
       for (unsigned int k = 0; k < n_face_nodes; ++k)
       {
         double share = 0;
         for (unsigned int v = 0; v < dim; ++v)
           share += coordinates[v] * shares[facet][v][k];
         const dealii::Tensor<1, dim> &normal = faces[facet].normals[k];
-        result += 0.5 * share * (normal * (faces[facet].places[k] - place)) * normal;
+        result += 0.5 * share * (normal * (faces[facet].positions[k] - point)) * normal;
       }
       return result;
     }
 
-    /** The node next to a place, of the face of a facet. */
-    const dealii::Tensor<1, dim> &node_near(const dealii::Tensor<1, dim> &place,
+    /** The node of the face of a facet that is nearest to a point. */
+    const dealii::Tensor<1, dim> &node_near(const dealii::Tensor<1, dim> &point,
                                             const unsigned int facet) const
     {
-      const auto &places = faces[facet].places;
+      const auto &positions = faces[facet].positions;
       return *std::min_element(
-          places.begin(), places.end(),
+          positions.begin(), positions.end(),
           [&](const dealii::Tensor<1, dim> &a, const dealii::Tensor<1, dim> &b)
-          { return (a - place - aside).norm_square() < (b - place - aside).norm_square(); });
+          { return (a - point - aside).norm_square() < (b - point - aside).norm_square(); });
     }
 
     dealii::Tensor<1, dim> aside; ///< a small way, by which ties are decided [L]

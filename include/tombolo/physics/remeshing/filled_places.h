@@ -26,15 +26,15 @@
 namespace tombolo
 {
   /**
-   * Where a refill that fills and empties cells places the nodes of a part with void cells: cells
-   * of the mesh are full where the body has at least half of them (CellFilling). Nodes on the
-   * surface of these go from their places in the mesh to the surface of before (SurfaceSlide),
-   * inner nodes follow, and nodes of void cells alone are at their places in the mesh. Where a cell
-   * would become too thin, nodes of the surface go a part of this way only, and in the end stay
-   * where they were, as cells around them stay full or void.
+   * The positions of the nodes of a part with void cells after a refill that fills and empties
+   * cells: cells of the mesh are full where the body has at least half of them (CellFilling). Nodes
+   * on their surface move from their positions in the mesh to the former surface (SurfaceSlide),
+   * inner nodes follow, and nodes of void cells alone have their positions in the mesh. Where a
+   * cell would become too thin, nodes of the surface move a part of this way only, and in the end
+   * stay, as cells around them stay full or void.
    */
   template <int dim>
-  class FilledPlaces
+  class FilledPositions
   {
   public:
     using Corners = typename SubCells<dim>::Corners;
@@ -42,11 +42,11 @@ namespace tombolo
 
     /** @p nodes: local numbers of the corners of the cells, which must be current in all calls.
      * Collective. */
-    FilledPlaces(const Model<dim> &model, const unsigned int part,
-                 const SmoothedCells<dim> &of_part, const CellNodes &nodes)
-        : voids(of_part.void_cells()), local_nodes(nodes), part(part)
+    FilledPositions(const Model<dim> &model, const unsigned int part,
+                    const SmoothedCells<dim> &smoothed_cells, const CellNodes &nodes)
+        : voids(smoothed_cells.void_cells()), local_nodes(nodes), part(part)
     {
-      take_void_cells(model);
+      update_void_cells(model);
       for (const SmoothedCell<dim> &cell : cells)
       {
         bool has_end = false;
@@ -60,12 +60,12 @@ namespace tombolo
     }
 
     /** Adds the full cells next to void ones whose surface has moved by three tenths of their size
-     * from where its last refill has put it, @p settled (owned positions). Collective. */
-    void add_cells_at_void(const Model<dim> &model, const NodalVector &settled,
+     * since its last refill, @p refilled_position (owned). Collective. */
+    void add_cells_at_void(const Model<dim> &model, const NodalVector &refilled_position,
                            std::vector<unsigned int> &distorted) const
     {
       constexpr double share_of_size = 0.3;
-      const NodalVector ways = difference(model.state.position, settled);
+      const NodalVector ways = difference(model.state.position, refilled_position);
       for (unsigned int c = 0; c < cells.size(); ++c)
       {
         bool has_moved = false;
@@ -84,16 +84,16 @@ namespace tombolo
       }
     }
 
-    /** Adds the full cells of which a node is farther than half of their size from its place in
-     * the mesh, so that nodes that stay are near to theirs; not those whose nodes always stay.
+    /** Adds the full cells with a node farther than half of their size from its position in the
+     * mesh, so that nodes that stay are near to it; not those whose nodes always stay.
      * Collective. */
     void add_displaced_cells(const Model<dim> &model, const Clock &clock,
                              const LatticeMotion<dim> &motion,
                              std::vector<unsigned int> &distorted) const
     {
       constexpr double share_of_size = 0.5;
-      const NodalVector ways =
-          difference(model.state.position, motion.places(model.state.initial_position, clock.time));
+      const NodalVector ways = difference(
+          model.state.position, motion.positions(model.state.initial_position, clock.time));
       for (unsigned int c = 0; c < cells.size(); ++c)
       {
         const dealii::Tensor<1, dim> sizes = sizes_of(cells[c]);
@@ -108,9 +108,9 @@ namespace tombolo
       }
     }
 
-    /** The places of all nodes; only those that @p in_patch marks (scalar, with ghosts) move, and
-     * not those of cells beside cells of another size. @p volumes: what the material of each cell
-     * takes [L^dim]; cells that move keep the sum. Collective. */
+    /** The positions of all nodes; only those that @p in_patch marks (scalar, with ghosts) move,
+     * and not those of cells beside cells of another size. @p volumes: of the material of each cell
+     * [L^dim]; cells that move keep the sum. Collective. */
     NodalVector find(const Model<dim> &model, const Clock &clock, const LatticeMotion<dim> &motion,
                      const NodalVector &in_patch, const std::vector<double> &volumes)
     {
@@ -119,11 +119,11 @@ namespace tombolo
       Search search = begin_search(model, clock, motion, in_patch, volumes);
       for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
       {
-        NodalVector result = try_places(model, clock, search);
+        NodalVector result = try_positions(model, clock, search);
         const auto is_thin = thin_cells(position, result, search);
         if (!is_thin)
           return result;
-        mend(*is_thin, search);
+        relax_thin_cells(*is_thin, search);
       }
       void_after = voids.of_cells();
       return position.copy();
@@ -135,7 +135,7 @@ namespace tombolo
       return void_after;
     }
 
-    /** The place of a cell that was void at the start and cannot be filled, at the end of the mesh
+    /** The centre of a cell that was void at the start and cannot be filled, at the end of the mesh
      * or beside cells of another size, and of which the body had half at the last search, the same
      * on all ranks; nothing where there is none. Collective.
      */
@@ -150,8 +150,8 @@ namespace tombolo
       return reached.empty() ? std::nullopt : std::make_optional(reached.front());
     }
 
-    /** Takes the void cells of the part as they are now. Collective. */
-    void take_void_cells(const Model<dim> &model)
+    /** Updates the void cells of the part. Collective. */
+    void update_void_cells(const Model<dim> &model)
     {
       cells = smoothed_cells_of(mesh_of_part(model, part, &voids));
       surface = std::make_unique<SurfaceSlide<dim>>(model, cells, local_nodes);
@@ -169,16 +169,16 @@ namespace tombolo
     }
 
   private:
-    /** What a search for places knows. */
+    /** The data of a search for positions. */
     struct Search
     {
-      NodalVector mesh_places, in_patch, held; ///< nodes that stay (scalar, with ghosts)
-      NodalVector way_shares;                  ///< scalar, owned
-      NodalVector inside, on_surface;          ///< nodes that move (scalar)
-      double volume = 0;                       ///< of cells with a node in the patch
-      std::vector<Corners> mesh;               ///< corners of the cells there
-      std::vector<bool> near;                  ///< cells with a node in the patch
-      std::vector<bool> at_surface;            ///< those of them that can be filled or emptied
+      NodalVector mesh_positions, in_patch, held; ///< nodes that stay (scalar, with ghosts)
+      NodalVector way_shares;                     ///< scalar, owned
+      NodalVector inside, on_surface;             ///< nodes that move (scalar)
+      double volume = 0;                          ///< of cells with a node in the patch
+      std::vector<Corners> mesh;                  ///< corners of the cells there
+      std::vector<bool> near;                     ///< cells with a node in the patch
+      std::vector<bool> at_surface;               ///< those of them that can be filled or emptied
     };
     Search begin_search(const Model<dim> &model, const Clock &clock,
                         const LatticeMotion<dim> &motion, const NodalVector &in_patch,
@@ -189,7 +189,7 @@ namespace tombolo
       const dealii::IndexSet prescribed = model.conditions->prescribed_nodes();
       const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
       Search search;
-      search.mesh_places = motion.places(model.state.initial_position, clock.time);
+      search.mesh_positions = motion.positions(model.state.initial_position, clock.time);
       search.mesh = motion.corners(cells, clock.time, model.communicator);
       search.in_patch = in_patch.copy();
       search.near = CellMarks::cells_marked(local_nodes, search.in_patch);
@@ -213,8 +213,8 @@ namespace tombolo
       return search;
     }
 
-    /** What the body had of void cells and has not at these places, at those nodes of the cell on
-     * the surface that are not bound, and near them. Collective. */
+    /** The volume of void cells that the body had and has not at these positions, at those nodes of
+     * the cell on the surface that are not bound, and near them. Collective. */
     NodalVector missing(const NodalVector &position, const NodalVector &is_bound,
                         const Search &search) const
     {
@@ -235,18 +235,18 @@ namespace tombolo
           for (const unsigned int node : local_nodes[c])
             n_moving += *moves.node(node);
           const auto volumes = CellSimplices<dim>::volumes(search.mesh[c]);
-          const double of_cell = std::max(0., filling->share(c) - shares[c]) *
-                                 std::accumulate(volumes.begin(), volumes.end(), 0.);
+          const double missing_volume = std::max(0., filling->share(c) - shares[c]) *
+                                        std::accumulate(volumes.begin(), volumes.end(), 0.);
           for (const unsigned int node : local_nodes[c])
             if (*moves.node(node) > 0.)
-              *sums.node(node) += of_cell / n_moving;
+              *sums.node(node) += missing_volume / n_moving;
         }
       };
       return spread(moves, sums_at_owners(partition, Quantity::scalar, add));
     }
 
-    /** Lets values of nodes that move (one, zero for others; with ghosts) go over to those of the
-     * same cells, some times: the sum stays, and what alternates between nodes is gone. Collective.
+    /** Spreads values of nodes that move (one, zero for others; with ghosts) over those of the same
+     * cells, some times: the sum stays, and what alternates between nodes vanishes. Collective.
      */
     NodalVector spread(const NodalVector &moves, NodalVector values) const
     {
@@ -270,11 +270,11 @@ namespace tombolo
         {
           if (n_moving[c] == 0.)
             continue;
-          double of_cell = 0;
+          double sum = 0;
           for (const unsigned int node : local_nodes[c])
-            of_cell += *moves.node(node) * *values.node(node);
+            sum += *moves.node(node) * *values.node(node);
           for (const unsigned int node : local_nodes[c])
-            *sums.node(node) += *moves.node(node) * of_cell / n_moving[c];
+            *sums.node(node) += *moves.node(node) * sum / n_moving[c];
         }
       };
       for (unsigned int sweep = 0; sweep < n_sweeps; ++sweep)
@@ -286,22 +286,22 @@ namespace tombolo
       return values;
     }
 
-    /** Chooses full cells, and moves the nodes as far as they go. Collective. */
-    NodalVector try_places(const Model<dim> &model, const Clock &clock, Search &search)
+    /** Chooses full cells, and moves the nodes. Collective. */
+    NodalVector try_positions(const Model<dim> &model, const Clock &clock, Search &search)
     {
       const NodalVector &position = model.state.position;
       void_after = filling->choose(voids.of_cells(), search.near, changeable_cells(search));
       const SurfaceSlide<dim> next(model, cells_with(model, void_after), local_nodes);
       classify_nodes(next, search);
       NodalVector result = nodal_field(position.partition(), position.quantity(),
-                                       [&](const unsigned int i, double *const place)
+                                       [&](const unsigned int i, double *const coordinates)
                                        {
                                          const NodalVector &from = *search.held.node(i) > 0.
                                                                        ? position
-                                                                       : search.mesh_places;
-                                         std::copy_n(from.node(i), node_stride, place);
+                                                                       : search.mesh_positions;
+                                         std::copy_n(from.node(i), node_stride, coordinates);
                                        });
-      // A node that goes a part of its way only, for the sake of its cells, may leave a tool.
+      // A node that moves a part of its way only, because of its cells, may leave a tool.
       constexpr double whole_way = 1., part_of_way = 0.5;
       const NodalVector slides = scalar_field(
           position.partition(),
@@ -312,21 +312,22 @@ namespace tombolo
           });
       next.slide_onto(
           *surface, search.in_patch, search.volume, search.on_surface, search.way_shares,
-          search.mesh_places, position,
-          [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
-          { model.signals.nodes_move(clock, slides, from, places, is_bound); },
-          [&](const NodalVector &places, const NodalVector &is_bound)
-          { return missing(places, is_bound, search); },
+          search.mesh_positions, position,
+          [&](const NodalVector &from, NodalVector &positions, NodalVector &is_bound)
+          { model.signals.nodes_move(clock, slides, from, positions, is_bound); },
+          [&](const NodalVector &positions, const NodalVector &is_bound)
+          { return missing(positions, is_bound, search); },
           result);
-      place_inner_nodes<dim>(local_nodes, search.mesh, search.inside, search.mesh_places, result);
+      place_inner_nodes<dim>(local_nodes, search.mesh, search.inside, search.mesh_positions,
+                             result);
       return result;
     }
 
-    /** Marks what nodes do that are not held. Collective. */
+    /** Classifies the nodes that are not held. Collective. */
     void classify_nodes(const SurfaceSlide<dim> &next, Search &search) const
     {
       const auto &partition = search.held.partition();
-      const NodalVector of_full = CellMarks::nodes_of(partition, local_nodes, void_after, false);
+      const NodalVector full_nodes = CellMarks::nodes_of(partition, local_nodes, void_after, false);
       for (NodalVector *const vector : {&search.inside, &search.on_surface})
         vector->reinit(partition, Quantity::scalar);
       change_owned({&search.held, &search.on_surface},
@@ -335,7 +336,7 @@ namespace tombolo
                      for (unsigned int i = 0; i < partition->n_owned(); ++i)
                        if (next.is_on_boundary(i) && !next.is_smooth(i))
                          *search.held.node(i) = 1.;
-                       else if (*search.held.node(i) == 0. && *of_full.node(i) > 0.)
+                       else if (*search.held.node(i) == 0. && *full_nodes.node(i) > 0.)
                          *(next.is_on_boundary(i) ? search.on_surface : search.inside).node(i) = 1.;
                    });
     }
@@ -365,16 +366,16 @@ namespace tombolo
       if (!is_at_surface)
         return !CellSimplices<dim>::are_positive(corners);
       // Corners of cells on the surface may be turned over: sub-cells need not be convex.
-      const auto of_mesh = CellSimplices<dim>::volumes(cells[cell].corners);
+      const auto mesh_volumes = CellSimplices<dim>::volumes(cells[cell].corners);
       const auto volumes = CellSimplices<dim>::volumes(corners);
       bool result = false;
       for (unsigned int q = 0; q < volumes.size(); ++q)
-        result = result || !(volumes[q] > smallest_share * of_mesh[q]);
+        result = result || !(volumes[q] > smallest_share * mesh_volumes[q]);
       return result;
     }
 
-    /** Empties thin cells, or lets their nodes go less far, or stay. Collective. */
-    void mend(const std::vector<bool> &is_thin, Search &search)
+    /** Empties thin cells, or shortens the way of their nodes, or holds them. Collective. */
+    void relax_thin_cells(const std::vector<bool> &is_thin, Search &search)
     {
       constexpr double most_to_empty = 0.8, smallest_share = 0.1;
       std::vector<bool> may_change = changeable_cells(search), stays = is_thin;
@@ -443,9 +444,9 @@ namespace tombolo
     std::vector<SmoothedCell<dim>> cells_with(const Model<dim> &model,
                                               const std::vector<bool> &is_void) const
     {
-      VoidCells<dim> others = voids;
-      others.set(is_void);
-      return smoothed_cells_of(mesh_of_part(model, part, &others));
+      VoidCells<dim> changed_voids = voids;
+      changed_voids.set(is_void);
+      return smoothed_cells_of(mesh_of_part(model, part, &changed_voids));
     }
 
     /** The ids of the corners of cells, which do not depend on the ranks. Collective. */

@@ -22,10 +22,10 @@
 namespace tombolo
 {
   /**
-   * The motion of the mesh to whose places refills take nodes (`Refill motion`): a displacement as
-   * a function of initial place and time, such as that of a tool, which fades out towards nodes
-   * that stay. Material flows through a mesh that moves. Without it the mesh stays where it was at
-   * the start.
+   * The motion of the mesh to whose nodes refills move those of the part (`Refill motion`): a
+   * displacement as a function of initial position and time, such as that of a tool, which fades
+   * out towards nodes that stay. Material flows through a mesh that moves. Without it the mesh
+   * stays where it was at the start.
    */
   template <int dim>
   class LatticeMotion
@@ -42,12 +42,12 @@ namespace tombolo
       return displacement.has_value();
     }
 
-    /** The places of nodes of the mesh [L] that are at @p initial at the start, with ghosts.
+    /** The positions of nodes of the mesh [L] that are at @p initial at the start, with ghosts.
      * Collective. */
-    NodalVector places(const NodalVector &initial, const double time) const
+    NodalVector positions(const NodalVector &initial, const double time) const
     {
       return move(initial, initial,
-                  [&](const dealii::Point<dim> &place) { return at(place, time); });
+                  [&](const dealii::Point<dim> &point) { return at(point, time); });
     }
 
     /** The same for the corners of @p cells. Throws InputError on all ranks if one is turned over.
@@ -72,9 +72,9 @@ namespace tombolo
                             cell.centre(), ") at the start.");
         }
       }
-      for (const std::string &of_rank : texts_of_ranks(communicator, problem))
-        if (!of_rank.empty())
-          settings.refuse(of_rank, "Refill motion");
+      for (const std::string &rank_problem : texts_of_ranks(communicator, problem))
+        if (!rank_problem.empty())
+          settings.refuse(rank_problem, "Refill motion");
       return result;
     }
 
@@ -103,9 +103,9 @@ namespace tombolo
       for (unsigned int c = 0; c < cells.size(); ++c)
       {
         const auto &corners = cells[c].corners;
-        const double of_cell = largest_way(cells[c], time);
-        is_far = is_far || of_cell > far * corners[0].distance(corners[1]);
-        if (of_cell > 0.)
+        const double cell_way = largest_way(cells[c], time);
+        is_far = is_far || cell_way > far * corners[0].distance(corners[1]);
+        if (cell_way > 0.)
           moved.push_back(c);
       }
       if (dealii::Utilities::MPI::max(is_far ? 1 : 0, communicator) == 0)
@@ -121,24 +121,24 @@ namespace tombolo
                        const double time) const
     {
       return move(initial, position,
-                  [&](const dealii::Point<dim> &place) { return way(place, time); });
+                  [&](const dealii::Point<dim> &point) { return way(point, time); });
     }
 
     double time_of_last = 0; ///< refill [T]
 
   private:
-    dealii::Tensor<1, dim> at(const dealii::Point<dim> &place, const double time) const
+    dealii::Tensor<1, dim> at(const dealii::Point<dim> &point, const double time) const
     {
       dealii::Tensor<1, dim> result;
       for (unsigned int d = 0; displacement && d < dim; ++d)
-        result[d] = displacement->value(place, time, d);
+        result[d] = displacement->value(point, time, d);
       return result;
     }
 
-    /** What a place of the initial mesh has moved since the last refill. */
-    dealii::Tensor<1, dim> way(const dealii::Point<dim> &place, const double time) const
+    /** The way of a point of the initial mesh since the last refill [L]. */
+    dealii::Tensor<1, dim> way(const dealii::Point<dim> &point, const double time) const
     {
-      return at(place, time) - at(place, time_of_last);
+      return at(point, time) - at(point, time_of_last);
     }
 
     /** The longest way of a corner. */
@@ -150,18 +150,18 @@ namespace tombolo
       return result;
     }
 
-    /** @p from, moved by a function of the place of each node at the start, with ghosts. */
+    /** @p from, moved by a function of the initial position of each node, with ghosts. */
     template <typename Way>
     NodalVector move(const NodalVector &initial, const NodalVector &from, const Way &way) const
     {
       NodalVector result = from.copy();
       result.fill(
-          [&](const unsigned int i, double *const place)
+          [&](const unsigned int i, double *const coordinates)
           {
-            const dealii::Tensor<1, dim> of_node =
+            const dealii::Tensor<1, dim> node_way =
                 way(dealii::Point<dim>(vector_of<dim>(initial.node(i))));
             for (unsigned int d = 0; d < dim && is_on(); ++d)
-              place[d] += of_node[d];
+              coordinates[d] += node_way[d];
           });
       return result;
     }

@@ -10,8 +10,8 @@
 
 namespace tombolo
 {
-  /** What nodes, parts and processes hold, over all ranks: to be compared before and after a change
-   * of the mesh. */
+  /** The content of nodes, parts and processes over all ranks, to be compared before and after a
+   * change of the mesh. */
   struct ModelContent
   {
     /** Of @p model between two steps. Collective. */
@@ -66,6 +66,6 @@ namespace tombolo
     double energy = 0;                        ///< held and kinetic [M L^2/T^2]
     std::array<double, 3> momentum{};         ///< [M L/T]
     std::array<double, 3> angular_momentum{}; ///< about the origin [M L^2/T]
-    double enthalpy = 0, next_enthalpy = 0;   ///< with the heat that is to be given [M L^2/T^2]
+    double enthalpy = 0, next_enthalpy = 0;   ///< with pending heat [M L^2/T^2]
   };
 } // namespace tombolo

@@ -7,14 +7,14 @@
 
 namespace tombolo
 {
-  /** What the nodes of a part have at a refill, by its mass alone. */
+  /** The heat of the nodes of a part at a refill, by its mass alone. */
   template <int dim>
   class NodalContent
   {
   public:
     /** @p mass: that of the part before the refill, owned. */
-    NodalContent(const Model<dim> &model, const unsigned int part, NodalVector of_part)
-        : mass(std::move(of_part)), part(part)
+    NodalContent(const Model<dim> &model, const unsigned int part, NodalVector part_mass)
+        : mass(std::move(part_mass)), part(part)
     {
       if (!model.heat)
         return;
@@ -53,20 +53,21 @@ namespace tombolo
                          });
     }
 
-    /** Gives nodes the enthalpies of after, where they have the mass @p after of the part (owned).
+    /** Sets the enthalpies of after at nodes with the mass @p after of the part (owned).
      */
-    void give_heat(const Model<dim> &model, const NodalVector &after) const
+    void set_enthalpies(const Model<dim> &model, const NodalVector &after) const
     {
       ThermalState &thermal = model.heat->state;
       const ThermalProperties &properties = *model.parts[part].heat;
-      const auto change = [&](const unsigned int i, const unsigned int slot, double &of_node,
+      const auto change = [&](const unsigned int i, const unsigned int slot, double &node_enthalpy,
                               double &unsmoothed, double &field)
       {
-        of_node += *after.node(i) * enthalpy.node(i)[slot] - *mass.node(i) * initial.node(i)[slot];
+        node_enthalpy +=
+            *after.node(i) * enthalpy.node(i)[slot] - *mass.node(i) * initial.node(i)[slot];
         if (*after.node(i) == 0.)
           return;
         field -= unsmoothed;
-        unsmoothed = model.heat->nodal_enthalpy.temperature(i, of_node);
+        unsmoothed = model.heat->nodal_enthalpy.temperature(i, node_enthalpy);
         field += unsmoothed;
       };
       change_owned(

@@ -32,38 +32,42 @@ namespace tombolo
   public:
     PartRefill(const Model<dim> &model, const unsigned int part, SmoothedCells<dim> &cells,
                const double end_time)
-        : part(part), settings(cells.refill()), cells(cells), places(model, part, cells, end_time),
+        : part(part), settings(cells.refill()), cells(cells),
+          positions(model, part, cells, end_time),
           rule(cells.point_state().gradients().integration_rule()),
           by_values(settings.value_remap())
     {
       if (settings.is_conservative())
         return;
-      const Bodies<dim> of_mesh(*model.nodes);
-      for (const SmoothedCell<dim> &cell : places.lattice())
-        bodies.push_back(static_cast<double>(of_mesh.body_of(cell.nodes.front())));
+      const Bodies<dim> mesh_bodies(*model.nodes);
+      for (const SmoothedCell<dim> &cell : positions.lattice())
+        bodies.push_back(static_cast<double>(mesh_bodies.body_of(cell.nodes.front())));
     }
 
     /**
-     * Where cells have reached a limit: places inner nodes of these cells and of layers around them
-     * as in the lattice of the start, makes the present configuration the reference, and remaps
+     * Where cells have reached a limit: places inner nodes of these cells and of layers around
+     * them as in the initial lattice, makes the present configuration the reference, and remaps
      * velocities, heat and points conservatively or by a ValueRemap. Nodes of the boundary of the
      * part slide on it (SurfaceSlide) or stay, and those with prescribed components stay. Where
-     * cells would turn over, the nodes go a part of their way. With void cells, cells are filled
+     * cells would turn over, the nodes move a part of their way. With void cells, cells are filled
      * and emptied as well. Returns whether there was a refill; masses of nodes and the partition
      * are renewed then. Collective.
      */
     bool refill(Model<dim> &model, const Clock &clock)
     {
       std::vector<unsigned int> distorted = cells.distorted_cells(model.state.position);
-      places.motion.add_moved_cells(places.lattice(), clock.time, model.communicator, distorted);
-      places.set_partition(*model.state.partition());
+      positions.motion.add_moved_cells(positions.lattice(), clock.time, model.communicator,
+                                       distorted);
+      positions.set_partition(*model.state.partition());
       if (settings.fills_cells)
-        places.filled()->add_cells_at_void(
-            model, settled.partition() != nullptr ? settled : model.state.initial_position,
-            distorted);
+        positions.filled()->add_cells_at_void(model,
+                                              refilled_position.partition() != nullptr
+                                                  ? refilled_position
+                                                  : model.state.initial_position,
+                                              distorted);
       if (dealii::Utilities::MPI::max(distorted.empty() ? 0 : 1, model.communicator) == 0)
         return false;
-      const NodalVector after = places.find(model, clock, distorted, material_volumes());
+      const NodalVector after = positions.find(model, clock, distorted, material_volumes());
       Cells remapped = remap_cells(model, after);
       const bool is_first = point_mass.empty();
       PointValues points = get_points(remapped);
@@ -71,22 +75,22 @@ namespace tombolo
       {
         if (is_first)
           point_mass.clear();
-        return false; // the part goes on as it is
+        return false; // the part stays as it is
       }
-      places.motion.time_of_last = clock.time;
+      positions.motion.time_of_last = clock.time;
       model.begin_change();
       remap(model, after, clock, remapped, points);
       if (settings.fills_cells)
-        places.filled()->take_void_cells(model);
+        positions.filled()->update_void_cells(model);
       ++count;
       return true;
     }
 
-    /** Scalar, positive at the owned nodes of cells that the last refill was made for: where lost
-     * energy goes. */
+    /** Scalar, positive at the owned nodes of the cells of the last refill: they get the lost
+     * energy. */
     const NodalVector &touched_nodes() const
     {
-      return places.nodes_of_patch();
+      return positions.nodes_of_patch();
     }
 
     /** Owned nodes that the last refill moved, local numbers. */
@@ -95,10 +99,10 @@ namespace tombolo
       return moved;
     }
 
-    /** See FilledPlaces; only where cells are filled. Collective. */
+    /** See FilledPositions; only where cells are filled. Collective. */
     std::optional<dealii::Point<dim>> reached_end(const MPI_Comm communicator) const
     {
-      return places.filled()->reached_end(communicator);
+      return positions.filled()->reached_end(communicator);
     }
 
     unsigned long n_refills() const
@@ -106,8 +110,8 @@ namespace tombolo
       return count;
     }
 
-    /** Writes or reads how the part is referred to, before its points are read. Returns whether it
-     * has another reference than the initial one. Collective. */
+    /** Writes or reads the reference of the part, before its points are read. Returns whether it
+     * differs from the initial one. Collective. */
     bool serialize(const Model<dim> &model, StateArchive &archive)
     {
       const auto group = archive.group("refills of " + model.parts[part].name);
@@ -116,29 +120,29 @@ namespace tombolo
         return false;
       if (archive.is_reading())
         reference.reinit(model.state.partition(), model.state.position.quantity());
-      archive("time of the last", places.motion.time_of_last);
+      archive("time of the last", positions.motion.time_of_last);
       archive.nodal("reference position", dim, reference);
       archive.set_rows(model.persistent_ids_of_points(part));
       archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
       if (settings.fills_cells)
       {
         if (archive.is_reading())
-          settled.reinit_like(reference);
-        archive.nodal("settled position", dim, settled);
+          refilled_position.reinit_like(reference);
+        archive.nodal("settled position", dim, refilled_position);
         const std::vector<bool> &is_void = cells.void_cells().of_cells();
         std::vector<double> flags(is_void.begin(), is_void.end());
         archive.rows("is void", 1, flags);
         if (archive.is_reading())
         {
           cells.set_void_cells(std::vector<bool>(flags.begin(), flags.end()));
-          cells.point_state().clear(); // unused lanes are other ones
+          cells.point_state().clear(); // other lanes are unused now
         }
       }
       if (!archive.is_reading())
         return true;
       cells.renew_reference(reference);
       if (settings.fills_cells)
-        places.filled()->take_void_cells(model);
+        positions.filled()->update_void_cells(model);
       return true;
     }
 
@@ -155,23 +159,23 @@ namespace tombolo
       const NodalVector &before = model.state.position;
       NodalVector near_surface;
       if (settings.fills_cells)
-        near_surface = places.filled()->nodes_near_surface(model);
+        near_surface = positions.filled()->nodes_near_surface(model);
       Cells result;
-      for (const auto &nodes : places.nodes())
+      for (const auto &nodes : positions.nodes())
       {
         RemapCell<dim> cell;
         cell.nodes = nodes;
         cell.before = corners_at<dim>(nodes, before);
         cell.after = corners_at<dim>(nodes, after);
         for (unsigned int k = 0; k < nodes.size(); ++k)
-          cell.is_cut =
-              cell.is_cut || (settings.fills_cells ? *near_surface.node(nodes[k]) > 0.
-                                                   : *places.sliding_nodes().node(nodes[k]) > 0. &&
-                                                         cell.before[k] != cell.after[k]);
+          cell.is_cut = cell.is_cut ||
+                        (settings.fills_cells ? *near_surface.node(nodes[k]) > 0.
+                                              : *positions.sliding_nodes().node(nodes[k]) > 0. &&
+                                                    cell.before[k] != cell.after[k]);
         const auto number = static_cast<unsigned int>(result.size());
         cell.is_void_before = cells.is_removed(number);
         cell.is_void_after =
-            settings.fills_cells ? places.filled()->next_void()[number] : cell.is_void_before;
+            settings.fills_cells ? positions.filled()->next_void()[number] : cell.is_void_before;
         if (!bodies.empty())
           cell.body = bodies[result.size()];
         result.push_back(cell);
@@ -179,17 +183,17 @@ namespace tombolo
       return result;
     }
 
-    /** Notes the places of the nodes that a refill has taken. */
-    void settle(const Model<dim> &model, const NodalVector &after)
+    /** Notes the positions to which a refill has moved nodes. */
+    void note_refilled_positions(const Model<dim> &model, const NodalVector &after)
     {
-      if (settled.partition() == nullptr)
-        settled = model.state.initial_position.copy();
+      if (refilled_position.partition() == nullptr)
+        refilled_position = model.state.initial_position.copy();
       for (unsigned int i = 0; i < after.partition()->n_owned(); ++i)
-        if (*places.nodes_of_patch().node(i) > 0.)
-          std::copy_n(after.node(i), node_stride, settled.node(i));
+        if (*positions.nodes_of_patch().node(i) > 0.)
+          std::copy_n(after.node(i), node_stride, refilled_position.node(i));
     }
 
-    /** What the material of each cell takes, m J/ρ₀ [L^dim]; only where cells are filled. */
+    /** The volume of the material of each cell, m J/ρ₀ [L^dim]; only where cells are filled. */
     std::vector<double> material_volumes()
     {
       std::vector<double> result;
@@ -209,15 +213,15 @@ namespace tombolo
       return result;
     }
 
-    /** Takes these positions as the reference, with the void cells of these places. Returns whether
-     * that is possible; nothing has changed otherwise. Collective. */
+    /** Makes these positions the reference, with the void cells that belong to them. Returns
+     * whether that is possible; nothing has changed otherwise. Collective. */
     bool renew_reference(const NodalVector &after)
     {
       const std::vector<bool> void_before = cells.void_cells().of_cells();
       try
       {
         if (settings.fills_cells)
-          cells.set_void_cells(places.filled()->next_void());
+          cells.set_void_cells(positions.filled()->next_void());
         cells.renew_reference(after);
       }
       catch (const InputError &) // on all ranks
@@ -283,7 +287,7 @@ namespace tombolo
       state.fill_unused_lanes();
     }
 
-    /** The lumped masses of the cells of after. */
+    /** Sets the lumped masses of the cells of after. */
     void set_masses(const CellOverlap<dim> &overlap)
     {
       if (!overlap.has_motion)
@@ -306,7 +310,7 @@ namespace tombolo
                             [&](NodalVector &sums)
                             {
                               const std::vector<double> masses = cells.masses_of_cells();
-                              const auto &nodes = places.nodes();
+                              const auto &nodes = positions.nodes();
                               for (std::size_t c = 0; c < nodes.size(); ++c)
                                 for (unsigned int k = 0; k < nodes[c].size(); ++k)
                                   *sums.node(nodes[c][k]) += masses[c * nodes[c].size() + k];
@@ -327,17 +331,17 @@ namespace tombolo
       const std::vector<double> volumes =
           former_volumes(remapped, after, state.unsmoothed_velocity, clock.previous_step);
       if (!settings.is_conservative())
-        take_masses(remapped, volumes, points, model.communicator);
+        set_masses_from_volumes(remapped, volumes, points, model.communicator);
       set_points(remapped, points, volumes);
       moved.clear();
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         if (!std::equal(after.node(i), after.node(i) + dim, state.position.node(i)))
           moved.push_back(i);
       if (state.unsmoothed_position.partition() != nullptr)
-        state.unsmoothed_position.fill(moved, [&](const std::size_t k, double *const place)
-                                       { std::copy_n(after.node(moved[k]), dim, place); });
+        state.unsmoothed_position.fill(moved, [&](const std::size_t k, double *const coordinates)
+                                       { std::copy_n(after.node(moved[k]), dim, coordinates); });
       if (settings.fills_cells)
-        settle(model, after);
+        note_refilled_positions(model, after);
       state.position.copy_from(after);
       model.bridge->positions_have_changed();
       reference = after.copy();
@@ -348,8 +352,8 @@ namespace tombolo
                   moved.end());
       if (!model.heat)
         return;
-      places.set_partition(*state.partition());
-      nodal.give_heat(model, own_mass(state.partition()));
+      positions.set_partition(*state.partition());
+      nodal.set_enthalpies(model, own_mass(state.partition()));
       cells.point_state().settle_temperature(model.heat->state.present_temperature);
     }
 
@@ -364,7 +368,7 @@ namespace tombolo
           scalar_field(partition, [&](const unsigned int i)
                        { return *model.bridge->mass().node(i) / relative_inertia; });
       std::vector<const NodalVector *> fields(1, &state.unsmoothed_velocity);
-      state.unsmoothed_velocity.update_ghosts(); // those who smooth leave them as they were
+      state.unsmoothed_velocity.update_ghosts(); // smoothing does not update them
       if (model.heat)
         fields.push_back(&nodal.enthalpy);
       const CellOverlap<dim> overlap(remapped, fields, model.communicator);
@@ -372,9 +376,9 @@ namespace tombolo
         remap_points(overlap, partition, points);
       else if (overlap.has_motion)
       {
-        PointValues of_sub_cells = values_of_sub_cells(remapped, partition, points);
-        remap_points(overlap, partition, of_sub_cells);
-        set_means_of_cells(remapped, of_sub_cells, points);
+        PointValues sub_cell_values = values_of_sub_cells(remapped, partition, points);
+        remap_points(overlap, partition, sub_cell_values);
+        set_means_of_cells(remapped, sub_cell_values, points);
       }
       set_masses(overlap);
       const NodalVector mass_after = own_mass(partition);
@@ -388,29 +392,29 @@ namespace tombolo
       limit_nodal_field(overlap, nodal.initial, mass_after, nodal.enthalpy);
     }
 
-    /** Values at new places. Collective. */
+    /** Values at new positions. Collective. */
     void remap_by_values(Model<dim> &model, const NodalVector &after, const Cells &remapped,
                          NodalContent<dim> &nodal, PointValues &points)
     {
       NodalState &state = model.state;
       std::vector<NodalVector *> fields(1, &state.unsmoothed_velocity);
-      NodalVector of_heat;
+      NodalVector temperatures;
       if (model.heat)
       {
-        of_heat = nodal.temperatures(model);
-        fields.push_back(&of_heat);
+        temperatures = nodal.temperatures(model);
+        fields.push_back(&temperatures);
       }
       by_values->remap_nodes(remapped, state.position, after, fields);
       if (model.heat)
-        nodal.enthalpy = nodal.enthalpies(model, of_heat);
+        nodal.enthalpy = nodal.enthalpies(model, temperatures);
       by_values->remap_points(remapped, state.partition(),
                               cells.point_state().gradients().corner_shares(), points);
     }
 
-    /** Gives points and nodes of cells that have moved the masses of ρ₀/J and these volumes of
-     * points, times one number that keeps the sum of each. Collective. */
-    void take_masses(const Cells &remapped, const std::vector<double> &volumes, PointValues &points,
-                     const MPI_Comm communicator)
+    /** Sets the masses of points and nodes of moved cells to ρ₀/J times these volumes of points,
+     * times one factor that keeps the sum of each. Collective. */
+    void set_masses_from_volumes(const Cells &remapped, const std::vector<double> &volumes,
+                                 PointValues &points, const MPI_Comm communicator)
     {
       const unsigned int n_points = cells.n_points_per_cell();
       constexpr unsigned int n_corners = SubCells<dim>::n_corners;
@@ -421,27 +425,28 @@ namespace tombolo
       {
         if (!remapped[c].has_moved())
           continue;
-        double of_cell = 0;
+        double cell_mass = 0;
         for (std::size_t i = c * n_points; i < (c + 1) * n_points; ++i)
         {
           sums[0] += points.mass[i];
           points.mass[i] = cells.material().density() * volumes[i] /
                            points.values[i * points.n_components + ratio];
-          of_cell += points.mass[i];
+          cell_mass += points.mass[i];
         }
-        sums[1] += of_cell;
-        std::array<double, SubCells<dim>::n_sub_cells> of_sub_cells;
+        sums[1] += cell_mass;
+        std::array<double, SubCells<dim>::n_sub_cells> sub_cell_masses;
         if (rule == SmoothedIntegrationRule::smoothed)
           std::copy_n(points.mass.begin() + std::ptrdiff_t(c * n_points), n_points,
-                      of_sub_cells.begin());
+                      sub_cell_masses.begin());
         else
-          of_sub_cells = shared_by_sub_cells(of_cell, remapped[c].after);
-        const auto of_corners = masses_of_corners<dim>(remapped[c].after, of_sub_cells.data());
+          sub_cell_masses = shared_by_sub_cells(cell_mass, remapped[c].after);
+        const auto corner_masses =
+            masses_of_corners<dim>(remapped[c].after, sub_cell_masses.data());
         for (unsigned int k = 0; k < n_corners; ++k)
         {
           double &mass = masses[c * n_corners + k];
           sums[2] += mass;
-          mass = of_corners[k];
+          mass = corner_masses[k];
           sums[3] += mass;
         }
       }
@@ -474,28 +479,28 @@ namespace tombolo
       return result;
     }
 
-    /** Of the points of a cell whose nodes are where @p place_of says, by their local numbers. */
-    template <typename PlaceOf>
+    /** The volumes of the points of a cell with nodes at @p position_of (local number). */
+    template <typename PositionOf>
     std::vector<double> volumes_of_cell(const std::size_t cell, const RemapCell<dim> &remapped,
                                         const NodePartition &partition,
-                                        const PlaceOf &place_of) const
+                                        const PositionOf &position_of) const
     {
       typename SubCells<dim>::Corners corners;
       for (unsigned int k = 0; k < corners.size(); ++k)
-        corners[k] = place_of(remapped.nodes[k]);
+        corners[k] = position_of(remapped.nodes[k]);
       if (rule != SmoothedIntegrationRule::smoothed)
         return {determinant(PointOfCell<dim>(corners).jacobian)};
-      const SmoothedCell<dim> &of_lattice = places.lattice()[cell];
-      const auto volumes = !of_lattice.has_further_nodes()
+      const SmoothedCell<dim> &lattice_cell = positions.lattice()[cell];
+      const auto volumes = !lattice_cell.has_further_nodes()
                                ? CellSimplices<dim>::volumes(corners)
                                : volumes_within<dim>(present_facets<dim>(
-                                     of_lattice, [&](const dealii::types::global_dof_index node)
-                                     { return place_of(partition.local_index(node)); }));
+                                     lattice_cell, [&](const dealii::types::global_dof_index node)
+                                     { return position_of(partition.local_index(node)); }));
       return {volumes.begin(), volumes.end()};
     }
 
     /** The volumes of all points at t_{n-1}, by cell and point; zero of void cells. @p after: the
-     * places of their nodes at t_n, with ghosts as @p velocity. */
+     * positions of their nodes at t_n, with ghosts as @p velocity. */
     std::vector<double> former_volumes(const Cells &remapped, const NodalVector &after,
                                        const NodalVector &velocity, const double step) const
     {
@@ -505,14 +510,14 @@ namespace tombolo
         // The state is that of t_{n-1}, and the step to t_n is still to come.
         const auto volumes_since = [&](const double since)
         {
-          const auto place_of = [&](const unsigned int node)
+          const auto position_of = [&](const unsigned int node)
           {
-            dealii::Point<dim> place;
+            dealii::Point<dim> position;
             for (unsigned int d = 0; d < dim; ++d)
-              place[d] = after.node(node)[d] - since * velocity.node(node)[d];
-            return place;
+              position[d] = after.node(node)[d] - since * velocity.node(node)[d];
+            return position;
           };
-          return volumes_of_cell(c, remapped[c], *after.partition(), place_of);
+          return volumes_of_cell(c, remapped[c], *after.partition(), position_of);
         };
         const std::vector<double> volumes = volumes_since(0.), former = volumes_since(step);
         const double now = std::accumulate(volumes.begin(), volumes.end(), 0.);
@@ -524,11 +529,11 @@ namespace tombolo
     }
 
     SmoothedCells<dim> &cells;
-    RefillPlaces<dim> places;
+    RefillPositions<dim> positions;
     SmoothedIntegrationRule rule;
     std::unique_ptr<ValueRemap<dim>> by_values; ///< null: the remap is conservative
     NodalVector reference;
-    NodalVector settled; ///< where the last refill of each node has put it; where cells are filled
+    NodalVector refilled_position; ///< by the last refill of each node; where cells are filled
     /** Of the points, by cell; empty before the first refill. Beside J, since the volume of a
      * cell and the determinants of its points follow different means of the motion [M]. */
     std::vector<double> point_mass;

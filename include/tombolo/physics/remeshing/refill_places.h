@@ -25,14 +25,14 @@
 namespace tombolo
 {
   /**
-   * Where a refill places the nodes of a part: inner nodes of distorted cells and of layers around
-   * them as in the lattice of the start. Nodes of the boundary of the part slide on it
-   * (SurfaceSlide) or stay, and those with prescribed components stay, as do those of cells beside
-   * cells of another size. Where cells would turn over, nodes go a part of their way. With void
-   * cells FilledPlaces says where nodes go.
+   * The positions of the nodes of a part after a refill: inner nodes of distorted cells and of
+   * layers around them are placed as in the initial lattice. Nodes of the boundary of the part
+   * slide on it (SurfaceSlide) or stay, and those with prescribed components stay, as do those of
+   * cells beside cells of another size. Where cells would turn over, nodes move a part of their
+   * way. With void cells FilledPositions finds the positions.
    */
   template <int dim>
-  class RefillPlaces
+  class RefillPositions
   {
   public:
     using Corners = typename SubCells<dim>::Corners;
@@ -40,16 +40,17 @@ namespace tombolo
 
     /** Of the part with this number. Throws InputError if the motion of the mesh turns a cell over
      * at the end of the run, @p end_time. Collective. */
-    RefillPlaces(const Model<dim> &model, const unsigned int number,
-                 const SmoothedCells<dim> &of_part, const double end_time)
-        : motion(of_part.refill()), part(of_part), settings(of_part.refill()),
+    RefillPositions(const Model<dim> &model, const unsigned int number,
+                    const SmoothedCells<dim> &smoothed_cells, const double end_time)
+        : motion(smoothed_cells.refill()), part(smoothed_cells), settings(smoothed_cells.refill()),
           cells(smoothed_cells_of(mesh_of_part(model, number)))
     {
       motion.corners(cells, end_time, model.communicator);
       if (settings.fills_cells)
       {
         set_partition(*model.state.partition());
-        with_void = std::make_unique<FilledPlaces<dim>>(model, number, of_part, local_nodes);
+        with_void =
+            std::make_unique<FilledPositions<dim>>(model, number, smoothed_cells, local_nodes);
       }
       else if (settings.surface_slides)
         surface = std::make_unique<SurfaceSlide<dim>>(model, cells, local_nodes);
@@ -74,13 +75,13 @@ namespace tombolo
           local_nodes[c][k] = partition.local_index(cells[c].nodes[k]);
     }
 
-    /** What fills and empties cells; null where they stay full. */
-    FilledPlaces<dim> *filled() const
+    /** Null where no cells are filled and emptied. */
+    FilledPositions<dim> *filled() const
     {
       return with_void.get();
     }
 
-    /** The places of all nodes after a refill of these cells. @p volumes: see FilledPlaces.
+    /** The positions of all nodes after a refill of these cells. @p volumes: see FilledPositions.
      * Collective. */
     NodalVector find(const Model<dim> &model, const Clock &clock,
                      const std::vector<unsigned int> &distorted, const std::vector<double> &volumes)
@@ -128,7 +129,7 @@ namespace tombolo
           is_in_patch[c] = false;
       const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
       const NodalVector is_held = CellMarks::nodes_of(partition, local_nodes, is_in_patch, false);
-      const NodalVector of_boundary = marked_nodes(
+      const NodalVector boundary_nodes = marked_nodes(
           partition,
           [&](const auto &mark)
           {
@@ -147,9 +148,9 @@ namespace tombolo
             if (!(*in_patch.node(i) > 0. && *is_held.node(i) == 0.) ||
                 *between_sizes.node(i) > 0. || prescribed.is_element(partition->global_index(i)))
               return 0.;
-            if (*of_boundary.node(i) == 0.)
+            if (*boundary_nodes.node(i) == 0.)
               *inside.node(i) = 1.;
-            return *of_boundary.node(i) > 0. && surface && surface->is_smooth(i) ? 1. : 0.;
+            return *boundary_nodes.node(i) > 0. && surface && surface->is_smooth(i) ? 1. : 0.;
           });
     }
 
@@ -165,10 +166,10 @@ namespace tombolo
       for (double share = 1.; share > smallest_share; share *= 0.5)
       {
         result.fill(
-            [&](const unsigned int i, double *const place)
+            [&](const unsigned int i, double *const coordinates)
             {
               for (unsigned int d = 0; d<dim && * inside.node(i)> 0.; ++d)
-                place[d] = share * target.node(i)[d] + (1. - share) * position.node(i)[d];
+                coordinates[d] = share * target.node(i)[d] + (1. - share) * position.node(i)[d];
             });
         if (!nodes_of_unusable_cells(position, result))
           return result;
@@ -181,23 +182,24 @@ namespace tombolo
       constexpr unsigned int n_steps = 8, most_attempts = 10;
       constexpr double negligible = 1e-9; // of the first step: the next one is far below
       const NodalVector &position = model.state.position;
-      const NodalVector mesh_places = motion.places(model.state.initial_position, clock.time);
-      const std::vector<Corners> of_lattice = motion.corners(cells, clock.time, model.communicator);
+      const NodalVector mesh_positions = motion.positions(model.state.initial_position, clock.time);
+      const std::vector<Corners> lattice_corners =
+          motion.corners(cells, clock.time, model.communicator);
       const NodalVector all_inside = inside.copy();
-      NodalVector result = slide_surface(model, clock, mesh_places), trial = position.copy();
+      NodalVector result = slide_surface(model, clock, mesh_positions), trial = position.copy();
       double first_way = 0;
       for (unsigned int step = 0; step < n_steps; ++step)
       {
         NodalVector way =
-            winslow_step<dim>(local_nodes, of_lattice, all_inside, mesh_places, result);
+            winslow_step<dim>(local_nodes, lattice_corners, all_inside, mesh_positions, result);
         bool is_possible = false;
         for (unsigned int attempt = 0; attempt < most_attempts && !is_possible; ++attempt)
         {
           trial.fill(
-              [&](const unsigned int i, double *const place)
+              [&](const unsigned int i, double *const coordinates)
               {
                 for (unsigned int d = 0; d < node_stride; ++d)
-                  place[d] = result.node(i)[d] + way.node(i)[d];
+                  coordinates[d] = result.node(i)[d] + way.node(i)[d];
               });
           const auto unusable = nodes_of_unusable_cells(result, trial);
           is_possible = !unusable;
@@ -220,10 +222,10 @@ namespace tombolo
       return result;
     }
 
-    /** Positions at which the surface has slid towards @p mesh_places, and nodes below it have
-     * followed. Nodes that cannot are taken out of those that may move. Collective. */
+    /** Positions at which the surface has slid towards @p mesh_positions, and nodes below it have
+     * followed. Nodes that cannot may not move any more. Collective. */
     NodalVector slide_surface(const Model<dim> &model, const Clock &clock,
-                              const NodalVector &mesh_places)
+                              const NodalVector &mesh_positions)
     {
       constexpr unsigned int most_attempts = 20;
       constexpr double reduction = 1e-3; // of the residual: the steps that follow make up for it
@@ -239,25 +241,27 @@ namespace tombolo
       for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
       {
         result.fill(
-            [&](const unsigned int i, double *const place)
-            { std::copy_n((*stays.node(i) > 0. ? position : moved).node(i), node_stride, place); });
+            [&](const unsigned int i, double *const coordinates) {
+              std::copy_n((*stays.node(i) > 0. ? position : moved).node(i), node_stride,
+                          coordinates);
+            });
         surface->slide(
-            on_surface, mesh_places, position,
-            [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
-            { model.signals.nodes_move(clock, on_surface, from, places, is_bound); },
+            on_surface, mesh_positions, position,
+            [&](const NodalVector &from, NodalVector &positions, NodalVector &is_bound)
+            { model.signals.nodes_move(clock, on_surface, from, positions, is_bound); },
             result);
         std::optional<NodalVector> wrong;
         if (!contacts.empty())
           wrong = surface->nodes_of_cut_faces(
               on_surface, position, result, way,
-              [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+              [&](const NodalVector &positions, const std::vector<unsigned int> &numbers,
                   std::vector<double> &depths)
               {
                 depths.assign(numbers.size(), std::numeric_limits<double>::lowest());
                 std::vector<double> gaps;
                 for (const auto *const contact : contacts)
                 {
-                  contact->find_gaps(places, numbers, clock.time, gaps);
+                  contact->find_gaps(positions, numbers, clock.time, gaps);
                   for (std::size_t k = 0; k < numbers.size(); ++k)
                     depths[k] = std::max(depths[k], -gaps[k]);
                 }
@@ -276,7 +280,7 @@ namespace tombolo
       return position.copy();
     }
 
-    /** Holds the marked nodes: where the mesh moves, those that were free go with it; others are
+    /** Holds the marked nodes: where the mesh moves, those that were free move with it; others are
      * added to those that stay. Collective. */
     void hold_nodes(const NodalVector &marks, const bool only_on_surface, NodalVector &stays)
     {
@@ -315,8 +319,8 @@ namespace tombolo
     const RefillSettings<dim> &settings;
     std::vector<SmoothedCell<dim>> cells;
     CellNodes local_nodes;
-    std::unique_ptr<SurfaceSlide<dim>> surface;   // null: nodes of the boundary do not slide by it
-    std::unique_ptr<FilledPlaces<dim>> with_void; // null: no void cells
-    NodalVector in_patch, inside, on_surface;     // scalar
+    std::unique_ptr<SurfaceSlide<dim>> surface; // null: nodes of the boundary do not slide by it
+    std::unique_ptr<FilledPositions<dim>> with_void; // null: no void cells
+    NodalVector in_patch, inside, on_surface;        // scalar
   };
 } // namespace tombolo

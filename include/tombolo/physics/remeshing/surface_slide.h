@@ -27,11 +27,11 @@ namespace tombolo
 {
   /**
    * Nodes on the boundary of a part that slide on its surface, so that a refill can space them as
-   * in the lattice of the start: sweeps let their displacements from the lattice relax towards
-   * those of their neighbours on the surface, and put them back onto the surface that was there
-   * before. That is curved between its nodes, by half of the way to their tangent planes, so that
-   * nodes on a round tool stay on it. In the end they all move by one distance along their normals,
-   * with which the volume is that of before.
+   * in the initial lattice: sweeps relax their displacements from the lattice towards those of
+   * their neighbours on the surface, and project them onto the former surface. This surface is
+   * curved between its nodes, by half of the distance to their tangent planes, so that nodes on a
+   * round tool stay on it. In the end all nodes move by one distance along their normals that
+   * restores the former volume.
    *
    * A node can slide where the boundary around it is smooth at the start, has one boundary id, and
    * is neither towards another part nor on a plane of symmetry. It can slide as well where all of
@@ -88,7 +88,7 @@ namespace tombolo
       return smooth_nodes[node];
     }
 
-    /** @p from: where nodes were, or the node next to where they are on the surface of before. */
+    /** @p from: former positions of nodes, or those of the nearest nodes of the former surface. */
     using KeepOutside =
         std::function<void(const NodalVector &from, NodalVector &position, NodalVector &is_bound)>;
     /** The volume that is missing at owned nodes [L^dim], in a scalar vector, of those that are not
@@ -96,19 +96,19 @@ namespace tombolo
     using FindMissing =
         std::function<NodalVector(const NodalVector &position, const NodalVector &is_bound)>;
     using FindDepths =
-        std::function<void(const NodalVector &places, const std::vector<unsigned int> &numbers,
+        std::function<void(const NodalVector &positions, const std::vector<unsigned int> &numbers,
                            std::vector<double> &depths)>;
 
-    /** What a node does that slides: it relaxes towards its place in the mesh, or it is put onto
-     * the surface as it comes. */
+    /** A sliding node relaxes towards its position in the mesh, or is only projected onto the
+     * surface. */
     static constexpr double relaxes = 1., goes_with_mesh = 0.5;
 
     /**
      * Moves the nodes of which @p slides (scalar, owned: relaxes, goes_with_mesh or zero) is
-     * positive. @p initial: places in the mesh, @p before: positions, with ghosts. @p keep_outside
-     * corrects the positions of owned nodes and marks those that stay as they are then.
-     * @p position: where sliding nodes start, and the positions of before of others; gets the new
-     * ones, with ghosts. Collective.
+     * positive. @p initial: positions in the mesh, @p before: positions, with ghosts. @p
+     * keep_outside corrects the positions of owned nodes and marks those that stay as they are
+     * then. @p position: the start of sliding nodes, and the former positions of others; set to the
+     * new ones, with ghosts. Collective.
      */
     void slide(const NodalVector &slides, const NodalVector &initial, const NodalVector &before,
                const KeepOutside &keep_outside, NodalVector &position) const
@@ -120,11 +120,11 @@ namespace tombolo
       restore_volume(slides, slides, before, keep_outside, volume(slides, before), position);
     }
 
-    /** The same onto the surface of before of a body of which cells have been filled or emptied
-     * since, @p former: as far as cells with a node that is @p near (scalar, with ghosts) bound it.
-     * A node without a place there stays where it is. A node goes a share of its way from its place
-     * in the mesh, @p way_shares (scalar, owned). Then it moves along its normal by what is
-     * @p missing at it, and in the end the near cells have the volume @p target. Collective. */
+    /** The same onto the surface @p former of a body of which cells have been filled or emptied
+     * since, as far as cells with a node that is @p near (scalar, with ghosts) bound it. A node
+     * without a point there stays. A node moves a share @p way_shares (scalar, owned) of the way
+     * from its position in the mesh. Then it moves along its normal by what is @p missing at it,
+     * and in the end the near cells have the volume @p target. Collective. */
     void slide_onto(const SurfaceSlide &former, const NodalVector &near, const double target,
                     const NodalVector &slides, const NodalVector &way_shares,
                     const NodalVector &initial, const NodalVector &before,
@@ -138,21 +138,22 @@ namespace tombolo
       relax_onto(surface, slides, initial, nullptr, position);
       NodalVector from = before.copy(), is_bound;
       from.fill(
-          [&](const unsigned int i, double *const of_node)
+          [&](const unsigned int i, double *const coordinates)
           {
             if (!(*slides.node(i) > 0.))
               return;
             const auto found = surface.nearest(vector_of<dim>(position.node(i)));
-            const dealii::Tensor<1, dim> &next =
+            const dealii::Tensor<1, dim> &nearest =
                 surface.node_near(found.place, surface.tree.facet_of(found));
             for (unsigned int d = 0; d < dim; ++d)
-              of_node[d] = next[d];
+              coordinates[d] = nearest[d];
           });
       position.fill(
-          [&](const unsigned int i, double *const place)
+          [&](const unsigned int i, double *const coordinates)
           {
             for (unsigned int d = 0; d<dim && * slides.node(i)> 0.; ++d)
-              place[d] = initial.node(i)[d] + *way_shares.node(i) * (place[d] - initial.node(i)[d]);
+              coordinates[d] =
+                  initial.node(i)[d] + *way_shares.node(i) * (coordinates[d] - initial.node(i)[d]);
           });
       is_bound.reinit(position.partition(), Quantity::scalar);
       for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
@@ -165,8 +166,8 @@ namespace tombolo
 
     /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
      * did not cut them before, as by the edge of a tool; a tool that has moved with the mesh may
-     * cut them deeper by its @p way [L]. @p find_depths gives how deep places are. Nothing if there
-     * is none. Collective. */
+     * cut them deeper by its @p way [L]. @p find_depths returns the depths of points. Nothing if
+     * there is none. Collective. */
     std::optional<NodalVector> nodes_of_cut_faces(const NodalVector &slides,
                                                   const NodalVector &before,
                                                   const NodalVector &after, const double way,
@@ -174,7 +175,7 @@ namespace tombolo
     {
       constexpr double allowed = 0.2; // of the size of a face; less is the sag on a round tool
       const auto &all = SubCells<dim>::facets();
-      std::vector<dealii::Tensor<1, dim>> places;
+      std::vector<dealii::Tensor<1, dim>> points;
       std::vector<double> sizes;
       std::vector<std::size_t> cells;
       for (std::size_t c = 0; c < nodes.size(); ++c)
@@ -185,16 +186,16 @@ namespace tombolo
         const Corners is = corners_at<dim>(nodes[c], after);
         for (const unsigned int f : facets_of_cells[c])
         {
-          places.push_back(SubCells<dim>::point_at(all[f].centroid, was));
-          places.push_back(SubCells<dim>::point_at(all[f].centroid, is));
+          points.push_back(SubCells<dim>::point_at(all[f].centroid, was));
+          points.push_back(SubCells<dim>::point_at(all[f].centroid, is));
           sizes.push_back(std::pow(SubCells<dim>::area(all[f], was).norm(), 1. / (dim - 1)));
           cells.push_back(c);
         }
       }
-      std::vector<unsigned int> numbers(places.size());
+      std::vector<unsigned int> numbers(points.size());
       std::iota(numbers.begin(), numbers.end(), 0u);
       std::vector<double> depths;
-      find_depths(places_as_nodes<dim>(places), numbers, depths);
+      find_depths(places_as_nodes<dim>(points), numbers, depths);
       bool any = false;
       NodalVector marks = marked_nodes(
           before.partition(),
@@ -215,7 +216,7 @@ namespace tombolo
   private:
     using Corners = typename SubCells<dim>::Corners;
 
-    /** Finds what the boundary is like around nodes. Collective. */
+    /** Classifies the boundary around nodes. Collective. */
     void examine_nodes(const NodePartition &partition,
                        const std::vector<SmoothedCell<dim>> &lattice)
     {
@@ -238,11 +239,11 @@ namespace tombolo
           if (!SubCells<dim>::is_on_face(k, face))
             continue;
           const unsigned int node = partition.local_index(cell.nodes[k]);
-          double *const of_node = ids.node(node);
-          of_node[n_faces] += 1.;
-          of_node[held] += is_held ? 1. : 0.;
-          of_node[id] += is_held ? 0. : number;
-          of_node[squared_id] += is_held ? 0. : number * number;
+          double *const node_values = ids.node(node);
+          node_values[n_faces] += 1.;
+          node_values[held] += is_held ? 1. : 0.;
+          node_values[id] += is_held ? 0. : number;
+          node_values[squared_id] += is_held ? 0. : number * number;
           for (unsigned int d = 0; d < dim; ++d)
             normals.node(node)[d] += normal[d];
         }
@@ -258,14 +259,16 @@ namespace tombolo
              });
       for (unsigned int i = 0; i < partition.n_owned(); ++i)
       {
-        const double *const of_node = ids.node(i);
-        boundary_nodes.push_back(of_node[n_faces] > 0.);
+        const double *const node_values = ids.node(i);
+        boundary_nodes.push_back(node_values[n_faces] > 0.);
         // Steps of the lattice towards void cells are no edges of the body.
-        const bool has_edge = of_node[id] != id_of_void * of_node[n_faces] &&
-                              vector_of<dim>(normals.node(i)).norm() <= smooth * of_node[n_faces];
-        smooth_nodes.push_back(
-            of_node[n_faces] > 0. && of_node[held] == 0. &&
-            of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] && !has_edge);
+        const bool has_edge =
+            node_values[id] != id_of_void * node_values[n_faces] &&
+            vector_of<dim>(normals.node(i)).norm() <= smooth * node_values[n_faces];
+        smooth_nodes.push_back(node_values[n_faces] > 0. && node_values[held] == 0. &&
+                               node_values[n_faces] * node_values[squared_id] ==
+                                   node_values[id] * node_values[id] &&
+                               !has_edge);
       }
       for (const NodePartition::Reflected &own_image : partition.nodes_on_planes())
         smooth_nodes[own_image.source] = false;
@@ -278,11 +281,11 @@ namespace tombolo
       const auto &all = SubCells<dim>::facets();
       NodalVector normals = areas_of_nodes(position); // where the body is smooth
       normals.fill(
-          [&](const unsigned int i, double *const of_node)
+          [&](const unsigned int i, double *const normal)
           {
-            const double area = is_smooth(i) ? vector_of<dim>(of_node).norm() : 0.;
+            const double area = is_smooth(i) ? vector_of<dim>(normal).norm() : 0.;
             for (unsigned int d = 0; d < dim; ++d)
-              of_node[d] = area > 0. ? of_node[d] / area : 0.;
+              normal[d] = area > 0. ? normal[d] / area : 0.;
           });
       std::vector<typename CurvedSurface<dim>::Piece> own;
       for (std::size_t c = 0; c < nodes.size(); ++c)
@@ -299,31 +302,31 @@ namespace tombolo
           piece.normal = area / area.norm();
           for (unsigned int v = 0; v < dim; ++v)
             piece.vertices[v] = SubCells<dim>::point_at(all[f].vertices[v], corners);
-          for (unsigned int k = 0, of_face = 0; k < n_corners; ++k)
+          for (unsigned int k = 0, face_node = 0; k < n_corners; ++k)
           {
             if (!SubCells<dim>::is_on_face(k, all[f].face))
               continue;
             for (unsigned int v = 0; v < dim; ++v)
-              piece.shares[v][of_face] = all[f].vertices[v][k];
-            piece.face.places[of_face] = corners[k];
-            if (const auto of_node = vector_of<dim>(normals.node(nodes[c][k]));
-                of_node * piece.normal > same_side)
-              piece.face.normals[of_face] = of_node;
-            ++of_face;
+              piece.shares[v][face_node] = all[f].vertices[v][k];
+            piece.face.positions[face_node] = corners[k];
+            if (const auto normal = vector_of<dim>(normals.node(nodes[c][k]));
+                normal * piece.normal > same_side)
+              piece.face.normals[face_node] = normal;
+            ++face_node;
           }
         }
       }
       CurvedSurface<dim> surface;
-      for (const auto &of_rank : items_of_ranks(own, communicator))
-        surface.add(of_rank);
+      for (const auto &rank_pieces : items_of_ranks(own, communicator))
+        surface.add(rank_pieces);
       if (!surface.facets.facets.empty())
         surface.complete();
       return surface;
     }
 
-    /** Lets nodes relax towards their places in the mesh, and puts them onto the surface; where
-     * there is no place on the side that they are on, to where they were @p otherwise, if that is
-     * given. Collective. */
+    /** Relaxes nodes towards their positions in the mesh, and projects them onto the surface; where
+     * it has no point on their side, they get the positions @p otherwise, if these are given.
+     * Collective. */
     void relax_onto(const CurvedSurface<dim> &surface, const NodalVector &slides,
                     const NodalVector &initial, const NodalVector *const otherwise,
                     NodalVector &position) const
@@ -343,27 +346,27 @@ namespace tombolo
           displacement.data()[i] = position.data()[i] - initial.data()[i];
         membrane.apply(displacement, residual);
         position.fill(
-            [&](const unsigned int i, double *const place)
+            [&](const unsigned int i, double *const coordinates)
             {
               for (unsigned int d = 0; d < dim && *slides.node(i) == relaxes; ++d)
-                place[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
+                coordinates[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
             });
         const NodalVector areas = areas_of_nodes(position);
         position.fill(
-            [&](const unsigned int i, double *const place)
+            [&](const unsigned int i, double *const coordinates)
             {
               if (!(*slides.node(i) > 0.))
                 return;
               const dealii::Tensor<1, dim> area = vector_of<dim>(areas.node(i));
-              const auto found =
-                  surface.nearest_facing(vector_of<dim>(place), -area / area.norm(), -same_side);
+              const auto found = surface.nearest_facing(vector_of<dim>(coordinates),
+                                                        -area / area.norm(), -same_side);
               if (!found && otherwise == nullptr)
                 return;
               const dealii::Tensor<1, dim> on_surface =
                   found ? surface.raise(found->place, surface.tree.facet_of(*found))
                         : vector_of<dim>(otherwise->node(i));
               for (unsigned int d = 0; d < dim; ++d)
-                place[d] = on_surface[d];
+                coordinates[d] = on_surface[d];
             });
       }
     }
@@ -391,29 +394,30 @@ namespace tombolo
           continue;
         const double distance = (target - volume(near, position)) / sum;
         position.fill(
-            [&](const unsigned int i, double *const place)
+            [&](const unsigned int i, double *const coordinates)
             {
               if (moves(i))
-                move_outward(distance, vector_of<dim>(areas.node(i)), place);
+                move_outward(distance, vector_of<dim>(areas.node(i)), coordinates);
             });
       }
     }
 
-    /** Moves nodes that are not bound along their normals, so that each takes the volume that is
-     * missing at it, as far as a quarter of the size of a face. Collective. */
+    /** Moves nodes that are not bound along their normals by the volume that is missing at each, at
+     * most a quarter of the size of a face. Collective. */
     void restore_missing(const NodalVector &slides, const NodalVector &is_bound,
                          const NodalVector &missing, NodalVector &position) const
     {
       constexpr double farthest = 0.25;
       const NodalVector areas = areas_of_nodes(position);
       position.fill(
-          [&](const unsigned int i, double *const place)
+          [&](const unsigned int i, double *const coordinates)
           {
             const auto area = vector_of<dim>(areas.node(i));
             if (!(*slides.node(i) > 0.) || *is_bound.node(i) > 0. || !(area.norm() > 0.))
               return;
             const double limit = farthest * std::pow(area.norm(), 1. / (dim - 1));
-            move_outward(std::clamp(*missing.node(i) / area.norm(), -limit, limit), area, place);
+            move_outward(std::clamp(*missing.node(i) / area.norm(), -limit, limit), area,
+                         coordinates);
           });
     }
 
@@ -447,9 +451,9 @@ namespace tombolo
       double result = 0;
       for (std::size_t c = 0; c < nodes.size(); ++c)
         if (!is_void[c] && CellMarks::any_marked(nodes[c], near))
-          for (const double of_sub_cell :
+          for (const double sub_cell_volume :
                CellSimplices<dim>::volumes(corners_at<dim>(nodes[c], position)))
-            result += of_sub_cell;
+            result += sub_cell_volume;
       return ordered_sum(result, communicator);
     }
 
@@ -470,7 +474,7 @@ namespace tombolo
       return result;
     }
 
-    /** Slots of what is known of the faces around a node. */
+    /** Sums over the faces around a node. */
     enum FaceSlot : unsigned int
     {
       n_faces,
