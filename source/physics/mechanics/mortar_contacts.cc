@@ -47,7 +47,7 @@ namespace tombolo
 
   namespace
   {
-    /** Refuses a side of which nothing is said. */
+    /** Refuses a side without parts and boundary. */
     template <int dim>
     void check_side(const Section &section, const std::string &side,
                     const std::vector<Part<dim>> &parts)
@@ -95,33 +95,35 @@ namespace tombolo
     void refuse_common_nodes(const Section &section, const MortarContact<dim> &contact,
                              const Model<dim> &model)
     {
-      const std::set<unsigned int> of_slave = parts_of_entry(section, "Slave parts", model.parts);
-      const std::set<unsigned int> of_master = parts_of_entry(section, "Master parts", model.parts);
-      if (of_slave.empty() || of_master.empty() ||
-          std::any_of(of_slave.begin(), of_slave.end(),
-                      [&](const unsigned int part) { return of_master.count(part) > 0; }))
+      const std::set<unsigned int> slave_parts =
+          parts_of_entry(section, "Slave parts", model.parts);
+      const std::set<unsigned int> master_parts =
+          parts_of_entry(section, "Master parts", model.parts);
+      if (slave_parts.empty() || master_parts.empty() ||
+          std::any_of(slave_parts.begin(), slave_parts.end(),
+                      [&](const unsigned int part) { return master_parts.count(part) > 0; }))
         return;
       const std::vector<unsigned int> &slaves = contact.slave_faces().owned_nodes();
       const std::vector<unsigned int> &masters = contact.master_faces().owned_nodes();
       std::vector<unsigned int> common;
       std::set_intersection(slaves.begin(), slaves.end(), masters.begin(), masters.end(),
                             std::back_inserter(common));
-      std::vector<std::array<double, dim>> places;
+      std::vector<std::array<double, dim>> positions;
       for (const unsigned int node : common)
       {
-        places.emplace_back();
-        std::copy_n(model.state.initial_position.node(node), dim, places.back().begin());
+        positions.emplace_back();
+        std::copy_n(model.state.initial_position.node(node), dim, positions.back().begin());
       }
-      places = of_all_ranks(places, model.communicator);
-      if (places.empty())
+      positions = of_all_ranks(positions, model.communicator);
+      if (positions.empty())
         return;
-      const std::array<double, dim> first = *std::min_element(places.begin(), places.end());
-      Tensor<1, dim> place;
-      std::copy_n(first.begin(), dim, place.begin_raw());
+      const std::array<double, dim> first = *std::min_element(positions.begin(), positions.end());
+      Tensor<1, dim> position;
+      std::copy_n(first.begin(), dim, position.begin_raw());
       section.fail("Master parts",
-                   "the faces of both sides have " + std::to_string(places.size()) +
-                       (places.size() == 1 ? " node" : " nodes") + " in common, the first at " +
-                       place_text(place) +
+                   "the faces of both sides have " + std::to_string(positions.size()) +
+                       (positions.size() == 1 ? " node" : " nodes") + " in common, the first at " +
+                       place_text(position) +
                        ": the parts are one body there, and nothing comes apart or slides. Allowed "
                        "are parts that share no nodes, from `Meshes` or from a mesh file whose "
                        "nodes are not merged there; or, where other faces of one body shall touch, "
@@ -129,9 +131,9 @@ namespace tombolo
     }
 
     /** Adds how the forces of the last evaluation change with positions, with the depth that motion
-     * along the surfaces changes where they are inclined to each other. Left out is what changes of
-     * weights and normals do to the direction and the place of the forces: smaller by the ratio of
-     * pressure and stiffness of the bodies. Collective. */
+     * along the surfaces changes where they are inclined to each other. The effect of changes of
+     * weights and normals on the direction and the position of the forces is left out: it is
+     * smaller by the ratio of pressure and stiffness of the bodies. Collective. */
     template <int dim>
     void add_mortar_stiffness(const MortarContact<dim> &contact, const NodalVector &position,
                               std::vector<ContactStiffness<dim>> &result)
@@ -198,7 +200,7 @@ namespace tombolo
   /**
    * All contacts of a scene between bodies (the sections `Body contact: NAME`). Their forces act at
    * positions and enter the nodal force by Φᵀ; they are internal forces of the scene. With heat,
-   * the bodies get the heat of friction and exchange heat.
+   * the bodies receive the heat of friction and exchange heat.
    */
   template <int dim>
   class MortarContacts : public Process<dim>
@@ -232,10 +234,10 @@ namespace tombolo
         this->roles.placed_nodes = ProcessRole::is_refused;
       this->records.on_continuation([this, &model]
                                     { last_position.copy_from(model.state.position); });
-      Records &of_all = this->records.group("contact between bodies");
-      of_all.nodal("last position", dim, last_position);
-      of_all.archived([this](StateArchive &archive)
-                      { archive.nodal("force", dim, force.at_all_nodes()); });
+      Records &all_records = this->records.group("contact between bodies");
+      all_records.nodal("last position", dim, last_position);
+      all_records.archived([this](StateArchive &archive)
+                           { archive.nodal("force", dim, force.at_all_nodes()); });
       observe(model);
     }
 
@@ -295,11 +297,11 @@ namespace tombolo
     }
 
   private:
-    /** Connects to signals of the model, and shows what there is. */
+    /** Connects to signals of the model, and adds outputs. */
     void observe(Model<dim> &model)
     {
       model.signals.nodes_placed.connect([this, &model](const Clock &, const NodalVector &before)
-                                         { place_nodes(before, model); });
+                                         { follow_placed_nodes(before, model); });
       model.signals.trials.connect(
           [this, &model](const Clock &clock, const double touch_distance)
           {
@@ -382,21 +384,22 @@ namespace tombolo
                                 { return is_gone[cell->active_cell_index()]; });
     }
 
-    /** For nodes that were @p before where no motion has led them from. Collective. */
-    void place_nodes(const NodalVector &before, Model<dim> &model)
+    /** Notifies contacts of nodes that were moved from @p before without motion. Collective. */
+    void follow_placed_nodes(const NodalVector &before, Model<dim> &model)
     {
-      const NodalVector places = nodal_field(model.state.partition(), Quantity::position,
-                                             [&](const unsigned int i, double *const place)
-                                             { std::copy_n(before.node(i), dim, place); });
+      const NodalVector stationary_positions =
+          nodal_field(model.state.partition(), Quantity::position,
+                      [&](const unsigned int i, double *const coordinates)
+                      { std::copy_n(before.node(i), dim, coordinates); });
       last_position.fill(
-          [&](const unsigned int i, double *const place)
+          [&](const unsigned int i, double *const coordinates)
           {
             for (unsigned int d = 0; d < dim; ++d)
-              place[d] += model.state.position.node(i)[d] - before.node(i)[d];
+              coordinates[d] += model.state.position.node(i)[d] - before.node(i)[d];
           });
       model.state.position.update_ghosts();
       for (const auto &contact : members)
-        contact->place_nodes(places, model.state.position);
+        contact->place_nodes(stationary_positions, model.state.position);
     }
 
     MPI_Comm communicator;

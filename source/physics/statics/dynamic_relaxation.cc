@@ -15,7 +15,7 @@ namespace tombolo
 {
   namespace
   {
-    /** With which a step of one is stable: at least a quarter of the row sum. */
+    /** A mass with which a step of one is stable: at least a quarter of the row sum. */
     double relaxation_mass(const double row_sum)
     {
       return 0.3 * row_sum;
@@ -26,9 +26,9 @@ namespace tombolo
    * Dynamic relaxation with kinetic damping: explicit steps of size one of a body with masses of
    * its own, m = Σ_j |K_ij| times 0.3 by row sums of the stiffness, with which every mode is stable
    * at that step (Gershgorin), from rest; velocities are put to zero at each maximum of the kinetic
-   * energy, and the body where it was about then, in the middle between the last two places before
-   * the energy fell (Barnes, Int. J. Space Struct. 14, 89-104, 1999): without that, vibrations of
-   * three steps would last. It solves the same equations as NewtonKrylov, each evaluation from the
+   * energy, and positions to those at about that time, the middle between the last two before the
+   * energy fell (Barnes, Int. J. Space Struct. 14, 89-104, 1999): without that, vibrations of three
+   * steps would last. It solves the same equations as NewtonKrylov, each evaluation from the
    * material points at the start of the step, so that the path of the relaxation leaves no plastic
    * strain. The baseline: it needs no linear solver, but thousands of evaluations.
    */
@@ -43,8 +43,8 @@ namespace tombolo
 
     StaticSolution solve(StaticProblem<dim> &problem, const double tolerance) override
     {
-      // What is prescribed is brought on over so many steps, and masses follow the stiffness.
-      // The scale of forces is known once loads have reached all cells.
+      // Prescribed motion is applied over so many steps, and masses follow the stiffness.
+      // The scale of forces is computed once loads have reached all cells.
       constexpr unsigned int ramp = 200, mass_interval = 2000, settling_time = 100,
                              stop_interval = 100;
       const auto &partition = problem.model.state.partition();
@@ -126,10 +126,10 @@ namespace tombolo
     void go_to_rest(const StaticProblem<dim> &problem)
     {
       displacement.fill(
-          [&](const unsigned int i, double *const of_node)
+          [&](const unsigned int i, double *const node_displacement)
           {
             const std::array<double, 3> residual = along_frame(problem, i, problem.residual());
-            problem.frames().turn(velocity.partition()->global_index(i), of_node);
+            problem.frames().turn(velocity.partition()->global_index(i), node_displacement);
             for (unsigned int d = 0; d < dim; ++d)
             {
               const double mass = mass_along(problem, i, d);
@@ -137,9 +137,9 @@ namespace tombolo
                 continue;
               const double now = velocity.node(i)[d];
               const double before = now - residual[d] / mass;
-              of_node[d] -= now + 0.5 * before;
+              node_displacement[d] -= now + 0.5 * before;
             }
-            problem.frames().turn_back(velocity.partition()->global_index(i), of_node);
+            problem.frames().turn_back(velocity.partition()->global_index(i), node_displacement);
           });
       velocity.set_zero();
     }
@@ -153,16 +153,16 @@ namespace tombolo
       const double step = is_from_rest ? 0.5 : 1.;
       double energy = 0;
       displacement.fill(
-          [&](const unsigned int i, double *const of_node)
+          [&](const unsigned int i, double *const node_displacement)
           {
             const std::array<double, 3> residual = along_frame(problem, i, problem.residual()),
                                         prescribed = along_frame(problem, i, problem.prescribed());
-            problem.frames().turn(velocity.partition()->global_index(i), of_node);
+            problem.frames().turn(velocity.partition()->global_index(i), node_displacement);
             for (unsigned int d = 0; d < dim; ++d)
             {
               if (problem.constrained().node(i)[d] > 0.)
               {
-                of_node[d] = prescribed_share * prescribed[d];
+                node_displacement[d] = prescribed_share * prescribed[d];
                 continue;
               }
               const double mass = mass_along(problem, i, d);
@@ -170,10 +170,10 @@ namespace tombolo
                 continue;
               double &speed = velocity.node(i)[d];
               speed += step * residual[d] / mass;
-              of_node[d] += speed;
+              node_displacement[d] += speed;
               energy += 0.5 * mass * speed * speed;
             }
-            problem.frames().turn_back(velocity.partition()->global_index(i), of_node);
+            problem.frames().turn_back(velocity.partition()->global_index(i), node_displacement);
           });
       return ordered_sum(energy, problem.model.communicator);
     }

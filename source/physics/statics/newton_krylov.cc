@@ -20,7 +20,7 @@ namespace tombolo
     /** Bodies that are pressed together lift off from each other node by node. */
     constexpr unsigned int most_with_other_contacts = 5;
 
-    /** What to do where these residuals, by iteration, are too many. */
+    /** Advice where there are too many of these residuals, by iteration. */
     std::string advice_on_iterations(const std::vector<double> &residuals, const double tolerance)
     {
       constexpr std::size_t most = 6;
@@ -72,7 +72,7 @@ namespace tombolo
         for (NodalVector *const vector : {&displacement, &change, &trial, &next})
           vector->reinit(partition);
       }
-      // A step that is resumed begins as one that goes on.
+      // So that a resumed step is the same as one without interruption.
       matrix->use(solver);
       displacement.set_zero();
       StaticSolution result;
@@ -104,7 +104,7 @@ namespace tombolo
           return fail("no convergence within " + std::to_string(result.n_iterations) +
                       " iterations");
         }
-        // What is left is largest at the start of a step that is driven; later it must shrink.
+        // The residual is largest at the start of a driven step; later it must shrink.
         if (result.n_iterations > 4 && norm > 1e4 * best)
           return fail("the residual grows");
         result.was_stopped = problem.must_stop && problem.must_stop();
@@ -202,7 +202,7 @@ namespace tombolo
     }
 
     /** Finds @p change; where multigrid fails, by a factorization if the matrix is small enough for
-     * it. Returns what went wrong; empty: nothing. Collective. */
+     * it. Returns the failure; empty: none. Collective. */
     std::string solve_linear(StaticProblem<dim> &problem, const bool is_driven, const double target,
                              StaticSolution &solution)
     {

@@ -38,8 +38,8 @@ namespace tombolo
   {
     for (const Part<dim> &part : parts)
     {
-      const Section of_part = parameters.section("Part: " + part.name);
-      const Section section = of_part.subsection(of_part.get("Formulation"));
+      const Section part_section = parameters.section("Part: " + part.name);
+      const Section section = part_section.subsection(part_section.get("Formulation"));
       if (section.is_set(entry) && section.get_bool(entry))
         refuse_at_rest<dim>(section, entry, reason, "false, or no such entry");
     }
@@ -70,10 +70,10 @@ namespace tombolo
                             "springs between nodes and a part act on several nodes of it, and "
                             "need a stiffness",
                             "another surface, or a body contact");
-      if (const Section of_surface = section.subsection(surface);
-          of_surface.is_set("Mass") && !of_surface.get("Mass").empty())
-        refuse_at_rest<dim>(of_surface, "Mass", "a surface with a mass is moved by accelerations",
-                            "a `Displacement`");
+      if (const Section surface_section = section.subsection(surface);
+          surface_section.is_set("Mass") && !surface_section.get("Mass").empty())
+        refuse_at_rest<dim>(surface_section, "Mass",
+                            "a surface with a mass is moved by accelerations", "a `Displacement`");
     }
 
     /** No process of its own: refuses entries of contacts that need an acceleration. */

@@ -18,15 +18,15 @@ namespace tombolo
 {
   namespace
   {
-    /** Sums over the nodes of a body: number and places of held components, the largest distance,
-     * what rigid motions move them. */
+    /** Sums over the nodes of a body: number and positions of held components, the largest
+     * distance, their displacements by rigid motions. */
     using BodySums = std::map<types::global_dof_index, std::vector<double>>;
 
     BodySums sum_over_ranks(const BodySums &local, const MPI_Comm communicator)
     {
       BodySums result;
-      for (const BodySums &of_rank : Utilities::MPI::all_gather(communicator, local))
-        for (const auto &[body, values] : of_rank)
+      for (const BodySums &rank_sums : Utilities::MPI::all_gather(communicator, local))
+        for (const auto &[body, values] : rank_sums)
         {
           std::vector<double> &sums = result[body];
           sums.resize(values.size(), 0.);
@@ -63,12 +63,12 @@ namespace tombolo
         result.emplace_back("turn about a point or an axis elsewhere");
       return result;
     }
-    /** A body is held along a direction at a place. */
+    /** Holds a body along a direction at a position. */
     template <int dim>
     struct Hold
     {
       types::global_dof_index body;
-      std::array<double, 3> place;
+      std::array<double, 3> position;
       Tensor<1, dim> direction;
     };
 
@@ -93,10 +93,10 @@ namespace tombolo
     {
       const NodePartition &partition = *model.state.partition();
       const NodalVector &position = model.state.position;
-      BodySums places; // number of nodes, their sum, number of holds, their sum
+      BodySums position_sums; // number of nodes, their sum, number of holds, their sum
       for (unsigned int i = 0; i < partition.n_owned(); ++i)
       {
-        std::vector<double> &sums = places[body_of(partition.global_index(i))];
+        std::vector<double> &sums = position_sums[body_of(partition.global_index(i))];
         sums.resize(8, 0.);
         sums[0] += 1.;
         for (unsigned int d = 0; d < dim; ++d)
@@ -104,20 +104,20 @@ namespace tombolo
       }
       for (const Hold<dim> &hold : holds)
       {
-        std::vector<double> &sums = places[hold.body];
+        std::vector<double> &sums = position_sums[hold.body];
         sums.resize(8, 0.);
         sums[4] += 1.;
         for (unsigned int d = 0; d < dim; ++d)
-          sums[5 + d] += hold.place[d];
+          sums[5 + d] += hold.position[d];
       }
-      places = sum_over_ranks(places, model.communicator);
+      position_sums = sum_over_ranks(position_sums, model.communicator);
 
       constexpr unsigned int n = n_rigid_modes<dim>;
       BodySums grams; // and the sum of squared distances from the middle of the nodes
       for (unsigned int i = 0; i < partition.n_owned(); ++i)
       {
         const types::global_dof_index body = body_of(partition.global_index(i));
-        const std::vector<double> &sums = places[body];
+        const std::vector<double> &sums = position_sums[body];
         std::vector<double> &gram = grams[body];
         gram.resize(n * n + 1, 0.);
         for (unsigned int d = 0; d < dim; ++d)
@@ -128,12 +128,12 @@ namespace tombolo
       }
       for (const Hold<dim> &hold : holds)
       {
-        const std::vector<double> &sums = places[hold.body];
+        const std::vector<double> &sums = position_sums[hold.body];
         std::vector<double> &gram = grams[hold.body];
         gram.resize(n * n + 1, 0.);
         std::array<double, 3> arm{};
         for (unsigned int d = 0; d < dim; ++d)
-          arm[d] = hold.place[d] - sums[5 + d] / sums[4];
+          arm[d] = hold.position[d] - sums[5 + d] / sums[4];
         std::array<double, 6> motion{};
         for (unsigned int d = 0; d < dim; ++d)
         {
@@ -154,7 +154,7 @@ namespace tombolo
         if (free.empty())
           continue;
         std::ostringstream text;
-        const std::vector<double> &sums = places[body];
+        const std::vector<double> &sums = position_sums[body];
         text << "the body around (" << sums[1] / sums[0];
         for (unsigned int d = 1; d < dim; ++d)
           text << ", " << sums[1 + d] / sums[0];
@@ -186,7 +186,7 @@ namespace tombolo
       return result;
     }
 
-    /** The numbers of bodies, which Bodies knows of the nodes of own cells, of ghosts too: contacts
+    /** The numbers of the bodies of nodes, with ghosts: Bodies has those of own cells, and contacts
      * name nodes of any rank. Collective. */
     template <int dim>
     NodalVector bodies_of_nodes(const Bodies<dim> &bodies,
@@ -203,16 +203,16 @@ namespace tombolo
   std::string free_rigid_modes(const Model<dim> &model, const NodalVector &constrained,
                                const std::vector<ContactStiffness<dim>> &contacts)
   {
-    std::optional<Bodies<dim>> of_elements;
+    std::optional<Bodies<dim>> mesh_bodies;
     if (model.bodies == nullptr)
-      of_elements.emplace(*model.nodes);
-    const Bodies<dim> &bodies = of_elements ? *of_elements : *model.bodies;
+      mesh_bodies.emplace(*model.nodes);
+    const Bodies<dim> &bodies = mesh_bodies ? *mesh_bodies : *model.bodies;
     const NodePartition &partition = *model.state.partition();
-    const auto place_of = [&](const unsigned int i)
+    const auto position_of = [&](const unsigned int i)
     {
-      std::array<double, 3> place{};
-      std::copy_n(model.state.position.node(i), dim, place.begin());
-      return place;
+      std::array<double, 3> position{};
+      std::copy_n(model.state.position.node(i), dim, position.begin());
+      return position;
     };
     const auto along = [](const unsigned int d)
     {
@@ -226,7 +226,7 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         if (constrained.node(i)[d] > 0.)
           by_conditions.push_back(
-              {bodies.body_of(partition.global_index(i)), place_of(i), axis_at(model, i, d)});
+              {bodies.body_of(partition.global_index(i)), position_of(i), axis_at(model, i, d)});
 
     const NodalVector body_of_node = bodies_of_nodes(bodies, model.state.partition());
     const auto body_at = [&](const unsigned int i)
@@ -251,11 +251,11 @@ namespace tombolo
         pairs.push_back({{body, other}});
         for (const Tensor<1, dim> &direction : directions)
           (touched.size() > 1 ? by_partners : by_surfaces)
-              .push_back({other, place_of(contact.node), direction});
+              .push_back({other, position_of(contact.node), direction});
       }
     }
 
-    // Each body, where its partners stay; then those that contacts join, together.
+    // Each body with its partners at rest; then bodies that contacts join, as one.
     const auto united = joined_bodies(pairs, model.communicator);
     const auto all_of = [&](std::vector<Hold<dim>> holds, const std::vector<Hold<dim>> &others)
     {
@@ -263,20 +263,20 @@ namespace tombolo
       return holds;
     };
     const std::vector<Hold<dim>> outer = all_of(by_conditions, by_surfaces);
-    const std::string of_single = free_motions_of_bodies<dim>(
+    const std::string single_motions = free_motions_of_bodies<dim>(
         model, [&](const auto node) { return bodies.body_of(node); }, all_of(outer, by_partners));
-    if (!of_single.empty())
-      return of_single;
+    if (!single_motions.empty())
+      return single_motions;
     const auto set_of = [&](const types::global_dof_index body)
     {
       const auto found = united.find(body);
       return found == united.end() ? body : found->second;
     };
-    std::vector<Hold<dim>> of_sets = outer;
-    for (Hold<dim> &hold : of_sets)
+    std::vector<Hold<dim>> set_holds = outer;
+    for (Hold<dim> &hold : set_holds)
       hold.body = set_of(hold.body);
     return free_motions_of_bodies<dim>(
-        model, [&](const auto node) { return set_of(bodies.body_of(node)); }, of_sets);
+        model, [&](const auto node) { return set_of(bodies.body_of(node)); }, set_holds);
   }
 
   template std::string free_rigid_modes(const Model<2> &, const NodalVector &,

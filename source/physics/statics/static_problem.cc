@@ -24,14 +24,14 @@ namespace tombolo
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         extent = std::max(extent, std::abs(model.state.initial_position.node(i)[d]));
-    // As in refuse_penetration(): what round-off has put apart touches.
+    // As in refuse_penetration(): bodies apart by round-off touch.
     touch_distance = 1e-9 * Utilities::MPI::max(extent, model.communicator);
     start_position.reinit(model.state.partition(), Quantity::position);
     prescribed_displacement.reinit(model.state.partition());
     free_force.reinit(model.state.partition());
     set_constrained();
     if (model.heat)
-      of_nodes.nodal("pending heat", 1, model.heat->state.pending);
+      node_records.nodal("pending heat", 1, model.heat->state.pending);
     model.state.unsmoothed_velocity.set_zero();
     model.state.velocity.set_zero();
     model.state.acceleration.set_zero();
@@ -51,10 +51,10 @@ namespace tombolo
       constrained[oblique.node] |= oblique.prescribed;
     nodal_frames = NodalFrames<dim>(model);
     mask = nodal_field(model.state.partition(), Quantity::scalars,
-                       [&](const unsigned int i, double *const of_node)
+                       [&](const unsigned int i, double *const components)
                        {
                          for (unsigned int d = 0; d < dim; ++d)
-                           of_node[d] = (constrained[i] >> d) & 1u;
+                           components[d] = (constrained[i] >> d) & 1u;
                        });
   }
 
@@ -110,7 +110,7 @@ namespace tombolo
           process.records.keep();
           process.actions.records.keep();
         });
-    of_nodes.keep();
+    node_records.keep();
   }
 
   template <int dim>
@@ -122,7 +122,7 @@ namespace tombolo
           process.records.restore();
           process.actions.records.restore();
         });
-    of_nodes.restore();
+    node_records.restore();
   }
 
   template <int dim>
@@ -172,19 +172,19 @@ namespace tombolo
     {
       const auto number = static_cast<std::size_t>(&part - model.parts.data());
       model.signals.part_force(number, force, false);
-      std::string of_part;
+      std::string part_failure;
       try
       {
         part.formulation->add_internal_force(
             {&model.state.position, &velocity, present.duration(), present.temperature}, force);
-        of_part = part.formulation->failure();
+        part_failure = part.formulation->failure();
       }
       catch (const RunError &error)
       {
-        of_part = error.what();
+        part_failure = error.what();
       }
-      if (!of_part.empty() && failure.empty())
-        failure = "part \"" + part.name + "\": " + of_part;
+      if (!part_failure.empty() && failure.empty())
+        failure = "part \"" + part.name + "\": " + part_failure;
       model.signals.part_force(number, force, true);
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
@@ -231,9 +231,9 @@ namespace tombolo
     if (failure.empty() && !std::isfinite(sum))
       failure = "a force is not finite.";
     failure_text.clear();
-    for (const std::string &of_rank : texts_of_ranks(model.communicator, failure))
+    for (const std::string &rank_failure : texts_of_ranks(model.communicator, failure))
       if (failure_text.empty())
-        failure_text = of_rank;
+        failure_text = rank_failure;
     return failure_text.empty();
   }
 
@@ -291,9 +291,9 @@ namespace tombolo
         text << ", " << x[d];
       text << ") with " << largest;
     }
-    const auto of_ranks = of_all_ranks(std::vector<double>{largest}, model.communicator);
-    const auto first_largest = std::max_element(of_ranks.begin(), of_ranks.end());
-    return texts_of_ranks(model.communicator, text.str())[first_largest - of_ranks.begin()];
+    const auto rank_maxima = of_all_ranks(std::vector<double>{largest}, model.communicator);
+    const auto first_largest = std::max_element(rank_maxima.begin(), rank_maxima.end());
+    return texts_of_ranks(model.communicator, text.str())[first_largest - rank_maxima.begin()];
   }
 
   template <int dim>

@@ -6,8 +6,7 @@ namespace tombolo
 {
   namespace
   {
-    /** No process of its own: what has no place in static steps is refused with all else that
-     * needs no mesh. */
+    /** No process of its own: refuses what static steps do not support, before there is a mesh. */
     template <int dim>
     class StaticStepsKind : public ProcessKind<dim>
     {

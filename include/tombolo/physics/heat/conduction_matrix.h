@@ -18,8 +18,8 @@
 
 namespace tombolo
 {
-  /** Points that conduct between nodes: with g = √(V k) ∇N, K_IJ = Σ g_I·g_J. What particles
-   * average: with v = √c φ, L_IJ = Σ (Σ_K v_K) v_I δ_IJ - v_I v_J. */
+  /** Points that conduct between nodes: with g = √(V k) ∇N, K_IJ = Σ g_I·g_J. Averages over
+   * particles: with v = √c φ, L_IJ = Σ (Σ_K v_K) v_I δ_IJ - v_I v_J. */
   template <int dim>
   struct ConductingPoints
   {
@@ -67,10 +67,10 @@ namespace tombolo
         {
           gradients[k] =
               dealii::GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), k);
-          dealii::Tensor<1, dim> place;
+          dealii::Tensor<1, dim> corner;
           for (unsigned int d = 0; d < dim; ++d)
-            place[d] = position.node(corners[k])[d];
-          jacobian += outer_product(place, gradients[k]);
+            corner[d] = position.node(corners[k])[d];
+          jacobian += outer_product(corner, gradients[k]);
           temperature +=
               dealii::GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), k) *
               *field.node(corners[k]);
@@ -161,20 +161,20 @@ namespace tombolo
               shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
           dealii::Tensor<1, dim> sum;
           const std::size_t begin = nodes.size();
-          const Stencils::Row of_row = shape.row(row);
-          for (unsigned int k = 0; k < of_row.size; ++k)
+          const Stencils::Row stencil = shape.row(row);
+          for (unsigned int k = 0; k < stencil.size; ++k)
           {
             dealii::Tensor<1, dim> gradient; // √(V k) F⁻ᵀ∇φ
             for (unsigned int a = 0; a < dim; ++a)
               for (unsigned int b = 0; b < dim; ++b)
                 gradient[a] += factor * rows[b * node_stride + a] *
-                               of_row.gradient[k * Stencils::n_gradient + b];
-            const unsigned int neighbour = of_row.neighbour[k];
+                               stencil.gradient[k * Stencils::n_gradient + b];
+            const unsigned int neighbour = stencil.neighbour[k];
             sum += gradient;
             add(neighbour < n_here ? neighbour : partition.images()[neighbour - n_here].source,
-                gradient, root * of_row.value[k]);
+                gradient, root * stencil.value[k]);
           }
-          // Σ∇φ = 0 but for round-off, which the differences of add_conduction() do not see.
+          // Σ∇φ = 0 but for round-off, which cancels in the differences of add_conduction().
           for (std::size_t k = begin; k < nodes.size(); ++k)
             if (nodes[k] == node)
             {
@@ -187,22 +187,22 @@ namespace tombolo
     }
   };
 
-  /** Where nodes appear in a list of points. */
-  struct PlacesOfNodes
+  /** The entries of each node in a list of points. */
+  struct NodeEntries
   {
-    struct Place
+    struct PointEntry
     {
       unsigned int point;
       unsigned int entry; ///< of that point
     };
 
-    /** Those of node i are places[start[i]] ... places[start[i + 1] - 1], in ascending order. */
+    /** Those of node i are entries[start[i]] ... entries[start[i + 1] - 1], in ascending order. */
     std::vector<std::size_t> start;
-    std::vector<Place> places;
+    std::vector<PointEntry> entries;
 
     template <int dim>
-    PlacesOfNodes(const ConductingPoints<dim> &points, const unsigned int n_nodes)
-        : start(n_nodes + 1, 0), places(points.nodes.size())
+    NodeEntries(const ConductingPoints<dim> &points, const unsigned int n_nodes)
+        : start(n_nodes + 1, 0), entries(points.nodes.size())
     {
       for (const unsigned int node : points.nodes)
         ++start[node + 1];
@@ -212,8 +212,8 @@ namespace tombolo
       const std::size_t n_points = points.start.size() - 1;
       for (std::size_t point = 0; point < n_points; ++point)
         for (std::size_t k = points.start[point]; k < points.start[point + 1]; ++k)
-          places[next[points.nodes[k]]++] = {static_cast<unsigned int>(point),
-                                             static_cast<unsigned int>(k - points.start[point])};
+          entries[next[points.nodes[k]]++] = {static_cast<unsigned int>(point),
+                                              static_cast<unsigned int>(k - points.start[point])};
     }
   };
 
@@ -231,7 +231,7 @@ namespace tombolo
     return scalar_field(partition, [&](const unsigned int i) { return is_constrained[i]; });
   }
 
-  /** This rank's share of the rows of the matrix, one at a time: what its points add to the rows
+  /** This rank's share of the rows of the matrix, one at a time: the sums of its points in the rows
    * of its nodes and ghosts, and the diagonal of its own nodes. */
   template <int dim>
   class ConductionRows
@@ -242,7 +242,7 @@ namespace tombolo
                    const NodalVector &is_constrained)
         : factor(factor), averaging(averaging), diagonal(diagonal),
           partition(*diagonal.partition()), is_constrained(is_constrained), points(model, field),
-          places(points, n_rows()), of_column(n_rows(), 0.), is_column(n_rows(), false)
+          node_entries(points, n_rows()), column_values(n_rows(), 0.), is_column(n_rows(), false)
     {}
 
     unsigned int n_rows() const
@@ -258,7 +258,7 @@ namespace tombolo
       {
         local_columns.push_back(row);
         is_column[row] = true;
-        of_column[row] = *is_constrained.node(row) > 0. ? 1. : *diagonal.node(row);
+        column_values[row] = *is_constrained.node(row) > 0. ? 1. : *diagonal.node(row);
       }
       if (!(*is_constrained.node(row) > 0.))
         add_points(row);
@@ -267,8 +267,8 @@ namespace tombolo
       for (const unsigned int column : local_columns)
       {
         columns.push_back(partition.global_index(column));
-        values.push_back(of_column[column]);
-        of_column[column] = 0.;
+        values.push_back(column_values[column]);
+        column_values[column] = 0.;
         is_column[column] = false;
       }
     }
@@ -279,13 +279,13 @@ namespace tombolo
   private:
     void add_points(const unsigned int row)
     {
-      for (std::size_t place = places.start[row]; place < places.start[row + 1]; ++place)
+      for (std::size_t i = node_entries.start[row]; i < node_entries.start[row + 1]; ++i)
       {
-        const auto [point, entry] = places.places[place];
+        const auto [point, entry] = node_entries.entries[i];
         const std::size_t begin = points.start[point];
         const dealii::Tensor<1, dim> own = factor * points.gradients[begin + entry];
         const double own_value = averaging * points.values[begin + entry];
-        of_column[row] += own_value * points.sums[point];
+        column_values[row] += own_value * points.sums[point];
         for (std::size_t k = begin; k < points.start[point + 1]; ++k)
         {
           const unsigned int column = points.nodes[k];
@@ -296,7 +296,7 @@ namespace tombolo
             is_column[column] = true;
             local_columns.push_back(column);
           }
-          of_column[column] += own * points.gradients[k] - own_value * points.values[k];
+          column_values[column] += own * points.gradients[k] - own_value * points.values[k];
         }
       }
     }
@@ -306,10 +306,10 @@ namespace tombolo
     const NodePartition &partition;
     const NodalVector &is_constrained;
     const ConductingPoints<dim> points;
-    const PlacesOfNodes places;
+    const NodeEntries node_entries;
 
     // Of the row, by local number; zero and false between rows.
-    std::vector<double> of_column;
+    std::vector<double> column_values;
     std::vector<bool> is_column;
     std::vector<unsigned int> local_columns;
   };
@@ -347,7 +347,7 @@ namespace tombolo
 
     unsigned int &number_of_corner(const unsigned int corner)
     {
-      return number[relevant.index_within_set(of_cell[corner])];
+      return number[relevant.index_within_set(cell_nodes[corner])];
     }
 
     void number_connected_cells(const Cell &first)
@@ -376,9 +376,9 @@ namespace tombolo
     void number_cell(const Cell &cell, const unsigned int face)
     {
       is_done[cell->active_cell_index()] = true;
-      nodes.cell_nodes(cell, of_cell);
-      // Corners are numbered by the bits of their places along the cell's axes. In a neighbour
-      // the axes of the common face keep their bits; the other axis takes what is left.
+      nodes.cell_nodes(cell, cell_nodes);
+      // Corners are numbered by the bits of their indices along the cell's axes. In a neighbour
+      // the axes of the common face keep their bits; the other axis gets the remaining bit.
       unsigned int origin = 0, bits[3] = {1u, 2u, 4u};
       if (face != dealii::numbers::invalid_unsigned_int)
       {
@@ -409,7 +409,7 @@ namespace tombolo
     const dealii::IndexSet &relevant;
     std::vector<unsigned int> number; ///< by relevant node
     std::vector<bool> is_done;        ///< by active cell
-    std::vector<dealii::types::global_dof_index> of_cell;
+    std::vector<dealii::types::global_dof_index> cell_nodes;
   };
 
   /**
@@ -420,9 +420,10 @@ namespace tombolo
    * the conductivities at
    * @p field (node_stride, current ghosts). Where smoothing is `none`, elements have degree 1 and
    * there is no trace bridge, it is that of ThermalModel::apply_conduction() without films. L is
-   * the capacity of what averaging over the particles removes, diag(Φᵀc) - Φᵀ diag(c) Φ. Rows and
-   * columns of nodes with prescribed temperatures, and of nodes that hang on faces of elements, are
-   * those of the unit matrix; what hanging nodes conduct counts at those between which they lie.
+   * the capacity of the part that averaging over the particles removes, diag(Φᵀc) - Φᵀ diag(c) Φ.
+   * Rows and columns of nodes with prescribed temperatures, and of nodes that hang on faces of
+   * elements, are those of the unit matrix; what hanging nodes conduct counts at those between
+   * which they lie.
    * @p diagonal is scalar, owned values. Collective.
    */
   template <int dim>
@@ -433,11 +434,11 @@ namespace tombolo
   {
     const NodePartition &partition = *diagonal.partition();
     const NodalVector is_constrained = constrained_nodes_of(model, diagonal.partition());
-    NodalVector of_free(diagonal.partition(), Quantity::scalar);
-    of_free.copy_from(diagonal);
+    NodalVector free_diagonal(diagonal.partition(), Quantity::scalar);
+    free_diagonal.copy_from(diagonal);
     for (const unsigned int node : partition.dependent_nodes().node)
-      *of_free.node(node) = 0.;
-    ConductionRows<dim> rows(model, field, factor, averaging, of_free, is_constrained);
+      *free_diagonal.node(node) = 0.;
+    ConductionRows<dim> rows(model, field, factor, averaging, free_diagonal, is_constrained);
 
     const DependentRows dependent(is_constrained);
     dealii::IndexSet writable = partition.owned();
@@ -449,7 +450,7 @@ namespace tombolo
     constexpr unsigned int entries_per_row = 0; // unknown; they are allocated as they come
     dealii::TrilinosWrappers::SparsityPattern pattern(
         partition.owned(), partition.owned(), writable, partition.communicator(), entries_per_row);
-    // Calls the function with the row of the matrix, and what the factor of its values is.
+    // Calls the function with the row of the matrix and the factor of its values.
     const auto for_rows = [&](const auto &add)
     {
       for (unsigned int row = 0; row < rows.n_rows(); ++row)
@@ -482,9 +483,9 @@ namespace tombolo
 
   /**
    * Indicators of the sublattices of twice the spacing of each owned node, [sublattice][node]:
-   * 2^dim of them. Nodal gradients, differences across a particle, see each one alone, so that a
-   * constant on one of them conducts next to nothing. Numbers are carried from cell to cell across
-   * faces of this rank. Degree 1.
+   * 2^dim of them. Nodal gradients are differences across a particle and within one sublattice, so
+   * that a constant on one of them conducts nearly nothing. Numbers are carried from cell to cell
+   * across faces of this rank. Degree 1.
    */
   template <int dim>
   std::vector<std::vector<bool>> sublattices(const Model<dim> &model)
@@ -497,8 +498,8 @@ namespace tombolo
                                           std::vector<bool>(nodes.owned().n_elements(), false));
     for (unsigned int i = 0; i < nodes.owned().n_elements(); ++i)
     {
-      const unsigned int of_node = numbering.number_of(nodes.owned().nth_index_in_set(i));
-      result[of_node == Numbering::unknown ? 0 : of_node][i] = true;
+      const unsigned int sublattice = numbering.number_of(nodes.owned().nth_index_in_set(i));
+      result[sublattice == Numbering::unknown ? 0 : sublattice][i] = true;
     }
     return result;
   }

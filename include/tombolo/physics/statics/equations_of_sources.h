@@ -16,7 +16,7 @@ namespace tombolo
    */
   struct EquationsOfSources
   {
-    /** The nodes whose motion local @p nodes have: images are replaced by their sources. */
+    /** The local @p nodes with images replaced by their sources. */
     static std::vector<unsigned int> sources_of(const NodePartition &partition,
                                                 const std::vector<unsigned int> &nodes)
     {
@@ -27,7 +27,7 @@ namespace tombolo
       return result;
     }
 
-    /** What an image is of; null for other nodes. */
+    /** The source of an image; null for other nodes. */
     static const NodePartition::Reflected *image(const NodePartition &partition,
                                                  const unsigned int node)
     {
@@ -35,16 +35,16 @@ namespace tombolo
       return node < n_nodes ? nullptr : &partition.images()[node - n_nodes];
     }
 
-    /** @p n_components rows and columns of @p of_all for each of the local nodes. */
+    /** @p n_components rows and columns of @p all_entries for each of the local nodes. */
     EquationsOfSources(const NodePartition &partition,
                        const std::vector<unsigned int> &nodes_and_images,
-                       const std::vector<double> &of_all, const unsigned int n_components)
+                       const std::vector<double> &all_entries, const unsigned int n_components)
     {
       const std::vector<unsigned int> sources = sources_of(partition, nodes_and_images);
       nodes = sources;
       std::sort(nodes.begin(), nodes.end());
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-      // Of each row: that of its source, and the sign of the reflection.
+      // For each row: the row of its source, and the sign of the reflection.
       std::vector<std::pair<std::size_t, double>> rows;
       for (std::size_t k = 0; k < sources.size(); ++k)
       {
@@ -59,7 +59,7 @@ namespace tombolo
       for (std::size_t a = 0; a < rows.size(); ++a)
         for (std::size_t b = 0; b < rows.size(); ++b)
           matrix[rows[a].first * n_rows + rows[b].first] +=
-              rows[a].second * rows[b].second * of_all[a * rows.size() + b];
+              rows[a].second * rows[b].second * all_entries[a * rows.size() + b];
     }
 
     std::vector<unsigned int> nodes; ///< local numbers, without images, each once

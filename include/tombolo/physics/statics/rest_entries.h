@@ -13,7 +13,7 @@ namespace tombolo
   template <int dim>
   bool has_bodies_at_rest(const Parameters &parameters);
 
-  /** Throws the InputError that an entry has no place at rest, in scenes of such steps: @p reason
+  /** Throws the InputError that an entry is not allowed at rest, in scenes of such steps: @p reason
    * is the first half of a sentence, "it resists velocities", and @p allowed the end of it. */
   template <int dim>
   void refuse_at_rest(const Section &section, const std::string &entry, const std::string &reason,

@@ -29,13 +29,13 @@ namespace tombolo
     return result;
   }
 
-  /** What @p of_owned says of the nodes in @p wanted that this rank neither owns nor has as ghosts,
-   * by global number: their owners are asked. For few nodes, since all ranks see all of them.
+  /** @p owned_value of the nodes in @p wanted that this rank neither owns nor has as ghosts, by
+   * global number, from their owners. For few nodes, since all ranks get all of them.
    * Collective. */
   template <typename Value, typename Function>
   std::map<dealii::types::global_dof_index, Value>
   values_of_far_nodes(const std::vector<dealii::types::global_dof_index> &wanted,
-                      const NodePartition &partition, const Function &of_owned)
+                      const NodePartition &partition, const Function &owned_value)
   {
     using Node = dealii::types::global_dof_index;
     std::map<Node, Value> result;
@@ -53,7 +53,7 @@ namespace tombolo
     std::vector<Answer> answers;
     for (const Node node : of_all_ranks(far, partition.communicator()))
       if (partition.owned().is_element(node))
-        answers.push_back({node, of_owned(partition.local_index(node))});
+        answers.push_back({node, owned_value(partition.local_index(node))});
     for (const auto &[node, value] : of_all_ranks(answers, partition.communicator()))
       if (const auto found = result.find(node); found != result.end())
         found->second = value;
@@ -63,8 +63,7 @@ namespace tombolo
   template <int dim>
   constexpr unsigned int n_rigid_modes = dim == 2 ? 3 : 6;
 
-  /** By rigid mode, translations first: what it moves along component @p d at @p arm from the
-   * centre. */
+  /** By rigid mode, translations first: its component @p d at @p arm from the centre. */
   template <int dim>
   std::array<double, 6> rigid_motion_along(const unsigned int d, const std::array<double, 3> &arm)
   {
@@ -83,7 +82,7 @@ namespace tombolo
    * The rigid motions of the bodies of a mesh that nothing holds, in words: "the body with a node
    * at (0, 0, 0) can move along x and turn about z". Empty where all are held. @p constrained is
    * one at components that are held, of owned nodes; @p contacts hold along their normal where they
-   * touch. Each body is looked at with its partners at rest, then all that touch as one body.
+   * touch. Each body is checked with its partners at rest, then all that touch as one body.
    * Collective.
    */
   template <int dim>

@@ -26,7 +26,7 @@ namespace tombolo
   /**
    * The orthonormal frames of nodes of which directions are prescribed that are no axes of the
    * coordinates (ObliqueNodes). Equations of such nodes are along their frames: vectors A u and
-   * matrices A K Aᵀ, where A has the axes as rows. All ranks know all of them.
+   * matrices A K Aᵀ, where A has the axes as rows. All ranks have all of them.
    */
   template <int dim>
   class NodalFrames
@@ -42,16 +42,16 @@ namespace tombolo
         dealii::types::global_dof_index node;
         std::array<double, dim * dim> axes;
       };
-      std::vector<Frame> of_rank;
+      std::vector<Frame> rank_frames;
       for (const ObliqueNode &oblique : model.conditions->oblique_nodes().all())
       {
-        Frame &frame = of_rank.emplace_back();
+        Frame &frame = rank_frames.emplace_back();
         frame.node = model.state.partition()->global_index(oblique.node);
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int d = 0; d < dim; ++d)
             frame.axes[k * dim + d] = oblique.axes[k][d];
       }
-      for (const auto &[node, axes] : of_all_ranks(of_rank, model.communicator))
+      for (const auto &[node, axes] : of_all_ranks(rank_frames, model.communicator))
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int d = 0; d < dim; ++d)
             frames[node][k][d] = axes[k * dim + d];
@@ -77,7 +77,7 @@ namespace tombolo
         apply(*axes, vector);
     }
 
-    /** The way back. */
+    /** The inverse. */
     void turn_back(const dealii::types::global_dof_index node, double *const vector) const
     {
       if (const dealii::Tensor<2, dim> *const axes = find(node))
@@ -142,11 +142,11 @@ namespace tombolo
     {
       for (unsigned int i = 0; i < nodes.partition()->n_owned(); ++i)
       {
-        std::array<double, dim> of_node;
-        std::copy_n(nodes.node(i), dim, of_node.begin());
-        turn(nodes.partition()->global_index(i), of_node.data());
+        std::array<double, dim> components;
+        std::copy_n(nodes.node(i), dim, components.begin());
+        turn(nodes.partition()->global_index(i), components.data());
         for (unsigned int d = 0; d < dim; ++d)
-          rows.local_element(i * dim + d) = of_node[d];
+          rows.local_element(i * dim + d) = components[d];
       }
     }
 
@@ -169,7 +169,7 @@ namespace tombolo
   {
     double begin = 0, end = 0;
     unsigned long step = 0; ///< its number, for messages
-    /** Prescribed velocities move nothing: the state at the start looks for its equilibrium. */
+    /** Prescribed velocities move nothing: the initial state goes to its equilibrium. */
     bool is_start = false;
     const NodalVector *temperature = nullptr; ///< at the end, ghosts current; null without heat
 
@@ -183,9 +183,9 @@ namespace tombolo
    * The equations of a static step, R(u) = F_int(x_n + u) + F_ext(x_n + u) = 0 at the components of
    * nodes that nothing prescribes, where u is the displacement of the step, and u itself at the
    * others: the force evaluation of explicit steps with the velocity u/Δt from the material points
-   * as they were at the start (Trial), so that it can be asked at any u, any number of times; and
-   * so can processes (ModelSignals::trials). Springs of contacts are those of explicit steps at
-   * the step of eq. (41), α m c²/h² at a node, which no longer depends on any time, times a factor.
+   * as they were at the start (Trial), so that it can be evaluated at any u, any number of times,
+   * as can processes (ModelSignals::trials). Springs of contacts are those of explicit steps at the
+   * step of eq. (41), α m c²/h² at a node, which no longer depends on any time, times a factor.
    *
    * Vectors have the partition of the model, without images; ghosts of u must be current.
    */
@@ -201,7 +201,7 @@ namespace tombolo
     void begin(const StaticInterval &interval);
 
     /** Evaluates R at @p displacement. Returns false, on all ranks, where there is none: a cell is
-     * turned inside out, for example; failure() says what. Collective. */
+     * turned inside out, for example; see failure(). Collective. */
     bool evaluate(const NodalVector &displacement);
 
     /** Keeps the last evaluation. */
@@ -212,10 +212,11 @@ namespace tombolo
       model.state.velocity.set_zero();
     }
 
-    /** Goes back to the start of the step: positions, points. Collective. */
+    /** Restores positions and points of the start of the step. Collective. */
     void undo();
 
-    /** Material points as at the start of the step, for whoever evaluates parts of it himself. */
+    /** Restores the material points of the start of the step, before parts are evaluated from
+     * outside. */
     void restart_points()
     {
       trial->restart();
@@ -262,12 +263,12 @@ namespace tombolo
      * compared with [M L/T^2]. */
     double force_scale = 0;
 
-    /** What positions that are rounded do to R; zero until the stiffness of the step is known [M
+    /** The effect of rounded positions on R; zero before the stiffness of the step is computed [M
      * L/T^2]. */
     double round_off = 0;
 
     /** The forces that R is compared with where it may be @p tolerance of them: the force scale,
-     * or, where next to nothing is strained, those of which round-off is such a part. */
+     * or, where strains nearly vanish, those of which round-off is such a part. */
     double scale(const double tolerance) const
     {
       return std::max(force_scale, round_off / tolerance);
@@ -276,15 +277,15 @@ namespace tombolo
     /** @p norm over this scale, at most @p tolerance where R with that norm is small. */
     double relative(const double norm, const double tolerance) const
     {
-      const double of_forces = scale(tolerance);
-      return of_forces > 0. ? norm / of_forces : norm > 0. ? 1. : 0.;
+      const double reference = scale(tolerance);
+      return reference > 0. ? norm / reference : norm > 0. ? 1. : 0.;
     }
 
-    /** What the forces that are left in the last evaluation, or their round-off, do over the
-     * displacement of the step: no work is known better than this [M L^2/T^2]. Collective. */
+    /** The work of the residual of the last evaluation, or of its round-off, over the displacement
+     * of the step: the uncertainty of all works [M L^2/T^2]. Collective. */
     double unresolved_work() const;
 
-    /** Whether the run is asked to end, the same on all ranks; null: never. Collective. */
+    /** Whether a stop is requested, the same on all ranks; null: never. Collective. */
     std::function<bool()> must_stop;
 
     Model<dim> &model;
@@ -323,7 +324,7 @@ namespace tombolo
     /** Sets the prescribed components of an owned node to zero. */
     void remove_constrained(unsigned int node, double *vector) const;
     std::string evaluate_parts();
-    /** What processes see of the step. */
+    /** The step as a clock for processes. */
     Clock process_clock() const;
     void begin_trials(const Clock &clock);
     void restart_processes();
@@ -344,9 +345,9 @@ namespace tombolo
     NodalVector start_position;
     NodalFrames<dim> nodal_frames;
     NodalVector mask, prescribed_displacement, free_force;
-    Records of_nodes;      ///< what processes give to nodes
-    double spring_time;    ///< of which springs of contacts are made [T]
-    double touch_distance; ///< what is nearer touches [L]
+    Records node_records;  ///< of the heat that processes add
+    double spring_time;    ///< for the stiffness of springs of contacts [T]
+    double touch_distance; ///< bodies nearer than this touch [L]
     bool has_driven_nodes = false;
     std::string failure_text;
     std::uint64_t count = 0;
@@ -378,14 +379,14 @@ namespace tombolo
     /** Whether so many iterations are few, so that the next step may be longer. */
     virtual bool was_easy(const StaticSolution &solution) const = 0;
 
-    /** Evaluations of the forces of all cells that it has made beside those of the problem: a
-     * matrix takes as many as a cell has components. */
+    /** Evaluations of the forces of all cells beside those of the problem: a matrix costs as many
+     * as a cell has components. */
     virtual double further_evaluations() const
     {
       return 0.;
     }
 
-    /** Adds what it cost so far. */
+    /** Adds its costs so far. */
     virtual void add_to_summary(Json & /*summary*/) const {}
   };
 

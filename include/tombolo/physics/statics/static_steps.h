@@ -35,14 +35,14 @@ namespace tombolo
   {
   public:
     /** Declares `Time integration` and the section "Statics". */
-    static void declare_parameters(const Entries &of_run)
+    static void declare_parameters(const Entries &run_entries)
     {
-      of_run.choice(
+      run_entries.choice(
           integration_entry, explicit_steps,
           std::string(explicit_steps) + "|" + Registry<StaticSolver<dim>>::instance().selection(),
           "How the mechanics goes through time: `explicit` follows the motion by stable steps; the "
           "others find the equilibrium of a body at rest at the end of each step.");
-      const Entries e = of_run.subsection(statics_section);
+      const Entries e = run_entries.subsection(statics_section);
       e.number(
           "Largest step", "0", at_least(0.), "T",
           "The largest step, and the first one; 0 is a twentieth of the run. Outputs are met by "
@@ -70,7 +70,7 @@ namespace tombolo
       return parameters.section("").get(integration_entry) != explicit_steps;
     }
 
-    /** Refuses what can be seen to be wrong without a mesh. Throws InputError. */
+    /** Refuses errors that need no mesh. Throws InputError. */
     static void validate(const Parameters &parameters)
     {
       const std::string name = parameters.section("").get(integration_entry);
@@ -84,7 +84,7 @@ namespace tombolo
         section.fail("Smallest step", "allowed is a step that is not larger than `Largest step`.");
     }
 
-    /** Refuses parts, contacts and a bridge that static steps do not know. Throws InputError. */
+    /** Refuses parts, contacts and a bridge that static steps do not support. Throws InputError. */
     static void refuse_unfit(const Parameters &parameters, const std::vector<Part<dim>> &parts)
     {
       bool has_particles = false, has_cells = false;
@@ -118,8 +118,8 @@ namespace tombolo
             });
     }
 
-    /** For a model as it is at the start. Throws InputError where it has what static steps do not
-     * know, or where nothing holds a body. Collective. */
+    /** For an initial model. Throws InputError where it has what static steps do not support, or
+     * where nothing holds a body. Collective. */
     StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log)
         : model(model), log(log), name(parameters.section("").get(integration_entry)),
           tolerance(parameters.section(statics_section).get_double("Tolerance")),
@@ -143,9 +143,9 @@ namespace tombolo
     }
 
     /** From the equilibrium at the time of the last call to that at clock.time, with the present
-     * temperature of the model. @p must_stop is asked between systems of linear equations and must
-     * answer alike on all ranks: returns false, with the model at the last equilibrium, where it
-     * asked for the end. Throws RunError on all ranks where the smallest step does not converge:
+     * temperature of the model. @p must_stop is called between systems of linear equations and must
+     * return the same on all ranks: where it is true, returns false, with the model at the last
+     * equilibrium. Throws RunError on all ranks where the smallest step does not converge:
      * the model is then as it was. Collective. */
     bool solve(const Clock &clock, const std::function<bool()> &must_stop = {})
     {
@@ -170,8 +170,8 @@ namespace tombolo
       return remaining / std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
     }
 
-    /** Books the step that ends at the clock's time, and what begins there; the size of the next
-     * step is known. Collective. */
+    /** Books the step that ends at the clock's time, and the begin of the next one, whose size is
+     * set. Collective. */
     void account(const Clock &clock)
     {
       // The second half of the last step and the first half of the next.
@@ -184,15 +184,15 @@ namespace tombolo
       book(clock, 0., clock.next_step);
     }
 
-    /** The temperatures of the material points are those of a state of before: nothing is to be set
-     * at the start. */
+    /** The temperatures of the material points are those of a former state: none are set at the
+     * start. */
     void continue_from_state()
     {
       is_continued = true;
     }
 
-    /** What residuals within the tolerance, or round-off, can have done so far: the energy balance
-     * of a body that is hardly strained holds to this [M L^2/T^2]. */
+    /** The work of residuals within the tolerance, or of round-off, so far: the uncertainty of the
+     * energy balance of a body that is hardly strained [M L^2/T^2]. */
     double unresolved_work() const
     {
       return unresolved;
@@ -205,7 +205,7 @@ namespace tombolo
       table.add("static residual", "1", last.residual);
     }
 
-    /** After the entries of explicit steps, which it takes away. */
+    /** Replaces the entries of explicit steps. */
     void add_to_summary(Json &summary) const
     {
       Json result = Json::object();
@@ -218,8 +218,8 @@ namespace tombolo
       summary["statics"] = result;
       summary["time_step_min"] = shortest;
       summary["time_step_max"] = longest;
-      for (const char *const of_explicit_steps : {"time_step_limit", "time_step_estimates"})
-        summary.erase(std::string(of_explicit_steps));
+      for (const char *const explicit_entry : {"time_step_limit", "time_step_estimates"})
+        summary.erase(std::string(explicit_entry));
     }
 
     /** For the audit: how many steps at least. */
@@ -228,7 +228,7 @@ namespace tombolo
       return std::ceil(end_time / largest_step);
     }
 
-    /** Lists what is kept from step to step. */
+    /** Lists the state from step to step. */
     void list(Records &records)
     {
       records.value("step", step);
@@ -267,7 +267,7 @@ namespace tombolo
 
     void refuse_unfit_model(const Parameters &parameters)
     {
-      for (const Part<dim> &part : model.parts) // what they know only now
+      for (const Part<dim> &part : model.parts) // some checks need the mesh
         refuse_unfit_part(parameters.section("Part: " + part.name), part);
       for (const auto &process : model.processes)
         if (process->roles.rest == ProcessRole::is_refused)
@@ -328,13 +328,13 @@ namespace tombolo
             book_part(clock);
           continue;
         }
-        const std::string place = problem.largest_residual();
+        const std::string worst_node = problem.largest_residual();
         problem.undo();
         if (last.was_stopped)
           return false;
         // A body at the start has no smaller step.
         if (is_start || 0.5 * size < smallest_step)
-          give_up(interval, last, place);
+          give_up(interval, last, worst_node);
         size *= 0.5;
         was_divided = true;
         ++n_divisions;
@@ -401,20 +401,20 @@ namespace tombolo
     void book_part(const Clock &clock)
     {
       // The first half of the whole step is booked: works are those of its length times a velocity,
-      // whatever the length is. Impulses of the time between are added and taken out.
+      // whatever the length is. Impulses of the time between are added and subtracted.
       book_displacement(clock);
       book(clock, 0., -2. * clock.previous_step);
       book(clock, 0., clock.previous_step);
     }
 
     [[noreturn]] void give_up(const StaticInterval &interval, const StaticSolution &solution,
-                              const std::string &place) const
+                              const std::string &worst_node) const
     {
       throw RunError(as_text(
           "The ", name, " step ", interval.step, " from time ", interval.begin, " to ",
           interval.end, " did not converge: the forces that are not in equilibrium ", "are still ",
           solution.residual, " of the scale of forces (allowed ", tolerance, "), the largest at ",
-          place, ". By iteration: ", solution.report, ". The state of time ", interval.begin,
+          worst_node, ". By iteration: ", solution.report, ". The state of time ", interval.begin,
           " is the last one in equilibrium, and outputs up to it are complete. ", solution.advice,
           (solution.advice.empty() ? "" : " "),
           (interval.is_start
@@ -431,14 +431,14 @@ namespace tombolo
     double largest_step, smallest_step, tolerance;
     std::unique_ptr<StaticSolver<dim>> solver;
     StaticProblem<dim> problem;
-    double step;                   ///< that was good last
+    double step;                   ///< the last good one
     unsigned int n_easy_steps = 0; ///< one after the other
     bool is_continued = false;
     unsigned long n_divisions = 0;
     double unresolved = 0;
     double shortest = 0, longest = 0; ///< steps of this process
     StaticSolution last;
-    NodalVector last_position;                       ///< where the last booking was
+    NodalVector last_position;                       ///< at the last booking
     NodalVector last_temperature, mixed_temperature; ///< only with heat
   };
 } // namespace tombolo

@@ -35,9 +35,9 @@ namespace tombolo
   /**
    * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells and the springs of processes,
    * and linear systems with it.
-   * Component d of the node with global number I is row dim I + d. Prescribed components have
-   * their diagonal alone; what they move goes to the right-hand side. Dependent nodes have their
-   * diagonal alone, too: what they have goes to those on which they depend.
+   * Component d of the node with global number I is row dim I + d. Prescribed components have their
+   * diagonal alone; their effect is on the right-hand side. Dependent nodes have their diagonal
+   * alone, too: their entries are added to the nodes on which they depend.
    *
    * `multigrid` is GMRES with Trilinos' smoothed aggregation (ML), whose near null space are the
    * rigid modes at the present positions; `direct` is a sparse LU factorization (Amesos). Both
@@ -80,7 +80,7 @@ namespace tombolo
       solver = other;
     }
 
-    /** Whether a factorization takes about the memory and time of a few hundred iterations. */
+    /** Whether a factorization needs about the memory and time of a few hundred iterations. */
     bool is_fit_for_direct() const
     {
       return matrix.m() <= (dim == 2 ? 100000 : 15000);
@@ -91,7 +91,7 @@ namespace tombolo
     void assemble()
     {
       ++count;
-      forget_solvers();
+      clear_solvers();
       std::vector<ContactStiffness<dim>> springs;
       spring_bound.set_zero();
       problem.linearize_processes(springs, spring_bound);
@@ -136,10 +136,11 @@ namespace tombolo
 
     /**
      * Solves K du = R for the components that are free and with @p prescribed at the others, of
-     * which ghosts are current; null: zero. @p residual is R, owned values; @p change gets current
-     * ghosts. What is left of the right-hand side has at most the norm @p target, or 1e-8 of it.
-     * Returns the number of iterations; negative where they did not converge. The preconditioner or
-     * factorization is kept for further systems until the next assemble(). Collective.
+     * which ghosts are current; null: zero. @p residual is R, owned values; @p change has current
+     * ghosts. The residual of the system has at most the norm @p target, or 1e-8 of the right-hand
+     * side. Returns the number of iterations; negative where they did not converge. The
+     * preconditioner or factorization is kept for further systems until the next assemble().
+     * Collective.
      */
     int solve(const NodalVector &residual, const NodalVector *const prescribed, const double target,
               NodalVector &change)
@@ -226,7 +227,7 @@ namespace tombolo
       return count;
     }
 
-    /** Evaluations of the forces of all cells that its assemblies were as long as. */
+    /** The cost of its assemblies in evaluations of the forces of all cells. */
     double evaluations() const
     {
       return (dim * std::pow(problem.model.degree + 1., dim) + 1.) * double(count);
@@ -243,7 +244,7 @@ namespace tombolo
       return result;
     }
 
-    /** A row of the equations: what belongs to free columns, and to prescribed ones. */
+    /** A row of the equations: its entries in free and in prescribed columns. */
     struct Row
     {
       void add(const types::global_dof_index column, const double entry, const bool is_prescribed)
@@ -323,7 +324,7 @@ namespace tombolo
         add_nodes();
       }
       pattern.compress();
-      forget_solvers(); // they refer to the matrix as it is
+      clear_solvers(); // they refer to the present matrix
       matrix.reinit(pattern);
       coupling.reinit(pattern);
     }
@@ -352,8 +353,9 @@ namespace tombolo
                       [&](const unsigned int node)
                       { return EquationsOfSources::image(partition, node) != nullptr; }))
       {
-        const EquationsOfSources of_sources(partition, equations.nodes, equations.matrix, dim);
-        add_matrix(of_sources.nodes, of_sources.matrix);
+        const EquationsOfSources source_equations(partition, equations.nodes, equations.matrix,
+                                                  dim);
+        add_matrix(source_equations.nodes, source_equations.matrix);
       }
       else
         add_matrix(equations.nodes, equations.matrix);
@@ -418,16 +420,16 @@ namespace tombolo
       Row row;
       for (unsigned int a = 0; a < n_rows; ++a)
       {
-        const double *const of_row = entries.data() + std::size_t(a) * n_rows;
+        const double *const row_entries = entries.data() + std::size_t(a) * n_rows;
         if (is_prescribed[a])
-          row.add(rows[a], std::abs(of_row[a]), false);
+          row.add(rows[a], std::abs(row_entries[a]), false);
         for (unsigned int b = 0; b < n_rows && !is_prescribed[a]; ++b)
-          row.add(rows[b], of_row[b], is_prescribed[b]);
+          row.add(rows[b], row_entries[b], is_prescribed[b]);
         row.move_to(rows[a], {{&matrix, &coupling}});
       }
     }
 
-    /** Sets the scale of forces of the problem and what rounding does to them. Collective. */
+    /** Sets the scale of forces of the problem and the effect of rounding on them. Collective. */
     void find_scales()
     {
       const NodalVector &position = problem.model.state.position;
@@ -435,19 +437,19 @@ namespace tombolo
       for (unsigned int i = 0; i < cell_forces.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const double of_springs = spring_bound.node(i)[d];
-          absolute_row_sums.node(i)[d] += of_springs;
+          const double spring_stiffness = spring_bound.node(i)[d];
+          absolute_row_sums.node(i)[d] += spring_stiffness;
           squares[0] += std::pow(cell_forces.node(i)[d], 2);
-          squares[1] +=
-              std::pow(rounded_forces.node(i)[d] + of_springs * std::abs(position.node(i)[d]), 2);
+          squares[1] += std::pow(
+              rounded_forces.node(i)[d] + spring_stiffness * std::abs(position.node(i)[d]), 2);
         }
       squares = ordered_sum(squares, problem.model.communicator);
       problem.force_scale = std::max(problem.force_scale, std::sqrt(squares[0]));
       problem.round_off = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(squares[1]);
     }
 
-    /** Asks other ranks which components of nodes of springs, and of those on which others depend,
-     * are prescribed. Collective. */
+    /** Gets from other ranks which components of nodes of springs, and of those on which others
+     * depend, are prescribed. Collective. */
     void find_far_constraints(const std::vector<ContactStiffness<dim>> &springs)
     {
       const NodePartition &partition = *problem.model.state.partition();
@@ -527,15 +529,15 @@ namespace tombolo
       list.set("null space: dimension", int(n_rigid_modes<dim>));
       list.set("null space: vectors", rigid_modes.data());
       list.set("null space: add default vectors", false);
-      // Chebyshev smoothers and the damping of the prolongation take an eigenvalue from a random
-      // vector otherwise, and a resumed run would not have the same bits.
+      // Chebyshev smoothers and the damping of the prolongation estimate an eigenvalue from a
+      // random vector otherwise, and a resumed run would not have the same bits.
       list.set("smoother: type", "symmetric Gauss-Seidel");
       list.set("eigen-analysis: type", "Anorm");
       multigrid.initialize(matrix, list);
       has_multigrid = true;
     }
 
-    void forget_solvers()
+    void clear_solvers()
     {
       multigrid.clear();
       has_multigrid = false;
@@ -553,7 +555,7 @@ namespace tombolo
     std::unique_ptr<dealii::TrilinosWrappers::SolverDirect> factorization;
     bool has_multigrid = false;
     std::vector<double> rigid_modes;
-    /** By node that is none of this rank, a bit for each component. */
+    /** By node of another rank, a bit for each component. */
     std::map<dealii::types::global_dof_index, unsigned int> far_constraints;
     bool has_springs = false; ///< in the pattern
     bool has_other_springs = false;
