@@ -49,14 +49,14 @@ namespace tombolo
   } // namespace
 
   /**
-   * What particles leave behind when they become debris. As a part of the body a particle moves
-   * with a smoothed velocity, Φ S v̂ (with affine smoothing S v̂), and has a smoothed
-   * temperature, Φ S θ̂. Debris would go on with its own v̂ and θ̂. So it gets the smoothed ones as
-   * its own, and what that takes from its momentum and heat goes to the neighbours that it leaves:
-   * to each in proportion to φ m of its former row, where φ is positive and no round-off, but not
-   * to other debris, unless there is nothing else. Momentum and heat are conserved to round-off;
-   * the difference in kinetic energy is booked as lost to failure, at the points of the particles
-   * that it was taken from or given to.
+   * Redistributes momentum and heat of particles that become debris. As a part of the body a
+   * particle moves with a smoothed velocity, Φ S v̂ (with affine smoothing S v̂), and has a smoothed
+   * temperature, Φ S θ̂. Debris would continue with its own v̂ and θ̂. So it gets the smoothed ones as
+   * its own, and the difference of its momentum and heat goes to the neighbours that it leaves: to
+   * each in proportion to φ m of its former row, where φ is positive and no round-off, but not to
+   * other debris, unless there is nothing else. Momentum and heat are conserved to round-off; the
+   * difference in kinetic energy is booked as lost to failure, at the points of the particles that
+   * lost or received it.
    *
    * Nodes shared with elements are no debris: the bond to the elements holds. Prescribed components
    * are left alone at both ends.
@@ -65,7 +65,7 @@ namespace tombolo
   class MomentumRedistribution
   {
   public:
-    /** Is told by ModelSignals::rows_change of @p model. */
+    /** Connects to ModelSignals::rows_change of @p model. */
     explicit MomentumRedistribution(Model<dim> &model) : model(model)
     {
       model.signals.rows_change.connect([this] { prepare(); });
@@ -206,18 +206,18 @@ namespace tombolo
         double *const dissipation = points.component(field, 0);
         for (std::size_t row = 0; row < node_of_row[p].size(); ++row)
         {
-          double &of_node = lost[node_of_row[p][row]];
-          dissipation[row] += of_node * points.component(MaterialPoints::volume_ratio, 0)[row] /
+          double &node_loss = lost[node_of_row[p][row]];
+          dissipation[row] += node_loss * points.component(MaterialPoints::volume_ratio, 0)[row] /
                               points.component(MaterialPoints::volume, 0)[row];
-          of_node = 0.;
+          node_loss = 0.;
         }
       }
-      v_hat.update_ghosts(); // and not before what was lost is known, without normal components
+      v_hat.update_ghosts(); // after the loss is computed without normal components
     }
 
     void hand_over_heat(const NodalVector &field, NodalVector &unsmoothed, NodalVector &enthalpy)
     {
-      const NodalEnthalpy &of_temperature = model.heat->nodal_enthalpy;
+      const NodalEnthalpy &nodal_enthalpy = model.heat->nodal_enthalpy;
       std::vector<double> given(leaving.size() * node_stride, 0.);
       for (std::size_t k = 0; k < leaving.size(); ++k)
       {
@@ -225,18 +225,18 @@ namespace tombolo
         if (!can_give(k, 0))
           continue;
         *unsmoothed.node(node) = *field.node(node);
-        const double kept = of_temperature.enthalpy(node, *field.node(node));
+        const double kept = nodal_enthalpy.enthalpy(node, *field.node(node));
         given[k * node_stride] = *enthalpy.node(node) - kept;
         *enthalpy.node(node) = kept;
       }
       const NodalVector received = share(given, Quantity::scalars);
       unsmoothed.fill(
-          [&](const unsigned int node, double *const of_node)
+          [&](const unsigned int node, double *const temperature)
           {
             if (*received.node(node) == 0.)
               return;
             *enthalpy.node(node) += *received.node(node);
-            *of_node = of_temperature.temperature(node, *enthalpy.node(node));
+            *temperature = nodal_enthalpy.temperature(node, *enthalpy.node(node));
           });
     }
 
@@ -249,21 +249,21 @@ namespace tombolo
       for (const NodePartition::Reflected &on_plane : partition->nodes_on_planes())
         factor[on_plane.source] *= 2.;
       weight = nodal_field(partition, Quantity::scalars,
-                           [&](const unsigned int node, double *const of_node)
+                           [&](const unsigned int node, double *const weights)
                            {
                              for (unsigned int c = 0; c < node_stride; ++c)
                                if (constrained.empty() || !((constrained[node] >> c) & 1u))
-                                 of_node[c] = factor[node] * *mass.node(node);
+                                 weights[c] = factor[node] * *mass.node(node);
                            });
     }
-    /** Whether any node would take component @p c of what leaving particle @p k gives. */
+    /** Whether any node can receive component @p c from leaving particle @p k. */
     bool can_give(const std::size_t k, const unsigned int c) const
     {
       return weight.node(leaving[k].row)[c] > 0. && sum_of_receivable(k, c, false) > 0.;
     }
 
-    /** Gives @p given, node_stride for each leaving particle, to the nodes of its row: @p received,
-     * which is zero. Collective. */
+    /** Distributes @p given, node_stride for each leaving particle, over the nodes of its row.
+     * Collective. */
     NodalVector share(const std::vector<double> &given, const Quantity quantity) const
     {
       const auto add = [&](NodalVector &received)

@@ -21,7 +21,7 @@ namespace tombolo
       return cells != nullptr && cells->conversion().is_on() ? cells : nullptr;
     }
 
-    /** Refuses a contact that is none. */
+    /** Refuses a name that is no contact. */
     void check_contact(const Parameters &parameters, const ConversionCriterion &criterion)
     {
       const std::vector<std::string> names = parameters.raw_list("Contacts");
@@ -38,7 +38,7 @@ namespace tombolo
     class ConversionKind : public ProcessKind<dim>
     {
     public:
-      /** Finds which parts take the cells of others as particles. */
+      /** Finds the parts whose particles are converted cells of others. */
       void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
       {
         const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");

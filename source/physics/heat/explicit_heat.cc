@@ -16,12 +16,12 @@ namespace tombolo
 {
   namespace
   {
-    // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.
+    // Eigenvalues are approached from below: the margin covers the error by the tolerance.
     constexpr double largest_share = 0.994;
     // Properties that depend on the temperature change the spectrum without changing lengths.
-    constexpr unsigned int look_interval = 20;
+    constexpr unsigned int check_interval = 20;
     // By so much a step is far below the limit: gradients can become three times as steep before
-    // particles are isolated, which takes a ninth of the limit.
+    // particles are isolated, which reduces the limit to a ninth.
     constexpr double large_reserve = 16.;
   } // namespace
 
@@ -43,20 +43,20 @@ namespace tombolo
     double allowed_step(const Model<dim> &model, const double time) override
     {
       find_limit(model, time);
-      ++steps_since_look;
-      // The largest eigenvalue of what does not change cannot be exceeded.
+      ++steps_since_check;
+      // The largest eigenvalue of a constant operator cannot be exceeded.
       if (!model.has_mechanics && model.heat->is_linear())
         return step_of_limit();
       find_rate(model, time);
       has_rate = true;
       const double step = step_of_limit();
       shown_eigenvalue = growing_rates.find_eigenvalue(model, time, rate, step);
-      mend_limit(model, time, step);
+      correct_limit(model, time, step);
       return step_of_limit();
     }
 
     void advance(const Model<dim> &model, const double time, const double time_step,
-                 std::vector<double> &of_condition) override
+                 std::vector<double> &condition_heats) override
     {
       ThermalState &state = model.heat->state;
       if (!std::exchange(has_rate, false))
@@ -64,14 +64,14 @@ namespace tombolo
       for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
         *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)
       for (std::size_t c = 0; c < rates_of_conditions.size(); ++c)
-        of_condition[c] += time_step * rates_of_conditions[c];
+        condition_heats[c] += time_step * rates_of_conditions[c];
       model.heat->find_temperature(time + time_step, state.next_enthalpy,
-                                   state.next_unsmoothed_temperature, of_condition);
+                                   state.next_unsmoothed_temperature, condition_heats);
     }
 
     void mesh_has_changed() override
     {
-      forget_estimate();
+      clear_estimate();
       has_rate = false;
     }
 
@@ -86,7 +86,7 @@ namespace tombolo
       Records &all = records.group("explicit heat");
       tombolo::list(all, present);
       all.value("paper's limit at estimate", paper_limit_at_estimate);
-      all.value("steps since look", steps_since_look);
+      all.value("steps since look", steps_since_check);
       all.value("calls", n_calls);
       growing_rates.list(all);
       all.list(
@@ -103,11 +103,11 @@ namespace tombolo
     void find_limit(const Model<dim> &model, const double time)
     {
       ThermalModel<dim> &heat = *model.heat;
-      // Temperatures change in time: over the same time as otherwise, `Maximum` takes more steps.
+      // Temperatures change in time: over the same time as otherwise, `Maximum` needs more steps.
       const double reserve =
           n_calls > 0 && maximum > 0. ? safety_factor * present.time_step / maximum : 1.;
       const bool is_far = reserve > large_reserve;
-      if (is_far && steps_since_look % look_interval != 0)
+      if (is_far && steps_since_check % check_interval != 0)
         return;
       const StepLimit paper = heat.diffusion_limit(model.state.position);
       const bool has_films = heat.conditions.has_films();
@@ -121,9 +121,9 @@ namespace tombolo
                  : heat.limit_is_outdated || std::abs(paper.time_step - paper_limit_at_estimate) >
                                                  0.01 * paper_limit_at_estimate;
       if (n_calls > 0 && !has_changed &&
-          (heat.is_linear() || steps_since_look < look_interval * std::max(1., reserve)))
+          (heat.is_linear() || steps_since_check < check_interval * std::max(1., reserve)))
         return;
-      steps_since_look = 0;
+      steps_since_check = 0;
       heat.limit_is_outdated = false;
       paper_limit_at_estimate = paper.time_step;
 
@@ -137,7 +137,7 @@ namespace tombolo
       solver.mode.fill(heat.conditions.constrained_nodes(),
                        [](const std::size_t, double *const value) { *value = 0.; });
       if (has_films)
-        heat.conditions.update_areas(model.state.position); // nothing has taken them here yet
+        heat.conditions.update_areas(model.state.position); // they are not current yet
       const double largest = solver.find(
           capacity,
           [&](const NodalVector &direction, NodalVector &image)
@@ -155,7 +155,7 @@ namespace tombolo
       present.entity = "spectrum";
     }
 
-    void forget_estimate()
+    void clear_estimate()
     {
       n_calls = 0;
       paper_limit_at_estimate = 0;
@@ -163,12 +163,12 @@ namespace tombolo
     }
 
     /** @p time_step is the present one of find_limit(). */
-    void mend_limit(const Model<dim> &model, const double time, const double time_step)
+    void correct_limit(const Model<dim> &model, const double time, const double time_step)
     {
       if (time_step * shown_eigenvalue <= 2.)
         return;
-      // Few iterations do not go from the last mode to one that is elsewhere.
-      forget_estimate();
+      // Few iterations do not lead from the last mode to one in another region.
+      clear_estimate();
       find_limit(model, time);
       present.time_step = std::min(present.time_step, largest_share * 2. / shown_eigenvalue);
     }
@@ -195,7 +195,7 @@ namespace tombolo
     Lobpcg solver;
     StepLimit present;
     double paper_limit_at_estimate = 0;
-    unsigned int steps_since_look = 0;
+    unsigned int steps_since_check = 0;
     unsigned int n_calls = 0;
     NodalVector rate, capacity;
     std::vector<double> rates_of_conditions;

@@ -39,12 +39,12 @@ namespace tombolo
    * The preconditioner is B P Bᵀ. P is Trilinos' algebraic multigrid for the assembled matrix
    * D' + w Δt K of assemble_conduction_matrix(). Nodal gradients do not resist waves between
    * neighbouring particles, so that K has 2^dim near null vectors, the constants on sublattices();
-   * the multigrid is told of them. B = I + T with T = I - ΦS makes up for S, which takes short
-   * waves out of the temperature before it conducts: SᵀKS is small there. D' is the capacity with
-   * four times its value at waves that T passes, so that B P Bᵀ is right where the capacity rules.
+   * which the multigrid receives. B = I + T with T = I - ΦS compensates S, which removes short
+   * waves from the temperature before conduction: SᵀKS is small there. D' is the capacity with four
+   * times its value at waves that T passes, so that B P Bᵀ is right where the capacity rules.
    *
-   * The enthalpy follows from the rate at the solution, so that what enters is what the enthalpy
-   * gains, to round-off, whatever the tolerance.
+   * The enthalpy follows from the rate at the solution, so that the enthalpy gains the heat that
+   * enters, to round-off, at any tolerance.
    */
   template <int dim>
   class ImplicitHeat : public HeatIntegrator<dim>
@@ -70,11 +70,11 @@ namespace tombolo
     }
 
     void advance(const Model<dim> &model, const double time, const double step,
-                 std::vector<double> &of_condition) override
+                 std::vector<double> &condition_heats) override
     {
       ThermalState &state = model.heat->state;
       set_partition(state.enthalpy.partition());
-      StepEquation equation(*this, model, time, step, of_condition.size());
+      StepEquation equation(*this, model, time, step, condition_heats.size());
       const double first_norm = equation.find_residual();
       double norm = first_norm;
       if (last_step > 0.)
@@ -88,8 +88,9 @@ namespace tombolo
       last_step = step;
 
       solve_by_newton(equation, first_norm, norm);
-      equation.add_heats(of_condition);
-      model.heat->find_temperature(equation.end, state.next_enthalpy, equation.theta, of_condition);
+      equation.add_heats(condition_heats);
+      model.heat->find_temperature(equation.end, state.next_enthalpy, equation.theta,
+                                   condition_heats);
     }
 
     const StepLimit &limit() const override
@@ -103,10 +104,10 @@ namespace tombolo
       all.list(
           [this, &model](Records &now)
           {
-            // What is made anew at the same step gives the same bits only if the run that writes
-            // does so too.
+            // A resumed run has the same bits only if the writing run renews the preconditioner,
+            // too.
             preconditioner.reset();
-            // Which may have changed since the last thermal step.
+            // The partition may have changed since the last thermal step.
             set_partition(model.state.partition());
             now.value("linear iterations", linear_iterations);
             now.value("Newton iterations", newton_iterations);
@@ -137,7 +138,7 @@ namespace tombolo
     class Preconditioner;
     class StepEquation;
 
-    /** Makes what hangs on the partition anew where that has changed. */
+    /** Renews vectors and preconditioner where the partition has changed. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition)
     {
       if (field.partition() == partition)
@@ -176,7 +177,7 @@ namespace tombolo
                                " iterations of conjugate gradients. A smaller step, or a ",
                                "larger `Tolerance`, may help."));
       }
-      // Temperatures or places have changed so much that a new one pays.
+      // Temperatures or positions have changed so much that a new one is worth its cost.
       if (iterations_when_built == 0)
         iterations_when_built = control.last_step() + 1;
       else if (control.last_step() > 2 * iterations_when_built + 10)
@@ -419,8 +420,8 @@ namespace tombolo
       return residual.l2_norm();
     }
 
-    /** Takes θ̂ as it is after @p ratio times the change of the last step; returns the norm of the
-     * residual. */
+    /** Sets θ̂ to its value after @p ratio times the change of the last step; returns the norm of
+     * the residual. */
     double extrapolate(const double ratio)
     {
       for (unsigned int i = 0; i < n_owned; ++i)
@@ -433,11 +434,11 @@ namespace tombolo
     }
 
     /** Adds the heats of the step by condition, as of the last residual. */
-    void add_heats(std::vector<double> &of_condition) const
+    void add_heats(std::vector<double> &condition_heats) const
     {
       const double weight = owner.weight;
       for (std::size_t c = 0; c < rates.size(); ++c)
-        of_condition[c] += step * (weight * rates[c] + (1. - weight) * first_rates[c]);
+        condition_heats[c] += step * (weight * rates[c] + (1. - weight) * first_rates[c]);
     }
 
     const Model<dim> &model;

@@ -5,8 +5,8 @@ namespace tombolo
 {
   namespace
   {
-    /** Declares what the thermal step reads of section "Heat"; it is no process itself, since it
-     * has a clock of its own and its steps are not those of the mechanics. */
+    /** Declares the entries of the thermal step in section "Heat"; it is no process itself, since
+     * it has a clock of its own and its steps are not those of the mechanics. */
     template <int dim>
     class ThermalStepEntries : public ProcessKind<dim>
     {

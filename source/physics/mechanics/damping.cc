@@ -18,7 +18,7 @@ namespace tombolo
   /**
    * Damping in proportion to the mass, by the section `Damping`: the nodal force -α m v, with the
    * velocity v in the middle of Δt_n, so that the stable step is that without damping. It is a
-   * force from outside, as of a fluid at rest: its impulse counts as one, and what it takes is
+   * force from outside, as of a fluid at rest: its impulse counts as one, and its dissipation is
    * `mass damping`. Where the motion is not that of the node alone, prescribed or of a rigid part,
    * v is that of half a step before.
    */
@@ -87,10 +87,10 @@ namespace tombolo
    * Damping in proportion to the stiffness, by the section `Damping`: the nodal force -β K v with
    * the elastic stiffness K of all parts at the present positions and the velocity v of t_{n-1/2}.
    * A vibration of the angular frequency ω loses energy with the damping ratio β ω/2. It is an
-   * internal force: rigid motion is not damped. What it takes is `stiffness damping`.
+   * internal force: rigid motion is not damped. Its dissipation is `stiffness damping`.
    *
    * As the force is that of a velocity half a step old, the stable step is shorter: h (√(1 + ξ²) -
-   * ξ) with ξ = β/h, where h is the limit without it. The spectral estimate sees the operator
+   * ξ) with ξ = β/h, where h is the limit without it. The spectral estimate includes the operator
    * itself.
    */
   template <int dim>
@@ -160,7 +160,7 @@ namespace tombolo
       {
         const Section section = parameters.section(section_name);
         read(section);
-        bool has_mechanics = parts.empty(); // nothing is known of no parts
+        bool has_mechanics = parts.empty(); // without parts nothing can be checked
         for (const Part<dim> &part : parts)
           has_mechanics = has_mechanics || has_motion(part);
         if (section.is_set("Rate") && !has_mechanics)
@@ -255,8 +255,7 @@ namespace tombolo
       {
         for (const Part<dim> &part : parts)
           if (part.particles != nullptr && part.material->has_mechanics())
-            parameters.section(surface_section_name)
-                .get_double("Coefficient"); // this scene reads it
+            parameters.section(surface_section_name).get_double("Coefficient"); // marks it as read
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,

@@ -19,7 +19,7 @@ namespace tombolo
 {
   namespace
   {
-    /** Above it the error of the energy is to be seen: at 0.16 it is 0.05. */
+    /** Above it the error of the energy is visible: at 0.16 it is 0.05. */
     constexpr double large_strain = 0.05;
 
     /** The largest principal value of C⁻¹ : σ over all points. Collective. */
@@ -33,9 +33,9 @@ namespace tombolo
       for (unsigned int i = 0; i < points.size(); ++i)
       {
         SymmetricTensor<2, 3> stress;
-        constexpr unsigned int place[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+        constexpr unsigned int entries[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
         for (unsigned int c = 0; c < 6; ++c)
-          stress[place[c][0]][place[c][1]] = points.component(MaterialPoints::stress, c)[i];
+          stress[entries[c][0]][entries[c][1]] = points.component(MaterialPoints::stress, c)[i];
         const double mean = trace(stress) / 3.;
         for (const double principal : eigenvalues(stress))
           largest =
@@ -44,10 +44,11 @@ namespace tombolo
       return Utilities::MPI::max(largest, model.communicator);
     }
 
-    /** The displacement of a node where all its components are told by displacements and clamps. */
+    /** The displacement of a node where displacements and clamps prescribe all its components. */
     template <int dim>
     bool find_displacement(const MechanicalConditions<dim> &conditions, const std::size_t k,
-                           const Point<dim> &place, const double time, Tensor<1, dim> &displacement)
+                           const Point<dim> &position, const double time,
+                           Tensor<1, dim> &displacement)
     {
       for (unsigned int d = 0; d < dim; ++d)
       {
@@ -58,7 +59,7 @@ namespace tombolo
         if (condition.axes.are_local() || condition.is_timed())
           return false;
         if (condition.type == MechanicalConditionType::displacement)
-          displacement[d] = condition.displacement(place, d, time);
+          displacement[d] = condition.displacement(position, d, time);
         else if (condition.type == MechanicalConditionType::clamp)
           displacement[d] = 0.;
         else
@@ -67,8 +68,8 @@ namespace tombolo
       return true;
     }
 
-    /** How much the distance of two prescribed nodes changes until @p end_time, over what it was:
-     * of those that go farthest along each axis, either way. Collective. */
+    /** The relative change of the distance of two prescribed nodes until @p end_time: of those with
+     * the largest displacements along each axis, either way. Collective. */
     template <int dim>
     double foreseen_strain(const Model<dim> &model, const double end_time)
     {
@@ -77,7 +78,7 @@ namespace tombolo
       double largest = 0;
       for (unsigned int moment = 1; moment <= n_moments; ++moment)
       {
-        // For each axis and direction: how far, the place before, the place then.
+        // For each axis and direction: the displacement, the positions before and then.
         using Farthest = std::array<double, 1 + 2 * dim>;
         std::vector<Farthest> farthest(2 * dim);
         for (Farthest &entry : farthest)
@@ -86,13 +87,13 @@ namespace tombolo
         {
           const double *const x =
               model.state.initial_position.node(conditions.constrained_nodes()[k]);
-          Point<dim> place;
+          Point<dim> position;
           for (unsigned int d = 0; d < dim; ++d)
-            place[d] = x[d];
+            position[d] = x[d];
           Tensor<1, dim> displacement;
           try
           {
-            if (!find_displacement(conditions, k, place, end_time * moment / n_moments,
+            if (!find_displacement(conditions, k, position, end_time * moment / n_moments,
                                    displacement))
               continue;
           }
@@ -106,15 +107,15 @@ namespace tombolo
             entry[0] = (direction % 2 == 0 ? 1. : -1.) * displacement[direction / 2];
             for (unsigned int d = 0; d < dim; ++d)
             {
-              entry[1 + d] = place[d];
-              entry[1 + dim + d] = place[d] + displacement[d];
+              entry[1 + d] = position[d];
+              entry[1 + dim + d] = position[d] + displacement[d];
             }
             farthest[direction] = std::max(farthest[direction], entry);
           }
         }
-        for (const auto &of_rank : items_of_ranks(farthest, model.communicator))
+        for (const auto &rank_farthest : items_of_ranks(farthest, model.communicator))
           for (unsigned int direction = 0; direction < 2 * dim; ++direction)
-            farthest[direction] = std::max(farthest[direction], of_rank[direction]);
+            farthest[direction] = std::max(farthest[direction], rank_farthest[direction]);
         for (unsigned int axis = 0; axis < dim; ++axis)
         {
           const Farthest &a = farthest[2 * axis], &b = farthest[2 * axis + 1];
@@ -148,26 +149,27 @@ namespace tombolo
   /**
    * Watches the strain of elastic parts whose stress follows the rate of deformation
    * (StrainMeasure::rate). Such a stress is the derivative of no energy: at a large strain the
-   * balance of energy is off by a like share, with any step. Says so once, before the run where
-   * prescribed displacements tell the strain.
+   * balance of energy is off by a like share, with any step. Warns of it once, before the run where
+   * prescribed displacements determine the strain.
    */
   template <int dim>
   class ElasticStrain : public Process<dim>
   {
   public:
-    /** A part and the change of its section that gives its stress an energy. */
+    /** A part and the change of its section by which its stress has an energy. */
     struct WatchedPart
     {
       unsigned int part; ///< in the model
       std::string cure;  ///< entry and value
-      bool is_told = false;
+      bool has_warned = false;
     };
 
-    /** @p foreseen: the largest strain that prescribed displacements tell. */
-    ElasticStrain(std::vector<WatchedPart> of_parts, const double foreseen, const Model<dim> &model)
-        : parts(std::move(of_parts)), foreseen(foreseen)
+    /** @p foreseen: the largest strain by prescribed displacements. */
+    ElasticStrain(std::vector<WatchedPart> watched_parts, const double foreseen,
+                  const Model<dim> &model)
+        : parts(std::move(watched_parts)), foreseen(foreseen)
     {
-      parts.front().is_told = foreseen > large_strain;
+      parts.front().has_warned = foreseen > large_strain;
       this->observed.warnings.connect([this, &model](auto &, const auto occasion, auto &warnings)
                                       { add_warnings(model, occasion, warnings); });
     }
@@ -186,18 +188,18 @@ namespace tombolo
         return;
       for (WatchedPart &watched : parts)
       {
-        if (watched.is_told)
+        if (watched.has_warned)
           continue;
         const Part<dim> &part = model.parts[watched.part];
         const double strain = largest_elastic_strain(model, part);
-        watched.is_told = strain > large_strain;
-        if (watched.is_told)
+        watched.has_warned = strain > large_strain;
+        if (watched.has_warned)
           warnings.push_back(
               sentence("Part \"" + part.name + "\" is elastic and strained", strain, watched.cure));
       }
     }
 
-    /** What to say where the balance of energy stops a run: of the part with the largest strain, or
+    /** Adds advice where the balance of energy stops a run: on the part with the largest strain, or
      * nothing where all are small. Collective. */
     void add_advice(const Model<dim> &model, std::vector<std::string> &warnings) const
     {
@@ -229,8 +231,8 @@ namespace tombolo
       return section.is_declared(entry) ? section.get(entry) : "";
     }
 
-    /** What makes the stress of a part derive from an energy; empty where it does, or where the
-     * formulation has no such choice. */
+    /** The entry by which the stress of a part derives from an energy; empty where it does, or
+     * where the formulation has no such choice. */
     std::string cure_of(const Section &part)
     {
       const Section method = part.subsection(part.get("Formulation"));

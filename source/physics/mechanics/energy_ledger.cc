@@ -19,7 +19,7 @@ namespace tombolo
     {
       if (!(scale > 0.))
         return 0.;
-      double result = 0; // by hypot: squares of what diverges overflow
+      double result = 0; // by hypot: squares of diverging numbers overflow
       for (unsigned int d = 0; d < 3; ++d)
         if (counts[d])
           result = std::hypot(result, (now[d] + removed[d]) - start[d] - given[d]);
@@ -42,7 +42,7 @@ namespace tombolo
       return {{sums[0] / sums[3], sums[1] / sums[3], sums[2] / sums[3]}};
     }
 
-    /** What is summed over nodes. */
+    /** Sums over nodes. */
     struct Momenta
     {
       double kinetic = 0, smoothed_kinetic = 0;
@@ -101,8 +101,8 @@ namespace tombolo
     const double after = clock.velocity_step(), before = clock.step == 0 ? after : 0.;
     NodalVector increment(model.state.partition());
     model.bridge->apply_adjoint(model.state.acceleration, increment);
-    // What keeps prescribed components is booked with the motion that follows; at t_0 there was one
-    // before.
+    // Reactions at prescribed components are booked with the motion that follows; at t_0 there was
+    // one before.
     for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
       for (unsigned int d = 0; clock.step == 0 && d < 3; ++d)
         if ((particle.components >> d) & 1u)
@@ -148,7 +148,7 @@ namespace tombolo
   template <int dim>
   void EnergyLedger::find_drifts(const Model<dim> &model, EnergyBalance &result)
   {
-    // A half or a quarter of a symmetric body keeps the others by itself.
+    // A half or a quarter of a symmetric body conserves the other components by itself.
     const Images &images = model.state.partition()->images_of_body();
     std::array<bool, 3> keeps_momentum, keeps_angular_momentum;
     for (unsigned int d = 0; d < 3; ++d)

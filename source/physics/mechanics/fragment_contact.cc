@@ -78,16 +78,16 @@ namespace tombolo
   void FragmentContact<dim>::add_forces(const Model<dim> &, const Clock &clock, const NodalVector &)
   {
     const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
-    FragmentHeat of_nodes;
+    FragmentHeat node_heat;
     if (heat != nullptr)
-      of_nodes = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
-                  &model.heat->state.pending, heat};
+      node_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
+                   &model.heat->state.pending, heat};
     if (revision_of_cells != model.revisions.cells)
       contact.forget_pairs();
     revision_of_cells = model.revisions.cells;
     contact.add_forces(input, model.element_mass,
                        contact.rubs() ? forces.at_all_nodes() : forces.at_touched_nodes(),
-                       forces.touched_nodes(), of_nodes);
+                       forces.touched_nodes(), node_heat);
   }
 
   namespace

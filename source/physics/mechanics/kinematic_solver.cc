@@ -27,7 +27,7 @@ namespace tombolo
       return vector - (vector * normal) * normal;
     }
 
-    /** Of the deepest predicted penetration: what sweeps may still change. */
+    /** Of the deepest predicted penetration: the change at which sweeps end. */
     constexpr double sweep_tolerance = 1e-3;
     constexpr unsigned int most_sweeps = 200;
 
@@ -48,9 +48,9 @@ namespace tombolo
 
   /**
    * Kinematic contact, the predictor and corrector known from explicit codes: a candidate node that
-   * would be behind the surface at t_{n+1} without a force of contact gets at t_n the force that
-   * puts it onto the surface, and along the surface the one that makes it move with it, up to
-   * Coulomb's limit,
+   * would be behind the surface at t_{n+1} without a force of contact receives at t_n the force
+   * that moves it onto the surface, and along the surface the one by which it moves with the
+   * surface, up to Coulomb's limit,
    *
    * @verbatim
    *   0 <= N  ⟂  g_{n+1} >= 0,   |T| <= µ N,   f = N n + T
@@ -65,9 +65,9 @@ namespace tombolo
    * @endverbatim
    *
    * with the slip s of the step and the mass m of the position, see PositionResponse. Only nodes
-   * near the surface are predicted. There is no spring and nothing stored. What an impact takes is
-   * the work of the normal forces, by the mean of those at both ends of each step, and is accounted
-   * for as damping.
+   * near the surface are predicted. There is no spring and no stored energy. An impact dissipates
+   * the work of the normal forces, by the mean of those at both ends of each step, which is
+   * accounted for as damping.
    */
   template <int dim>
   class KinematicContact : public SurfaceContact<dim>
@@ -105,8 +105,8 @@ namespace tombolo
     /** Begins a step: finds the nodes that would be behind the surface at the @p predicted
      * positions at t_{n+1}, of those that find_near_candidates() has found. @p mass (scalar or by
      * component) is that of positions, @p constrained has a bit per prescribed component of an
-     * owned node, or is empty: nodes that cannot move along the normal are left to what prescribes
-     * them. Returns the deepest penetration of this rank [L]. */
+     * owned node, or is empty: nodes that cannot move along the normal are left out. Returns the
+     * deepest penetration of this rank [L]. */
     double begin_step(const NodalState &state, const NodalVector &predicted,
                       const NodalVector &mass, const std::vector<std::uint8_t> &constrained,
                       const Clock &clock, const NodalHeat &nodal_heat)
@@ -117,9 +117,9 @@ namespace tombolo
       const Tensor<1, dim> free_motion =
           has_mass ? this->surface->translation().free_motion(clock) : Tensor<1, dim>();
       if (has_mass)
-        find_places_from_mass(predicted, free_motion);
-      const NodalVector &places = has_mass ? places_from_mass : predicted;
-      this->find_gaps(places, near_nodes, end, this->gap);
+        set_positions_from_mass(predicted, free_motion);
+      const NodalVector &positions = has_mass ? positions_from_mass : predicted;
+      this->find_gaps(positions, near_nodes, end, this->gap);
       this->find_surroundings(state);
       constraints.clear();
       double largest = 0;
@@ -129,10 +129,10 @@ namespace tombolo
         const unsigned int node = near_nodes[i];
         if (*state.mass.node(node) == 0. || !(this->gap[i] < 0.))
           continue;
-        const auto place = vector_of<dim>(places.node(node));
-        const Tensor<1, dim> motion = place - vector_of<dim>(state.position.node(node)) -
-                                      surface.motion(place, clock.time, end);
-        add_constraint(k, this->gap[i], place, motion, mass,
+        const auto position = vector_of<dim>(positions.node(node));
+        const Tensor<1, dim> motion = position - vector_of<dim>(state.position.node(node)) -
+                                      surface.motion(position, clock.time, end);
+        add_constraint(k, this->gap[i], position, motion, mass,
                        constrained.empty() ? 0u : constrained[node], clock, nodal_heat);
         if (!constraints.empty() && constraints.back().candidate == k)
           largest = std::max(largest, -this->gap[i]);
@@ -172,7 +172,7 @@ namespace tombolo
         constraint.mass /= ratio;
     }
 
-    /** Adds the forces to be tried to owned nodes of @p loads. */
+    /** Adds the trial forces to owned nodes of @p loads. */
     void add_trial_forces(NodalVector &loads) const
     {
       for (const Constraint &constraint : constraints)
@@ -184,18 +184,18 @@ namespace tombolo
       }
     }
 
-    /** One sweep: corrects the forces by the displacement that those to be tried make by Δt Δt_n,
-     * and sets the next ones to try, further by @p momentum of the correction. Returns the largest
+    /** One sweep: corrects the forces by the displacement by the trial forces over Δt Δt_n, and
+     * sets the next trial forces, further by @p momentum of the correction. Returns the largest
      * correction of this rank as a displacement [L]. Collective where the surface has a mass. */
     double correct(const NodalVector &response, const Clock &clock, const double momentum)
     {
       const double compliance = clock.next_step * clock.velocity_step();
-      const Tensor<1, dim> of_surface = response_of_surface();
+      const Tensor<1, dim> surface_response = response_of_surface();
       double largest = 0;
       for (Constraint &c : constraints)
       {
         c.response = compliance * vector_of<dim>(response.node(this->candidates[c.candidate]));
-        c.response_of_surface = compliance * of_surface;
+        c.response_of_surface = compliance * surface_response;
         const Tensor<1, dim> relative = c.response - c.response_of_surface;
         const double per_mass = compliance / c.mass;
         const double normal_before = c.normal_force;
@@ -253,21 +253,21 @@ namespace tombolo
         const Tensor<1, dim> force = normal_forces[k] + friction_force;
         if (touches || force_before.norm_square() > 0.)
         {
-          const Tensor<1, dim> of_surface = this->surface->motion(x, begin, clock.time);
-          const Tensor<1, dim> motion = x - history.position - of_surface;
+          const Tensor<1, dim> surface_motion = this->surface->motion(x, begin, clock.time);
+          const Tensor<1, dim> motion = x - history.position - surface_motion;
           this->totals.damping -= 0.5 * (normal_force_before + normal_forces[k]) * motion;
           double friction_heat = -0.5 * (friction_force_before + friction_force) * motion;
           if (touches && clock.step == 0)
           {
-            // The kinetic energy of bodies at t_0 lacks the square of what forces change in half a
-            // step; that of a tool loses it in the next one.
+            // The kinetic energy of bodies at t_0 lacks the square of the change by forces in half
+            // a step; that of a tool loses it in the next one.
             this->totals.damping += 0.25 * normal_forces[k] * constraint->response;
             friction_heat += 0.25 * friction_force * constraint->response;
             loss_of_tool -= 0.25 * force * constraint->response_of_surface;
           }
           if (this->settings.friction.largest() > 0.)
             this->add_friction_heat(k, friction_heat, nodal_heat);
-          this->set_force(k, x, force, of_surface, touches, loads, loaded_nodes);
+          this->set_force(k, x, force, surface_motion, touches, loads, loaded_nodes);
         }
         else
           history = {force, x};
@@ -306,26 +306,26 @@ namespace tombolo
       shares.penetration = deepest;
     }
 
-    /** Where candidates will be, from a surface with a mass that goes on by @p free_motion. */
-    void find_places_from_mass(const NodalVector &predicted, const Tensor<1, dim> &free_motion)
+    /** The predicted positions of candidates less @p free_motion, that of a surface with a mass. */
+    void set_positions_from_mass(const NodalVector &predicted, const Tensor<1, dim> &free_motion)
     {
-      places_from_mass.fit_to(predicted.partition(), predicted.quantity());
+      positions_from_mass.fit_to(predicted.partition(), predicted.quantity());
       for (const unsigned int node : near_nodes)
         for (unsigned int d = 0; d < dim; ++d)
-          places_from_mass.node(node)[d] = predicted.node(node)[d] - free_motion[d];
+          positions_from_mass.node(node)[d] = predicted.node(node)[d] - free_motion[d];
     }
 
     /** Appends a constraint of a candidate behind the surface unless its node is held. */
-    void add_constraint(const std::size_t candidate, const double gap, const Tensor<1, dim> &place,
-                        const Tensor<1, dim> &motion, const NodalVector &mass,
-                        const unsigned int held_components, const Clock &clock,
-                        const NodalHeat &nodal_heat)
+    void add_constraint(const std::size_t candidate, const double gap,
+                        const Tensor<1, dim> &position, const Tensor<1, dim> &motion,
+                        const NodalVector &mass, const unsigned int held_components,
+                        const Clock &clock, const NodalHeat &nodal_heat)
     {
       const unsigned int node = this->candidates[candidate];
       Constraint constraint;
       constraint.candidate = candidate;
       constraint.gap = gap;
-      constraint.normal = this->surface->normal(place, clock.time + clock.next_step);
+      constraint.normal = this->surface->normal(position, clock.time + clock.next_step);
       constraint.slip = along_surface(motion, constraint.normal);
       constraint.friction = this->friction_coefficient(candidate, nodal_heat);
       constraint.shear_limit =
@@ -350,7 +350,7 @@ namespace tombolo
       constraints.push_back(constraint);
     }
 
-    /** How deep the nodes are that forces put onto the surface. */
+    /** Finds the largest depth of nodes that forces hold on the surface. */
     void measure_depths(const NodalState &state, const double time)
     {
       std::vector<unsigned int> nodes;
@@ -363,7 +363,8 @@ namespace tombolo
         deepest = std::max(deepest, -this->gap[k]);
     }
 
-    /** How far the trial forces move a surface with a mass, over Δt Δt_n [M]. Collective there. */
+    /** The motion of a surface with a mass by the trial forces, over Δt Δt_n [M]. Collective there.
+     */
     Tensor<1, dim> response_of_surface() const
     {
       if (!this->surface->translation().has_mass())
@@ -381,18 +382,18 @@ namespace tombolo
     }
 
     std::vector<std::size_t> near;        ///< candidates that can come behind the surface
-    std::vector<unsigned int> near_nodes; ///< they themselves
+    std::vector<unsigned int> near_nodes; ///< their nodes
     std::vector<Constraint> constraints;
-    NodalVector places_from_mass;              ///< of candidates, where the surface has a mass
+    NodalVector positions_from_mass;           ///< of candidates, where the surface has a mass
     std::vector<Tensor<1, dim>> normal_forces; ///< N n of each candidate at t_n
     double loss_of_tool = 0; ///< of t_0, accounted for in the next step [M L^2/T^2]
     double deepest = 0;      ///< of the nodes in contact at t_n, on this rank [L]
   };
 
   template <int dim>
-  KinematicSolver<dim>::KinematicSolver(std::vector<KinematicContact<dim> *> of_scene,
+  KinematicSolver<dim>::KinematicSolver(std::vector<KinematicContact<dim> *> scene_contacts,
                                         const Model<dim> &model)
-      : contacts(std::move(of_scene)), position_response(*model.bridge)
+      : contacts(std::move(scene_contacts)), position_response(*model.bridge)
   {
     for (const KinematicContact<dim> *const contact : contacts)
       candidates.insert(candidates.end(), contact->candidate_nodes().begin(),
@@ -418,7 +419,7 @@ namespace tombolo
       store_node(load_node(model.state.position.node(node)) +
                      load_node(model.state.velocity.node(node)) * clock.next_step,
                  predicted.node(node));
-    // B differs from I by what nodes around do, and can raise the largest value a little.
+    // B differs from I by the values of nodes around, and can raise the largest one a little.
     constexpr double factor = 4.;
     const double difference =
         (position_response.is_global() ? 0. : speed) + clock.velocity_step() * acceleration;

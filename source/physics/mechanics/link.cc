@@ -22,13 +22,14 @@ namespace tombolo
   namespace
   {
     constexpr const char *link_history = "link history";
-    const HistoryRegistration of_links({link_history, "links.csv",
-                                        "Lengths and forces of links (links.csv)."});
+    const HistoryRegistration link_registration({link_history, "links.csv",
+                                                 "Lengths and forces of links (links.csv)."});
   } // namespace
 
   /**
-   * A spring and a dashpot between a point of a body and another one, or a place in space. With the
-   * vector r from the first end to the second, its length l and n = r/l, the first end is pulled by
+   * A spring and a dashpot between a point of a body and another one, or a position in space. With
+   * the vector r from the first end to the second, its length l and n = r/l, the first end is
+   * pulled by
    *
    * @verbatim
    *   f = (k (l - L) + c n · dr/dt) n,   or  f = k r + c dr/dt  where L is always zero (a joint)
@@ -164,7 +165,7 @@ namespace tombolo
       const Vector r = reach(model, clock.time);
       const double squared = r.norm_square();
       Tensor<2, dim> change;
-      // What pushes has less stiffness across than none.
+      // The stiffness across a compressed link would be negative: it counts as zero.
       const auto add = [&](const double along, const double length_of_none)
       {
         const double across = along * std::max(0., 1. - length_of_none / std::sqrt(squared));
@@ -191,7 +192,7 @@ namespace tombolo
   private:
     using Vector = Tensor<1, dim>;
 
-    /** A point of a body that is pulled; null where the end is a place in space. */
+    /** A point of a body that is pulled; null where the end is a position in space. */
     struct PulledPoint
     {
       BodyPoint<dim> node;
@@ -239,16 +240,17 @@ namespace tombolo
     Vector pull(const Vector &r, const Vector &v, const double time) const
     {
       const Vector n = length > 0. ? r / length : Vector();
-      const Vector of_stop = stop_stiffness * beyond_stop(length) * n;
+      const Vector stop_force = stop_stiffness * beyond_stop(length) * n;
       if (is_joint)
-        return stiffness * r + damping * v + of_stop;
-      return of_stop + (stiffness * (length - length_without_force(time)) + damping * (n * v)) * n;
+        return stiffness * r + damping * v + stop_force;
+      return stop_force +
+             (stiffness * (length - length_without_force(time)) + damping * (n * v)) * n;
     }
 
     /** Finds the lightest mass that an end may have. Collective. */
     void find_masses(const Model<dim> &model)
     {
-      // A node between others gives its force to them; none is lighter than the lightest.
+      // The force on a node between others acts on them; none is lighter than the lightest.
       double lightest = std::numeric_limits<double>::max();
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (const double mass = *model.bridge->mass().node(i); mass > 0.)
@@ -258,17 +260,17 @@ namespace tombolo
       at_ends = {};
       for (const PulledPoint *const end_point : {&first, &second})
       {
-        Sum of_links;
+        Sum resistance;
         for (const Link *const other : shown_by_processes<Link<dim>>(model))
-          other->add_at(end_point->node.persistent_id(), of_links);
-        at_ends.stiffness = std::max(at_ends.stiffness, of_links.stiffness);
-        at_ends.damping = std::max(at_ends.damping, of_links.damping);
+          other->add_at(end_point->node.persistent_id(), resistance);
+        at_ends.stiffness = std::max(at_ends.stiffness, resistance.stiffness);
+        at_ends.damping = std::max(at_ends.damping, resistance.damping);
         if (second.pull == nullptr)
           break;
       }
     }
 
-    /** What the links at a node resist with. */
+    /** The stiffness and damping of the links at a node. */
     struct Sum
     {
       double stiffness = 0, damping = 0;
@@ -284,9 +286,9 @@ namespace tombolo
       sum.damping += damping;
     }
 
-    /** Of the @p step of the bodies, 2 over their largest frequency, what is stable with the link:
-     * (2/ω) (√(1 + ξ²) - ξ) with both in ω and the damping as far as it lags behind. Bodies without
-     * a limit are moved by what is prescribed alone. */
+    /** The share of the @p step of the bodies, 2 over their largest frequency, that is stable with
+     * the link: (2/ω) (√(1 + ξ²) - ξ) with both in ω and the damping as far as it lags behind.
+     * Bodies without a limit move by prescribed motion alone. */
     double stable_share(const double step) const
     {
       if (!std::isfinite(step))

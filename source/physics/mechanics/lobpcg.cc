@@ -52,7 +52,7 @@ namespace tombolo
     }
 
     /** Calls @p set(first and last slot) for all nodes by blocks, and returns the inner products of
-     * @p pairs, which are taken while a block is in the first cache. Collective. */
+     * @p pairs, which are computed while a block is in the first cache. Collective. */
     template <std::size_t n, typename Set>
     std::array<double, n> sweep(const NodalVector &mass, const Pairs<n> &pairs, const Set &set)
     {
@@ -84,17 +84,18 @@ namespace tombolo
     {
       // The eigenvectors of the Gram matrix with small eigenvalues are directions that the three
       // vectors do not really span.
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> of_gram(gram);
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> gram_modes(gram);
       Matrix3d basis = Matrix3d::Zero();
       int size = 0;
       for (int k = 0; k < 3; ++k)
-        if (of_gram.eigenvalues()[k] > 1e-12)
-          basis.col(size++) = of_gram.eigenvectors().col(k) / std::sqrt(of_gram.eigenvalues()[k]);
-      Matrix3d of_basis = basis.transpose() * projected * basis;
+        if (gram_modes.eigenvalues()[k] > 1e-12)
+          basis.col(size++) =
+              gram_modes.eigenvectors().col(k) / std::sqrt(gram_modes.eigenvalues()[k]);
+      Matrix3d reduced = basis.transpose() * projected * basis;
       // Columns without a vector stay below all others.
-      for (const double bound = 2. * of_basis.norm() + 1.; size < 3; ++size)
-        of_basis(size, size) = -bound;
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> ritz(of_basis);
+      for (const double bound = 2. * reduced.norm() + 1.; size < 3; ++size)
+        reduced(size, size) = -bound;
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> ritz(reduced);
       const Eigen::Vector3d weights = basis * ritz.eigenvectors().col(2);
       return weights[0] < 0. ? Eigen::Vector3d(-weights) : weights;
     }
@@ -184,7 +185,7 @@ namespace tombolo
     const auto products = inner_products<2>(mass, {{{&mode, &mode}, {&field, &field}}});
     combine(inverse_norm(products[0]), mode, products[1] > 0. ? share / std::sqrt(products[1]) : 0.,
             field);
-    // Nothing measures the mode where there is no mass.
+    // The norm has no part of nodes without mass.
     mode.fill(
         [&](const unsigned int i, double *const value)
         {
@@ -215,13 +216,13 @@ namespace tombolo
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
       double *const x = mode.data(), *const r = residual.data(), *const d = direction.data();
-      double *const of_x = image.data(), *const of_r = residual_image.data(),
-                    *const of_d = direction_image.data();
+      double *const x_image = image.data(), *const r_image = residual_image.data(),
+                    *const d_image = direction_image.data();
       const double square = sweep<1>(mass, {{{&residual, &residual}}},
                                      [&](const std::size_t first, const std::size_t last)
                                      {
                                        for (std::size_t i = first; i < last; ++i)
-                                         r[i] = of_x[i] - eigenvalue * x[i];
+                                         r[i] = x_image[i] - eigenvalue * x[i];
                                      })[0];
       combine(inverse_norm(square), residual, 0., residual);
       if (!(std::sqrt(square) > 1e-10 * std::abs(eigenvalue)))
@@ -231,7 +232,7 @@ namespace tombolo
       const Eigen::Vector3d weights =
           rayleigh_ritz(mass, {{&mode, &residual, &direction}},
                         {{&image, &residual_image, &direction_image}}, has_direction);
-      // direction = what is added to the old mode
+      // direction = the increment of the old mode
       const double a = weights[0], b = weights[1], c = weights[2];
       const auto squares = sweep<2>(mass, {{{&mode, &mode}, {&direction, &direction}}},
                                     [&](const std::size_t first, const std::size_t last)
@@ -243,20 +244,21 @@ namespace tombolo
                                       }
                                       for (std::size_t i = first; i < last; ++i)
                                       {
-                                        of_d[i] = c * of_d[i] + b * of_r[i];
-                                        of_x[i] = a * of_x[i] + of_d[i];
+                                        d_image[i] = c * d_image[i] + b * r_image[i];
+                                        x_image[i] = a * x_image[i] + d_image[i];
                                       }
                                     });
-      const double of_mode = inverse_norm(squares[0]), of_direction = inverse_norm(squares[1]);
+      const double mode_scale = inverse_norm(squares[0]),
+                   direction_scale = inverse_norm(squares[1]);
       eigenvalue = sweep<1>(mass, {{{&mode, &image}}},
                             [&](const std::size_t first, const std::size_t last)
                             {
                               for (std::size_t i = first; i < last; ++i)
                               {
-                                x[i] *= of_mode;
-                                of_x[i] *= of_mode;
-                                d[i] *= of_direction;
-                                of_d[i] *= of_direction;
+                                x[i] *= mode_scale;
+                                x_image[i] *= mode_scale;
+                                d[i] *= direction_scale;
+                                d_image[i] *= direction_scale;
                               }
                             })[0];
       has_direction = true;

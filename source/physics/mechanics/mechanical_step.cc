@@ -131,7 +131,7 @@ namespace tombolo
                                           const std::function<void()> &add_force)
   {
     const Part<dim> &part = model.parts[number];
-    // A failure is known to one rank alone; all must hear of it before any leaves.
+    // A failure is on one rank alone; all must be notified before any throws.
     std::string failure;
     try
     {

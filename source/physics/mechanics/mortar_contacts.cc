@@ -69,15 +69,15 @@ namespace tombolo
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &part = model.parts[p];
-        const bool gives_particles =
+        const bool becomes_particles =
             std::any_of(model.parts.begin(), model.parts.end(),
                         [&](const Part<dim> &other) { return other.source == p; });
         if ((parts.empty() || parts.count(p) > 0) &&
-            (gives_particles || (is_tied && part.formulation->can_lose_cells())))
+            (becomes_particles || (is_tied && part.formulation->can_lose_cells())))
           section.fail(side + " parts",
                        "cells of the part \"" + part.name +
-                           (gives_particles ? "\" become particles, which have no faces"
-                                            : "\" can be removed, with what is tied to them") +
+                           (becomes_particles ? "\" become particles, which have no faces"
+                                              : "\" can be removed, with what is tied to them") +
                            "; allowed are other parts.");
       }
       return [parts, boundaries, &model](const typename Nodes<dim>::Cell &cell,

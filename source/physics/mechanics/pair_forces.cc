@@ -31,12 +31,12 @@ namespace tombolo
 
   /**
    * The artificial viscosity and the artificial stress of particle parts that have them
-   * (PairTerms), at the positions of t_n and the velocities of t_{n-1/2}. What each takes is an
-   * artificial energy, `pair viscosity` and `artificial stress`. In scenes with heat what the
-   * viscosity takes heats the particles: half of a pair each, by the velocities of t_{n-1/2} over
+   * (PairTerms), at the positions of t_n and the velocities of t_{n-1/2}. The energy that each
+   * dissipates is artificial, `pair viscosity` and `artificial stress`. In scenes with heat that of
+   * the viscosity heats the particles: half of a pair each, by the velocities of t_{n-1/2} over
    * Δt_n.
    *
-   * The estimate of the step sees the viscosity of all pairs.
+   * The estimate of the step includes the viscosity of all pairs.
    */
   template <int dim>
   class PairForces : public Process<dim>
@@ -111,8 +111,8 @@ namespace tombolo
       add_up({&applied},
              [&]
              {
-               for (const PairDampers<dim> &of_part : dampers)
-                 of_part.apply(tangent.velocity->data(), tangent.factor, applied.data());
+               for (const PairDampers<dim> &part_dampers : dampers)
+                 part_dampers.apply(tangent.velocity->data(), tangent.factor, applied.data());
              });
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         store_node(load_node(tangent.force->node(i)) + load_node(applied.node(i)),
@@ -130,7 +130,7 @@ namespace tombolo
 
   private:
     /** At the end of the run, where inertia is scaled, material has flowed and the viscosity has
-     * taken more than 5 % of the plastic work. */
+     * dissipated more than 5 % of the plastic work. */
     void add_warnings(const typename Process<dim>::Occasion occasion,
                       std::vector<std::string> &warnings) const
     {

@@ -26,9 +26,9 @@ namespace tombolo
     /** A prescribed component of a constrained node, or an axis of its frame that is none. */
     struct PrescribedAxis
     {
-      std::size_t k;             ///< place in the list of constrained nodes
+      std::size_t k;             ///< index in the list of constrained nodes
       unsigned int node;         ///< owned
-      unsigned int d;            ///< the component, or that whose place the axis has
+      unsigned int d;            ///< the component, or the index of the axis
       const ObliqueNode *turned; ///< null for a component
 
       double along(const double *const vector) const
@@ -61,9 +61,9 @@ namespace tombolo
       return result;
     }
 
-    /** Calls @p action with each prescribed axis, the velocity along it at t_{n-1/2} that forces
-     * work on, which is prescribed, and what S alone would make of it, which the inertia works on.
-     * Not for nodes without mass, whose nodal_mass() is a divisor only: hanging ones, and those of
+    /** Calls @p action with each prescribed axis, the velocity along it at t_{n-1/2} on which
+     * forces do work, which is prescribed, and that by S alone, on which the inertia does work. Not
+     * for nodes without mass, whose nodal_mass() is a divisor only: hanging ones, and those of
      * cells that were removed. */
     template <int dim, typename Action>
     void for_constrained(const Model<dim> &model, const Action &action)
@@ -99,7 +99,7 @@ namespace tombolo
       }
     }
 
-    /** Calls @p action with the place in the list of constrained nodes, the component and the
+    /** Calls @p action with the index in the list of constrained nodes, the component and the
      * particle, for each prescribed component of smoothed particles. */
     template <int dim, typename Action>
     void for_particles(const Model<dim> &model, const Action &action)
@@ -138,9 +138,9 @@ namespace tombolo
     explicit PrescribedMotion(Model<dim> &model)
         : model(model), conditions(*model.conditions), supports(model, true)
     {
-      const auto vector = [](Vector & of_node) -> auto &
+      const auto vector = [](Vector & values) -> auto &
       {
-        return of_node;
+        return values;
       };
       const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
       this->structure.archived(
@@ -212,12 +212,12 @@ namespace tombolo
             const double inertia = velocity_step * axis.along(inertial_force(model, node).data());
             const double force = velocity_step * axis.along(state.force.node(node));
             const unsigned int condition = condition_of(conditions, axis.k, axis.d);
-            const double of_step =
+            const double step_work =
                 inertial_velocity *
                     impulse_of_step(inertia, previous_inertia[axis.k][axis.d], is_start) -
                 velocity * impulse_of_step(force, previous_force[axis.k][axis.d], is_start);
-            work += of_step;
-            supports[condition].work += of_step;
+            work += step_work;
+            supports[condition].work += step_work;
             const Vector reaction = axis.times(inertia - force);
             model.impulses.add(state.position.node(node), reaction);
             supports[condition].impulses.add(state.position.node(node), reaction);
@@ -247,11 +247,11 @@ namespace tombolo
       if (!model.has_mechanics || !model.conditions->has_constraints())
         return nullptr;
       auto result = std::make_unique<PrescribedMotion>(model);
-      const Refusal of_rank = first_refusal(model);
-      const unsigned int first = Utilities::MPI::min(of_rank.condition, model.communicator);
+      const Refusal rank_refusal = first_refusal(model);
+      const unsigned int first = Utilities::MPI::min(rank_refusal.condition, model.communicator);
       if (first == numbers::invalid_unsigned_int)
         return result;
-      const std::string reason = of_rank.condition == first ? of_rank.reason : "";
+      const std::string reason = rank_refusal.condition == first ? rank_refusal.reason : "";
       for (const std::string &text : texts_of_ranks(model.communicator, reason))
         if (!text.empty())
           parameters.section("Condition: " + model.conditions->all()[first].name)
@@ -274,7 +274,7 @@ namespace tombolo
     static Refusal first_refusal(Model<dim> &model)
     {
       Refusal result;
-      const auto look_at = [&](const double time)
+      const auto check_at = [&](const double time)
       {
         model.conditions->act_at(time);
         model.conditions->set_partition(*model.state.partition());
@@ -285,8 +285,8 @@ namespace tombolo
       for (const MechanicalCondition<dim> &condition : model.conditions->all())
         for (const double time : {condition.start, condition.end})
           if (std::isfinite(time))
-            look_at(time);
-      look_at(0.);
+            check_at(time);
+      check_at(0.);
       return result;
     }
 
@@ -302,7 +302,8 @@ namespace tombolo
       return {};
     }
 
-    /** Directions along which images let nodes move in part. Now, on this rank. Collective. */
+    /** Directions along which images restrict the motion of nodes in part. Now, on this rank.
+     * Collective. */
     static Refusal refusal_by_images(const Model<dim> &model)
     {
       const std::vector<ObliqueNode> &oblique = model.conditions->oblique_nodes().all();
@@ -343,7 +344,7 @@ namespace tombolo
       return {};
     }
 
-    /** Books the first half of the step with the nodes and masses of before. */
+    /** Accounts for the first half of the step with the former nodes and masses. */
     void prepare_change()
     {
       if (previous_inertia.size() == conditions.constrained_nodes().size())
@@ -360,7 +361,7 @@ namespace tombolo
       previous_force.clear();
     }
 
-    /** What prescribed components of particles add to the moment of the reactions. Collective. */
+    /** Adds the moment of the reactions of prescribed components of particles. Collective. */
     void add_moments(const double velocity_step)
     {
       if (model.bridge->operators() != Bridge::Operators::affine)
@@ -409,7 +410,7 @@ namespace tombolo
       const ObliqueNode *const oblique = conditions.oblique_nodes().find(node);
       if (oblique == nullptr || !has_mass)
         return result;
-      // All prescribed axes: what is free along the frame is taken away.
+      // All prescribed axes: free components along the frame are removed.
       result = inertial_force(model, node);
       for (unsigned int d = 0; d < 3; ++d)
         result[d] -= model.state.force.node(node)[d];

@@ -27,7 +27,7 @@ namespace tombolo
       return Utilities::MPI::max(common.empty() ? 0 : 1, communicator) == 1;
     }
 
-    bool gives_motion(const Section &section)
+    bool sets_motion(const Section &section)
     {
       const Section motion = section.subsection("rigid");
       const auto entries = {"Origin", "Displacement", "Rotation",         "Angle",
@@ -36,13 +36,13 @@ namespace tombolo
                          [&](const char *const entry) { return motion.is_set(entry); });
     }
 
-    /** The first part is that which gives the motion. */
+    /** Moves the part that prescribes the motion to the front. */
     void put_leader_first(const std::vector<Section> &sections, std::vector<unsigned int> &parts)
     {
       std::sort(parts.begin(), parts.end());
       std::stable_partition(parts.begin(), parts.end(),
-                            [&](const unsigned int part) { return gives_motion(sections[part]); });
-      if (parts.size() > 1 && gives_motion(sections[parts[1]]))
+                            [&](const unsigned int part) { return sets_motion(sections[part]); });
+      if (parts.size() > 1 && sets_motion(sections[parts[1]]))
         sections[parts[1]].fail(
             "Cells", "common nodes join the part to the rigid part \"" + sections[parts[0]].name() +
                          "\", so that both move as one body, and both give its motion; "
@@ -56,22 +56,22 @@ namespace tombolo
       for (unsigned int p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &other = model.parts[p];
-        const bool gives_particles =
+        const bool becomes_particles =
             std::any_of(model.parts.begin(), model.parts.end(),
                         [&](const Part<dim> &particles) { return particles.source == p; });
-        if ((other.particles != nullptr || gives_particles) &&
+        if ((other.particles != nullptr || becomes_particles) &&
             share_a_node(body.nodes, owned_nodes_of_part(model, p), model.communicator))
           section.fail(
               "Cells",
               "the part shares nodes with part \"" + other.name + "\", whose " +
-                  (gives_particles ? "cells become particles, which are" : "particles are") +
+                  (becomes_particles ? "cells become particles, which are" : "particles are") +
                   " smoothed with their neighbours; allowed are shared nodes with "
                   "elements that stay elements.");
       }
     }
 
-    /** Leaves out the nodes that follow others, which must be of the part as well: then they move
-     * with it, and what they have is at these. */
+    /** Leaves out the nodes that depend on others, which must be of the part as well: then they
+     * move with it, and their masses are at these. */
     template <int dim>
     void leave_out_dependent_nodes(const Section &section, const Model<dim> &model,
                                    std::vector<unsigned int> &nodes)
@@ -243,23 +243,23 @@ namespace tombolo
     NodalVector own_mass(model.state.partition(), Quantity::scalar);
     for (const unsigned int part : body.parts)
     {
-      const NodalVector of_part = mass_of_part(model, *model.parts[part].formulation);
+      const NodalVector part_mass = mass_of_part(model, *model.parts[part].formulation);
       for (const unsigned int node : nodes)
         *own_mass.node(node) +=
-            model.parts[part].material->relative_inertia() * *of_part.node(node);
+            model.parts[part].material->relative_inertia() * *part_mass.node(node);
     }
     std::array<double, 18> second{}; // of all masses of nodes, of those of other parts
     for (const unsigned int node : nodes)
     {
       const Tensor<1, 3> r = vector_of<3>(model.state.initial_position.node(node)) - result.centre;
-      // A node that is not shared gets nothing of round-off.
-      const double of_others = *mass.node(node) - *own_mass.node(node);
-      const bool is_shared = of_others > 1e-12 * *mass.node(node);
+      // Round-off adds no mass to nodes that are not shared.
+      const double other_mass = *mass.node(node) - *own_mass.node(node);
+      const bool is_shared = other_mass > 1e-12 * *mass.node(node);
       for (unsigned int a = 0; a < 3; ++a)
         for (unsigned int b = 0; b < 3; ++b)
         {
           second[3 * a + b] += *mass.node(node) * r[a] * r[b];
-          second[9 + 3 * a + b] += is_shared ? of_others * r[a] * r[b] : 0.;
+          second[9 + 3 * a + b] += is_shared ? other_mass * r[a] * r[b] : 0.;
         }
     }
     second = ordered_sum(second, model.communicator);
@@ -301,7 +301,7 @@ namespace tombolo
 
   namespace
   {
-    /** After all others, since what they add to the forces moves the bodies. */
+    /** After all others, since all their forces move the bodies. */
     constexpr int after_all_forces = process_order::named + 100;
 
     template <int dim>
@@ -361,13 +361,13 @@ namespace tombolo
   namespace
   {
     /**
-     * Where rigid parts are, how they move and what drives them: `rigid_bodies.csv`, with position
+     * Positions, motions and drives of rigid parts: `rigid_bodies.csv`, with position
      * and velocity of the reference point of each of them, rotation and spin, momentum, angular
      * momentum about the centre of mass, the mean force and the mean moment about the reference
-     * point since the row before of what holds and drives the prescribed components, the work of it
-     * and of given forces since the start, and kinetic energies.
+     * point since the row before of the reactions at prescribed components, the work of these and
+     * of given forces since the start, and kinetic energies.
      */
-    const HistoryRegistration of_rigid_bodies(
+    const HistoryRegistration rigid_body_registration(
         {"rigid body history", "rigid_bodies.csv",
          "Positions, rotations, momenta, driving forces and works of rigid parts "
          "(rigid_bodies.csv); in every scene that has such.",

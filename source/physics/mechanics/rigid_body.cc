@@ -32,10 +32,10 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  RigidBody<dim>::RigidBody(const std::string &name, RigidBodySettings<dim> of_motion,
+  RigidBody<dim>::RigidBody(const std::string &name, RigidBodySettings<dim> motion_settings,
                             const RigidInertia &inertia)
-      : body_name(name), settings(std::move(of_motion)), initial(inertia),
-        reference_place(settings.origin ? *settings.origin : inertia.centre)
+      : body_name(name), settings(std::move(motion_settings)), initial(inertia),
+        reference_position(settings.origin ? *settings.origin : inertia.centre)
   {
     present.centre = inertia.centre;
     set_inertia(inertia);
@@ -62,15 +62,16 @@ namespace tombolo
     if (settings.initial_spin && !is_continued)
       present.spin = *settings.initial_spin;
 
-    const Vector of_arm = cross_product_3d(present.spin, arm(present));
-    present.reference_velocity =
-        settings.initial_velocity && !is_continued ? *settings.initial_velocity : velocity + of_arm;
+    const Vector arm_velocity = cross_product_3d(present.spin, arm(present));
+    present.reference_velocity = settings.initial_velocity && !is_continued
+                                     ? *settings.initial_velocity
+                                     : velocity + arm_velocity;
     const Vector rate =
         (settings.displacement_at(interval) - settings.displacement_at(0.)) / interval;
     for (unsigned int d = 0; d < dim; ++d)
       if (!settings.is_free(d))
         present.reference_velocity[d] = rate[d];
-    present.momentum = initial.mass * (present.reference_velocity - of_arm);
+    present.momentum = initial.mass * (present.reference_velocity - arm_velocity);
     const Matrix axes = orientation(present);
     const Vector in_axes = transpose(axes) * present.spin;
     present.angular_momentum = axes * (body_inertia * in_axes);
@@ -118,7 +119,7 @@ namespace tombolo
     end.angular_momentum = angular_momentum;
     if (settings.rotation != RigidRotation::free)
     {
-      // What the axis takes is not known before; along it, moments alone count.
+      // The reaction of the axis is not known before; along it, moments alone count.
       end.angular_momentum =
           1. / step *
           (turned_axes * rigid_rotation::discrete_momentum(body_inertia, end.increment));
@@ -169,7 +170,7 @@ namespace tombolo
     const Matrix inverse_response = invert(response(clock));
     reaction = {};
     double error = 0;
-    // A body that turns by moments meets what is prescribed by iteration: errors fall by Δt ω each.
+    // A body that turns by moments meets prescribed motion by iteration: errors fall by Δt ω each.
     for (unsigned int iteration = 0; iteration < most_iterations; ++iteration)
     {
       const Vector at_reference = given.force + reaction.force;
@@ -203,13 +204,13 @@ namespace tombolo
     initial = inertia;
     body_inertia = inertia_of(inertia.second);
     inertia_beyond_nodes = inertia_of(inertia.second - inertia.nodal_second);
-    reference_arm = reference_place - inertia.centre;
+    reference_arm = reference_position - inertia.centre;
   }
 
   template <int dim>
   typename RigidBody<dim>::Placement RigidBody<dim>::placement() const
   {
-    // A body that has not moved leaves its points where they are, to the last digit.
+    // The points of a body that has not moved stay, to the last digit.
     Placement result;
     result.centre_at_start = initial.centre;
     result.shift = present.centre - initial.centre;
@@ -221,9 +222,9 @@ namespace tombolo
   }
 
   template <int dim>
-  typename RigidBody<dim>::Placement RigidBody<dim>::take_momentum(const Clock &clock,
-                                                                   const Vector &momentum,
-                                                                   const Vector &angular_momentum)
+  typename RigidBody<dim>::Placement RigidBody<dim>::set_momentum(const Clock &clock,
+                                                                  const Vector &momentum,
+                                                                  const Vector &angular_momentum)
   {
     Clock back = clock;
     back.next_step = -clock.previous_step;

@@ -42,7 +42,8 @@ namespace tombolo
   public:
     using Contacts = std::vector<std::unique_ptr<SurfaceContact<dim>>>;
 
-    /** Throws InputError where a contact asks for what no material of the parts has. */
+    /** Throws InputError where a contact needs a yield stress and no material of the parts has one.
+     */
     static void validate(const Section &contact, const std::vector<Part<dim>> &parts)
     {
       if (contact.get("Shear limit") == "yield" && !parts.empty() &&
@@ -52,7 +53,7 @@ namespace tombolo
                                     "number.");
     }
 
-    /** Null where no contact asks for it. */
+    /** Null where no contact needs it. */
     static std::unique_ptr<NodalYieldStress<dim>> create(const Contacts &contacts)
     {
       if (std::any_of(contacts.begin(), contacts.end(),
@@ -61,7 +62,7 @@ namespace tombolo
       return nullptr;
     }
 
-    /** Finds it at the nodes of contacts that ask for it, and tells them; as large as numbers are
+    /** Computes it at the nodes of contacts that need it, and sets it there; the largest number
      * where no material flows. Collective. */
     void update(const Model<dim> &model, const Contacts &contacts)
     {
@@ -153,9 +154,9 @@ namespace tombolo
   } // namespace
 
   /**
-   * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of
+   * The intended region of a contact, its entry `Corridor`: a condition on the initial positions of
    * nodes, such as those of the particles or of the refined cells along the way of a tool. Cells
-   * outside of it are not made for what the surface does to them.
+   * outside of it are not meant for its deformation.
    */
   template <int dim>
   class Corridor
@@ -194,17 +195,18 @@ namespace tombolo
           nodes.begin(), nodes.end(),
           [&](const unsigned int node)
           { return !is_inside(Point<dim>(vector_of<dim>(state.initial_position.node(node)))); });
-      std::string place;
+      std::string position_text;
       if (outside != nodes.end())
-        place = place_text(vector_of<dim>(state.position.node(*outside)));
-      for (const std::string &of_rank : texts_of_ranks(state.partition()->communicator(), place))
+        position_text = place_text(vector_of<dim>(state.position.node(*outside)));
+      for (const std::string &rank_text :
+           texts_of_ranks(state.partition()->communicator(), position_text))
       {
-        if (of_rank.empty())
+        if (rank_text.empty())
           continue;
         was_left = true;
         std::ostringstream text;
         text << "At t = " << clock.time << " the contact \"" << contact.name()
-             << "\" touches a node at " << of_rank << " that is outside of its `Corridor`, \""
+             << "\" touches a node at " << rank_text << " that is outside of its `Corridor`, \""
              << section.get(corridor_entry)
              << "\". What is deformed there is not made for it: a shorter way of the tool, or a "
                 "wider "
@@ -227,8 +229,8 @@ namespace tombolo
 
   namespace
   {
-    /** Refuses what can be seen without a mesh to be wrong with the part that a contact with
-     * `Surface = part` names. */
+    /** Refuses errors in the part that a contact with `Surface = part` names, as far as they need
+     * no mesh. */
     template <int dim>
     void validate_master_part(const Section &contact, const std::vector<Part<dim>> &parts)
     {
@@ -450,10 +452,10 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::model_changed(const Model<dim> &model)
   {
-    ContactNodes<dim>(model).take_faces_of_full_cells(members);
+    ContactNodes<dim>(model).set_faces_of_full_cells(members);
     for (const auto &contact : members)
       contact->set_partition(model.state.partition());
-    heated_friction->forget_coefficients();
+    heated_friction->invalidate_coefficients();
     revision_of_stencils = model.revisions.stencils;
     ContactNodes<dim>(model).find_isolated_nodes(members);
   }
@@ -472,7 +474,7 @@ namespace tombolo
   {
     if (friction_heat == nullptr)
       return;
-    friction_heat->collect(model.heat->state.pending); // all contacts see the same heat of a node
+    friction_heat->collect(model.heat->state.pending); // all contacts have the same heat of a node
     NodalHeat nodal_heat = present_heat(model);
     if (members.size() > 1 && conducted_heat != nullptr)
     {
@@ -484,7 +486,7 @@ namespace tombolo
     }
     for (const auto &contact : members)
     {
-      // What conduction gives to one of two bodies the other one loses.
+      // Heat that one of two bodies receives by conduction is lost by the other.
       nodal_heat.conduction = contact->is_with_part() ? friction_heat : conducted_heat;
       contact->exchange_heat(nodal_heat);
     }
@@ -553,7 +555,8 @@ namespace tombolo
       void validate(const Parameters &parameters,
                     const std::vector<Part<dim>> &parts) const override
       {
-        bool has_mechanics = parts.empty(), has_heat = false; // nothing is known of no parts
+        bool has_mechanics = parts.empty(),
+             has_heat = false; // without parts nothing can be checked
         for (const Part<dim> &part : parts)
         {
           has_mechanics = has_mechanics || has_motion(part);

@@ -35,11 +35,12 @@ namespace tombolo
 {
   namespace
   {
-    /** Adds a force at a place relative to @p point. */
-    void add_about(const std::array<double, 3> &point, const double *const place,
+    /** Adds a force at a position relative to @p point. */
+    void add_about(const std::array<double, 3> &point, const double *const position,
                    const double *const force, LoadSum &sum)
     {
-      const double arm[3] = {place[0] - point[0], place[1] - point[1], place[2] - point[2]};
+      const double arm[3] = {position[0] - point[0], position[1] - point[1],
+                             position[2] - point[2]};
       sum.add(arm, force);
     }
   } // namespace
@@ -49,15 +50,15 @@ namespace tombolo
    *
    * A cut divides the nodes by their initial positions: its side are those on the plane or beyond
    * it along the normal, and among them those where the predicate holds. Its force is that of the
-   * material on the nodes of the side, F = Σ_side f_int. What lies between nodes of the side gives
-   * nothing, since its forces are in balance, so that F is the force of what reaches across. By Σ
-   * m a = F + the forces from outside on the side, F is exactly what the rest of the bodies does to
-   * it, whatever elements or particles are there.
+   * material on the nodes of the side, F = Σ_side f_int. Material between nodes of the
+   * side adds nothing, since its forces are in balance, so that F is the force of the material
+   * across the cut. By Σ m a = F + the forces from outside on the side, F is exactly the force of
+   * the rest of the bodies on it, for all elements and particles.
    *
    * An interface lies between two parts. Its force is that of the material of the first part on the
-   * nodes of the second, less that of the second on the other nodes of the first: what the first
-   * does to the second, since the forces within the second are in balance. Only particles reach
-   * beyond shared nodes. What acts on dependent nodes acts on those on which they depend.
+   * nodes of the second, less that of the second on the other nodes of the first: the force of the
+   * first on the second, since the forces within the second are in balance. Only particles act
+   * beyond shared nodes. Forces on dependent nodes act on those on which they depend.
    */
   template <int dim>
   class BodySection
@@ -127,20 +128,20 @@ namespace tombolo
       for (unsigned int i = 0; i < n_owned; ++i)
         for (unsigned int d = 0; d < dim; ++d)
           extent = std::max(extent, std::abs(initial.node(i)[d] - point[d]));
-      // Nodes that a mesh generator has put onto the plane are on it to round-off.
+      // Nodes that a mesh generator has placed on the plane are on it to round-off.
       const double tolerance = 1e-10 * Utilities::MPI::max(extent, model.communicator);
-      attempt_on_all_ranks<InputError>(model.communicator,
-                                       [&]
-                                       {
-                                         for (unsigned int i = 0; i < n_owned; ++i)
-                                         {
-                                           const Point<dim> place = point_of<dim>(initial.node(i));
-                                           if (is_beyond(place, tolerance) &&
-                                               (!where || (*where)(place)))
-                                             side.push_back(i);
-                                         }
-                                         count_cells(model, tolerance);
-                                       });
+      attempt_on_all_ranks<InputError>(
+          model.communicator,
+          [&]
+          {
+            for (unsigned int i = 0; i < n_owned; ++i)
+            {
+              const Point<dim> position = point_of<dim>(initial.node(i));
+              if (is_beyond(position, tolerance) && (!where || (*where)(position)))
+                side.push_back(i);
+            }
+            count_cells(model, tolerance);
+          });
       n_side = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
       n_cut = Utilities::MPI::sum(n_cut, model.communicator);
       n_attached_elsewhere = Utilities::MPI::sum(n_attached_elsewhere, model.communicator);
@@ -170,27 +171,27 @@ namespace tombolo
           only_of_first.push_back(i);
       }
       n_shared = Utilities::MPI::sum(n_shared, model.communicator);
-      of_part.reinit(model.state.partition());
+      part_force.reinit(model.state.partition());
     }
 
-    /** Of an interface: what a part, whose number may be any, has added is the force where it @p
-     * is_added less that before. Collective. */
-    void see_part_force(const std::size_t part, const NodalVector &force, const bool is_added,
+    /** Of an interface: the contribution of any part is the force where it @p is_added less that
+     * before. Collective. */
+    void add_part_force(const std::size_t part, const NodalVector &force, const bool is_added,
                         const NodalVector &position)
     {
       if (!is_interface() || (part != between->first && part != between->second))
         return;
       if (!is_added)
       {
-        of_part.copy_from(force);
+        part_force.copy_from(force);
         return;
       }
       const std::size_t n = std::size_t(force.partition()->n_local()) * node_stride;
       for (std::size_t i = 0; i < n; ++i)
-        of_part.data()[i] = force.data()[i] - of_part.data()[i];
-      of_part.collect();
+        part_force.data()[i] = force.data()[i] - part_force.data()[i];
+      part_force.collect();
       const bool is_first = part == between->first;
-      const LoadSum added = sum_over(is_first ? side : only_of_first, of_part, position);
+      const LoadSum added = sum_over(is_first ? side : only_of_first, part_force, position);
       if (is_complete)
         present = LoadSum();
       is_complete = false;
@@ -202,7 +203,7 @@ namespace tombolo
     }
 
     /** Of a cut: the sum over the internal forces of all parts, at owned nodes. */
-    void take_internal_force(const NodalVector &force, const NodalVector &position)
+    void set_internal_force(const NodalVector &force, const NodalVector &position)
     {
       is_complete = true;
       if (!is_interface())
@@ -293,7 +294,7 @@ namespace tombolo
     std::optional<std::pair<std::size_t, std::size_t>> between; ///< parts of an interface
     std::vector<unsigned int> side; ///< owned nodes of a cut, or of an interface's second part
     std::vector<unsigned int> only_of_first; ///< of the parts of an interface
-    NodalVector of_part;                     ///< the force of a part of an interface
+    NodalVector part_force;                  ///< the force of a part of an interface
     LoadSum present;
     bool is_complete = true;  ///< all parts have added to it
     unsigned long n_side = 0; ///< over all ranks, as those below
@@ -305,9 +306,9 @@ namespace tombolo
     constexpr const char *sections_list = "Sections", *section_history = "section history";
   } // namespace
 
-  /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
-   * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
-   * forces which it sees are those of the material alone. */
+  /** Observes the forces through the sections of the scene (BodySection); it changes nothing. It
+   * acts after the viscosity of surfaces and before all external forces, so that the nodal forces
+   * are those of the material alone. */
   template <int dim>
   class SectionForces : public Process<dim>
   {
@@ -323,7 +324,7 @@ namespace tombolo
           [this](const std::size_t part, const NodalVector &force, const bool is_added)
           {
             for (BodySection<dim> &member : members)
-              member.see_part_force(part, force, is_added, this->model.state.position);
+              member.add_part_force(part, force, is_added, this->model.state.position);
           });
       this->observed.audit.connect(
           [this](std::ostream &text)
@@ -350,7 +351,7 @@ namespace tombolo
     void add_forces(const Model<dim> &, const Clock &, const NodalVector &force) override
     {
       for (BodySection<dim> &member : members)
-        member.take_internal_force(force, model.state.position);
+        member.set_internal_force(force, model.state.position);
     }
 
     void after_acceleration(const Model<dim> &, const Clock &clock) override
@@ -438,11 +439,11 @@ namespace tombolo
   TOMBOLO_REGISTER_PROCESS_KIND(SectionForcesKind, process_order::sections)
 
   /**
-   * What passes through sections of the bodies: `sections.csv`, with the mean force and the mean
+   * The forces through sections of the bodies: `sections.csv`, with the mean force and the mean
    * moment since the row before and the impulse since the start of each section, in the order of
    * `Sections`. Impulses are those until t_{n-1/2}, as the momenta of `statistics.csv`.
    */
-  const HistoryRegistration of_sections(
+  const HistoryRegistration section_registration(
       {section_history, "sections.csv",
        "Forces, moments and impulses through sections and interfaces of parts (sections.csv); in "
        "every scene that has `Sections`.",

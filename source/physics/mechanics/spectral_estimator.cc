@@ -17,7 +17,7 @@ namespace tombolo
 {
   namespace
   {
-    /** Holds the positions of particles while it lives. */
+    /** Holds the positions of particles during its lifetime. */
     template <int dim>
     class HeldPositions
     {
@@ -50,14 +50,14 @@ namespace tombolo
   template <int dim>
   StepLimit courant_limit(const Model<dim> &model)
   {
-    std::vector<StepLimit> of_parts;
+    std::vector<StepLimit> part_limits;
     for (const Part<dim> &part : model.parts)
     {
-      of_parts.push_back(
+      part_limits.push_back(
           part.formulation->courant_limit(model.state.position, part.inertia, part.step_ratios));
-      of_parts.back().entity += " of part \"" + part.name + "\"";
+      part_limits.back().entity += " of part \"" + part.name + "\"";
     }
-    return smallest_limit(of_parts, model.communicator);
+    return smallest_limit(part_limits, model.communicator);
   }
 
   template StepLimit courant_limit<2>(const Model<2> &);
@@ -184,7 +184,7 @@ namespace tombolo
       stop = solver.from_noise(static_cast<double>(partition->n_global()) * dim);
       if (has_viscosity)
       {
-        // Of the iterations from noise the first ones go to find the step at which viscosity acts.
+        // The first iterations from noise find the step at which viscosity acts.
         const double eigenvalue = largest_eigenvalue(model, time_step, Lobpcg::to_one_percent());
         // Three applications gave the start.
         stop.min_iterations -= std::min(stop.min_iterations, count - 3);
@@ -200,14 +200,13 @@ namespace tombolo
         return {};
       time_step =
           has_viscosity ? step_with_viscosity(last, eigenvalue) : 2. / std::sqrt(eigenvalue);
-      // What the mode changes with Δt is of second order: the last step need not be met closely.
+      // The mode depends on Δt in second order: the last step need not be met closely.
       if (!has_viscosity || std::abs(time_step - last) < 0.01 * time_step)
         break;
     }
 
     StepLimit limit;
-    // The eigenvalue was approached from below: the margin covers what the tolerance may have
-    // missed.
+    // The eigenvalue was approached from below: the margin covers the error by the tolerance.
     limit.time_step = time_step * 0.994;
     find_entity(model, limit);
     return limit;
@@ -227,9 +226,8 @@ namespace tombolo
       largest = std::max(largest, share(i));
     largest = Utilities::MPI::max(largest, model.communicator);
 
-    // Symmetric bodies have nearly equal shares; neither round-off nor the numbers that the ranks
-    // give to their nodes must choose among them: of all that come close, the smallest persistent
-    // id.
+    // Symmetric bodies have nearly equal shares; neither round-off nor the numbers of nodes on
+    // ranks must decide among them: of all that come close, the smallest persistent id.
     const auto &ids = model.nodes->persistent_ids();
     auto first = std::numeric_limits<std::uint64_t>::max();
     unsigned int node = 0;
@@ -240,7 +238,7 @@ namespace tombolo
         node = i;
       }
     std::string entity;
-    Point<3> place;
+    Point<3> position;
     if (first != std::numeric_limits<std::uint64_t>::max())
     {
       bool is_particle = false;
@@ -254,16 +252,16 @@ namespace tombolo
                : is_particle                  ? "particle"
                                               : "FE node";
       for (unsigned int d = 0; d < 3; ++d)
-        place[d] = model.state.position.node(node)[d];
+        position[d] = model.state.position.node(node)[d];
     }
     auto smallest = std::numeric_limits<std::uint64_t>::max();
-    for (const auto &[id, its_entity, its_place] :
-         Utilities::MPI::all_gather(model.communicator, std::make_tuple(first, entity, place)))
+    for (const auto &[id, rank_entity, rank_position] :
+         Utilities::MPI::all_gather(model.communicator, std::make_tuple(first, entity, position)))
       if (id < smallest)
       {
         smallest = id;
-        limit.entity = its_entity;
-        limit.place = its_place;
+        limit.entity = rank_entity;
+        limit.place = rank_position;
       }
   }
 

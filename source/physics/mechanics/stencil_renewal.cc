@@ -13,19 +13,19 @@
 namespace tombolo
 {
   /**
-   * Neighbourhoods and rows of particle parts, renewed where their criterion asks for it.
+   * Neighbourhoods and rows of particle parts, renewed by their criterion.
    *
-   * Where rows change between t_{n-1} and t_n, the forces of before work on the first half of the
-   * step, and the points that advance over the whole of it are those of after. The difference,
-   * ½ Δt (P_before - P_after) with the powers P of the stresses at t_{n-1}, is booked: as failure
-   * dissipation where bonds break, else as that of the renewal.
+   * Where rows change between t_{n-1} and t_n, the former forces do work in the first half of the
+   * step, and the new points advance over the whole step. The difference, ½ Δt (P_before - P_after)
+   * with the powers P of the stresses at t_{n-1}, is booked: as failure dissipation where bonds
+   * break, else as that of the renewal.
    */
   template <int dim>
   class StencilRenewal : public Process<dim>
   {
   public:
     /** @p breaks: whether bonds can break; @p renews: whether kernels are renewed now and then.
-     * Where they are renewed in every step alone, nothing is booked: it would take two more
+     * Where they are renewed in every step alone, nothing is booked: it would need two more
      * evaluations of the forces. */
     StencilRenewal(const bool breaks, const bool renews, Model<dim> &model)
         : breaks(breaks), renews(renews)
@@ -113,7 +113,7 @@ namespace tombolo
       power = power_back(model);
     }
 
-    /** internal_power() where nodes were a time `back` ago. Collective. */
+    /** internal_power() at the positions of nodes a time `back` ago. Collective. */
     double power_back(Model<dim> &model) const
     {
       if (back == 0.)
@@ -121,8 +121,10 @@ namespace tombolo
       NodalState &state = model.state;
       const NodalVector present = state.position.copy();
       state.position.fill(
-          [&](const unsigned int i, double *const place)
-          { store_node(load_node(place) - load_node(state.velocity.node(i)) * back, place); });
+          [&](const unsigned int i, double *const coordinates) {
+            store_node(load_node(coordinates) - load_node(state.velocity.node(i)) * back,
+                       coordinates);
+          });
       model.bridge->positions_have_changed();
       const double result = internal_power(model, step);
       state.position.copy_from(present);

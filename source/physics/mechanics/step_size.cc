@@ -47,7 +47,7 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void LocalShortening<dim>::remember(const Model<dim> &model)
+  void LocalShortening<dim>::store(const Model<dim> &model)
   {
     times = times_of(model);
   }
@@ -57,11 +57,11 @@ namespace tombolo
   {
     const std::vector<std::vector<double>> present = times_of(model);
     double smallest = std::numeric_limits<double>::max();
-    for (const std::vector<double> &of_part : present)
-      for (const double time : of_part)
+    for (const std::vector<double> &part_times : present)
+      for (const double time : part_times)
         smallest = std::min(smallest, time);
     smallest = Utilities::MPI::min(smallest, model.communicator);
-    // What changed on one rank alone counts for all, so that their number changes nothing.
+    // A change on one rank counts for all, so that the number of ranks has no effect.
     std::vector<int> is_comparable(present.size(), 0);
     for (std::size_t p = 0; p < std::min(times.size(), present.size()); ++p)
       is_comparable[p] = times[p].size() == present[p].size() ? 1 : 0;
@@ -86,7 +86,7 @@ namespace tombolo
     {
       const auto group = archive.group("lengths of part " + model.parts[p].name);
       const std::vector<std::uint64_t> ids = model.persistent_ids_of_points(p);
-      // Cells that have come since are not known, as little as in the run that goes on.
+      // There are no data of cells that are new since, as in a run without interruption.
       bool is_complete =
           Utilities::MPI::min(times[p].size() == ids.size() ? 1 : 0, model.communicator) == 1;
       archive("is complete", is_complete);
@@ -167,7 +167,7 @@ namespace tombolo
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
-          shortening.remember(model);
+          shortening.store(model);
           has_limit = true;
           ++count;
         }
@@ -177,8 +177,8 @@ namespace tombolo
       for (const auto &process : model.processes)
         process->observed.step_limits(present.time_step, stable_fraction);
     double step = allowed();
-    // Where the step grows from Δt to Δt' central differences take ¼ (Δt' - Δt) f²/m Δt: of pieces
-    // that oscillate fast it must not grow at once.
+    // Where the step grows from Δt to Δt' central differences lose ¼ (Δt' - Δt) f²/m Δt: with
+    // pieces that oscillate fast it must not grow at once.
     constexpr double largest_growth = 1.1;
     if (fixed == 0. && model.stencils_change_for_good && clock.previous_step > 0.)
       step = std::min(step, largest_growth * clock.previous_step);
@@ -212,10 +212,10 @@ namespace tombolo
   {
     if (fixed > 0.)
       return fixed;
-    // What contacts leave is all that is stable, and lengths may have lost the threshold since.
-    const double of_contacts = stable_fraction < 1. ? 1. - reestimation_threshold : 1.;
+    // The limit by contacts has no margin, and lengths may have shrunk by the threshold since.
+    const double contact_factor = stable_fraction < 1. ? 1. - reestimation_threshold : 1.;
     const double step =
-        round_down(std::min(safety_factor, of_contacts * stable_fraction) * present.time_step);
+        round_down(std::min(safety_factor, contact_factor * stable_fraction) * present.time_step);
     return maximum > 0. ? std::min(step, maximum) : step;
   }
 
@@ -223,7 +223,7 @@ namespace tombolo
   void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
   {
     // In an impact cells shrink by tenths within few steps: the next check comes before the
-    // threshold is reached, as far as the last one tells.
+    // threshold is reached, judged by the last one.
     const double change =
         std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
     const double most = std::min(2. * steps_to_check, double(check_interval));

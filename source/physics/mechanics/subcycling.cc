@@ -24,18 +24,18 @@ namespace tombolo
   {
     using Ratios = std::vector<std::vector<unsigned int>>; // by part and cell; none: one
 
-    /** Limits of cells that have left their part are above. */
-    constexpr double of_cells_that_left = 1e200;
+    /** Limits of cells that have left their part are larger. */
+    constexpr double departed_limit = 1e200;
 
-    /** The cells of a part, if they can take longer steps, else null. */
+    /** The cells of a part, if they can have longer steps, else null. */
     template <int dim>
     GroupedCells<dim> *grouped_cells(const Part<dim> &part)
     {
       return dynamic_cast<GroupedCells<dim> *>(part.formulation.get());
     }
 
-    /** Calls @p use(part, cell, limit) with eq. (41), with the inertia that it has, for each cell
-     * of this rank that can take longer steps. */
+    /** Calls @p use(part, cell, limit) with eq. (41), by its present inertia, for each cell of this
+     * rank that can have longer steps. */
     template <int dim, typename Use>
     void for_limits(const Model<dim> &model, const Use &use)
     {
@@ -51,19 +51,19 @@ namespace tombolo
       }
     }
 
-    /** The largest limit of a cell by the spectrum over eq. (41) that @p limit, of the scene, tells
-     * of: cells of one kind have a common factor. Collective. */
+    /** The largest limit of a cell by the spectrum over eq. (41), from the @p limit of the scene:
+     * cells of one kind have a common factor. Collective. */
     template <int dim>
     double scale_of_limits(const Model<dim> &model, const double limit)
     {
       double smallest = StepLimit().time_step;
-      for_limits(model, [&](const std::size_t, const std::size_t, const double of_cell)
-                 { smallest = std::min(smallest, of_cell); });
+      for_limits(model, [&](const std::size_t, const std::size_t, const double cell_limit)
+                 { smallest = std::min(smallest, cell_limit); });
       return std::max(1., limit / Utilities::MPI::min(smallest, model.communicator));
     }
 
     /** Calls @p count(part, number, ratio) for parts of this rank with the number of particles or
-     * cells that take each step, and for each further cell that has not left. */
+     * cells with each step, and for each further cell that has not left. */
     template <int dim, typename Count>
     void for_ratios(const Model<dim> &model, const Ratios &ratios, const Count &count)
     {
@@ -76,12 +76,12 @@ namespace tombolo
       for_limits(model,
                  [&](const std::size_t p, const std::size_t cell, const double limit)
                  {
-                   if (limit < of_cells_that_left)
+                   if (limit < departed_limit)
                      count(p, std::size_t(1), ratios[p][cell]);
                  });
     }
 
-    /** The ratio of a cell that could take so many of the smallest steps in one. */
+    /** The ratio of a cell whose limit is so many of the smallest steps. */
     unsigned int ratio_up_to(const double n_steps, const unsigned int largest)
     {
       // Ratios are those of the mesh, which a factor near to one does not change.
@@ -92,22 +92,22 @@ namespace tombolo
       return ratio;
     }
 
-    /** Those that the limits of the cells allow, each times @p scale in the smallest steps. */
+    /** The ratios by the limits of the cells, each times @p scale in the smallest steps. */
     template <int dim>
     Ratios ratios_by_limits(const Model<dim> &model, const double scale, const unsigned int largest)
     {
       Ratios ratios(model.parts.size());
       for_limits(model,
-                 [&](const std::size_t p, const std::size_t, const double of_cell)
+                 [&](const std::size_t p, const std::size_t, const double cell_limit)
                  {
-                   // Those of cells that have left stand for what is new beside the others.
+                   // Cells that have left count as new cells beside the others.
                    ratios[p].push_back(
-                       of_cell < of_cells_that_left ? ratio_up_to(scale * of_cell, largest) : 1);
+                       cell_limit < departed_limit ? ratio_up_to(scale * cell_limit, largest) : 1);
                  });
       return ratios;
     }
 
-    /** What forces cost with these ratios over what they cost in single steps. Collective. */
+    /** The cost of forces with these ratios over that in single steps. Collective. */
     template <int dim>
     double relative_cost(const Model<dim> &model, const Ratios &ratios)
     {
@@ -116,8 +116,8 @@ namespace tombolo
                  [&](const std::size_t p, const std::size_t number, const unsigned int ratio)
                  {
                    const Part<dim> &part = model.parts[p];
-                   const StepCost of_part = part.formulation->step_cost(*part.material, 1.);
-                   const double cost = double(number) * (of_part.per_cell + of_part.per_node);
+                   const StepCost part_cost = part.formulation->step_cost(*part.material, 1.);
+                   const double cost = double(number) * (part_cost.per_cell + part_cost.per_node);
                    costs[0] += cost;
                    costs[1] += cost * (1. - 1. / ratio);
                  });
@@ -151,12 +151,12 @@ namespace tombolo
   };
 
   /**
-   * Cells that take longer steps than the smallest of the scene (StepGroups): which they are, by
-   * the stable step of each (eq. (41) of Pan et al. 2019) over that of the scene by its spectrum.
-   * One layer of cells around those of each ratio has it, too: waves that only finer cells carry
-   * end there. The choice is made at the start, and again at the first step of a cycle where the
-   * limits have become other ones, or where a cell that takes longer steps touches something, whose
-   * springs would resonate with them, or is to leave or lies beside one that leaves.
+   * Cells with longer steps than the smallest of the scene (StepGroups), chosen by the stable step
+   * of each (eq. (41) of Pan et al. 2019) over that of the scene by its spectrum. One layer of
+   * cells around those of each ratio has it, too: waves that only finer cells carry end there. The
+   * choice is made at the start, and again at the first step of a cycle where the limits have
+   * changed, or where a cell with longer steps touches something, whose springs would resonate with
+   * them, or is to leave or lies beside one that leaves.
    */
   template <int dim>
   class Subcycling : public Process<dim>
@@ -224,7 +224,7 @@ namespace tombolo
     void model_changed(const Model<dim> &) override
     {
       const auto &partition = model.state.partition();
-      if (groups.fast_nodes.partition() == partition) // rows and masses alone are other ones
+      if (groups.fast_nodes.partition() == partition) // only rows and masses have changed
         return;
       if (groups.fast_nodes.partition() == nullptr)
         groups.fast_nodes.reinit(partition, Quantity::scalar);
@@ -236,11 +236,11 @@ namespace tombolo
   private:
     void list_records()
     {
-      Records &of_cells = this->structure.group("subcycling");
-      of_cells.value("is chosen", is_chosen);
+      Records &structure_records = this->structure.group("subcycling");
+      structure_records.value("is chosen", is_chosen);
       for (unsigned int p = 0; p < model.parts.size(); ++p)
         if (groups.parts[p] != nullptr)
-          of_cells.group("part " + model.parts[p].name)
+          structure_records.group("part " + model.parts[p].name)
               .archived(
                   [this, p](auto &archive)
                   {
@@ -250,7 +250,7 @@ namespace tombolo
                     archive.rows("step ratios", 1, numbers);
                     ratios.assign(numbers.begin(), numbers.end());
                   });
-      of_cells.on_reading([this] { adopt(); });
+      structure_records.on_reading([this] { adopt(); });
 
       Records &all = this->records.group("subcycling");
       all.value("step in cycle", groups.step_in_cycle);
@@ -264,9 +264,10 @@ namespace tombolo
               now.nodal("position" + ratio, dim, group.position);
               for (auto &share : group.shares)
               {
-                const std::string of_part = "force of part " + model.parts[share.part].name + ratio;
-                now.nodal(of_part, dim, share.force);
-                now.nodal("last " + of_part, dim, share.last_force);
+                const std::string force_name =
+                    "force of part " + model.parts[share.part].name + ratio;
+                now.nodal(force_name, dim, share.force);
+                now.nodal("last " + force_name, dim, share.last_force);
               }
             }
           });
@@ -287,25 +288,25 @@ namespace tombolo
       return true;
     }
 
-    /** Looks for a better choice where there may be one. Returns whether it is another one.
+    /** Repeats the choice where there may be a better one. Returns whether it has changed.
      * Collective. */
     bool chooses_again(const Clock &clock)
     {
-      int asks = 0;
+      int touches = 0;
       for (const auto &group : groups.groups)
         for (const unsigned int node : group.owned)
-          asks = *groups.fast_nodes.node(node) > 0. ? 1 : asks;
-      const bool is_asked_for = Utilities::MPI::max(asks, model.communicator) == 1;
+          touches = *groups.fast_nodes.node(node) > 0. ? 1 : touches;
+      const bool is_needed = Utilities::MPI::max(touches, model.communicator) == 1;
       constexpr unsigned long shortest_interval = 200;
       const bool is_due =
           clock.step >= choice.step + shortest_interval && limits_have_changed(clock);
-      if (!is_asked_for && !is_due)
+      if (!is_needed && !is_due)
         return false;
       std::vector<std::vector<unsigned int>> before;
       for (const Part<dim> &part : model.parts)
         before.push_back(part.step_ratios);
-      if (is_due && !is_asked_for)
-        groups.fast_nodes.set_zero(); // those of now come back with the next contact
+      if (is_due && !is_needed)
+        groups.fast_nodes.set_zero(); // present contacts mark them again
       choose();
       choice.step = clock.step;
       choice.stable_step = 0.;
@@ -322,8 +323,8 @@ namespace tombolo
       return true;
     }
 
-    /** Whether the limit of the scene is another one, or a cell with a longer step has become the
-     * one that limits it. Collective. */
+    /** Whether the limit of the scene has changed, or a cell with a longer step limits it now.
+     * Collective. */
     bool limits_have_changed(const Clock &clock) const
     {
       constexpr double threshold = 0.2;
@@ -335,11 +336,11 @@ namespace tombolo
                  [&](const std::size_t p, const std::size_t cell, const double limit)
                  {
                    const unsigned int ratio = model.parts[p].step_ratios[cell];
-                   double &of_kind = smallest[ratio > 1 ? 1 : 0];
-                   of_kind = std::min(of_kind, choice.scale * limit / ratio);
+                   double &kind_limit = smallest[ratio > 1 ? 1 : 0];
+                   kind_limit = std::min(kind_limit, choice.scale * limit / ratio);
                  });
-      for (double &of_kind : smallest)
-        of_kind = Utilities::MPI::min(of_kind, model.communicator);
+      for (double &kind_limit : smallest)
+        kind_limit = Utilities::MPI::min(kind_limit, model.communicator);
       constexpr double tolerance = 0.93;
       return smallest[1] < tolerance * std::min(choice.limit, smallest[0]);
     }
@@ -381,8 +382,8 @@ namespace tombolo
       return groups.parts[part] != nullptr ? model.parts[part].step_ratios[cell] : 1;
     }
 
-    /** Gives the cells beside those of each ratio this ratio, and those beside nodes that have
-     * touched something, and beside these, the shortest step. Collective. */
+    /** Sets the ratio of the cells beside those of each ratio to this ratio, and gives the shortest
+     * step to cells at nodes that have touched something, and to cells beside them. Collective. */
     void spread_small_steps()
     {
       NodalVector marks(model.state.partition(), Quantity::scalar);
@@ -425,7 +426,7 @@ namespace tombolo
       }
     }
 
-    /** What choose() has found is so from now on. Collective. */
+    /** Applies the result of choose(). Collective. */
     void adopt()
     {
       for (std::size_t p = 0; p < model.parts.size(); ++p)
@@ -481,7 +482,7 @@ namespace tombolo
     {
       double limit = 0;       ///< of the scene in single steps [T]
       double scale = 1;       ///< of the limit of cells over eq. (41)
-      double stable_step = 0; ///< that came out of it; zero: not known yet [T]
+      double stable_step = 0; ///< of the result; zero: not computed yet [T]
       unsigned long step = 0; ///< when it was made
     };
     Choice choice;

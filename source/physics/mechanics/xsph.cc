@@ -21,12 +21,12 @@ namespace tombolo
 
   /**
    * XSPH of particle parts that have it (PairTerms): after the motion of a step positions are moved
-   * further, by Δt times ε Σ_j m_j W_ij/ρ (v_j - v_i). Velocities, and the stresses that follow
-   * from them, do not know it, so that no energy is in it; the work of the nodal forces on what it
-   * adds to the motion is the column `XSPH work`, which is in no balance. Prescribed components,
-   * nodes of elements, what is neither, and nodes on which a rigid surface acts stay where they
-   * are. Springs of contacts do know positions: their work on what moves others, -½ (f_n + f_{n+1})
-   * · Δx, is what their energy changes by, and the energy `XSPH in contacts` is its opposite.
+   * further, by Δt times ε Σ_j m_j W_ij/ρ (v_j - v_i). It changes no velocities and no stresses
+   * that follow from them, so that it has no energy; the work of the nodal forces on the added
+   * motion is the column `XSPH work`, which is in no balance. Prescribed components, nodes of
+   * elements, other nodes without such particles, and nodes on which a rigid surface acts stay.
+   * Springs of contacts depend on positions: their work on the added motion, -½ (f_n + f_{n+1}) ·
+   * Δx, is the change of their energy, and the energy `XSPH in contacts` is its opposite.
    */
   template <int dim>
   class Xsph : public Process<dim>
@@ -68,7 +68,7 @@ namespace tombolo
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
         {
-          // What contacts, and processes that a scene names, have added.
+          // The forces of contacts, and of processes that a scene names.
           double &force = other_force.node(i)[d];
           force = state.force.node(i)[d] - force;
           in_contacts += 0.5 * force * moved.node(i)[d];
@@ -93,7 +93,7 @@ namespace tombolo
       // A spring of contact stores energy by the position, which only the velocity can pay for.
       const auto *const contacts = model.template find_process<RigidContacts<dim>>();
       state.position.fill(
-          [&](const unsigned int i, double *const place)
+          [&](const unsigned int i, double *const coordinates)
           {
             if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
                 (contacts != nullptr && contacts->nodal_force(i).norm_square() != 0.))
@@ -104,7 +104,7 @@ namespace tombolo
               if (((fixed >> d) & 1u) == 0)
               {
                 const double added = scale * momentum.node(i)[d];
-                place[d] += added;
+                coordinates[d] += added;
                 work += added * state.force.node(i)[d];
                 moved.node(i)[d] = added;
                 in_contacts += 0.5 * other_force.node(i)[d] * added;

@@ -49,7 +49,7 @@ namespace tombolo
                                      const Model<dim> &model)
   {
     ++n_meshes;
-    count_cells(model); // after what was read of the mesh before
+    count_cells(model); // after the data of the former mesh were read
     if (Utilities::MPI::this_mpi_process(model.communicator) != 0)
       return;
     lost += before.energy - after.energy;

@@ -32,7 +32,7 @@ namespace tombolo
 
   /**
    * Refills of parts of smoothed cells (PartRefill) before the forces at t_n. Mass, momentum,
-   * enthalpy and what was dissipated stay where the remap is conservative; kinetic and elastic
+   * enthalpy and dissipated energy stay where the remap is conservative; kinetic and elastic
    * energy that it removes is accounted for as `remap loss`, and heats where heat is modelled.
    * A ValueRemap keeps the mass alone: the change of momentum and angular momentum leaves as that
    * of removed mass, the change of all mechanical energies, dissipated ones too, is `remap loss`,
@@ -196,7 +196,7 @@ namespace tombolo
       bool has_reached_end = false; ///< metal, the end of the void cells
     };
 
-    /** Heat of nodes at both ends of the thermal step, and what plastic work has added: this rank's
+    /** Heat of nodes at both ends of the thermal step, and that of plastic work: this rank's
      * shares. */
     struct HeatContent
     {

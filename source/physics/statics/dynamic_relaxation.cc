@@ -25,7 +25,7 @@ namespace tombolo
   /**
    * Dynamic relaxation with kinetic damping: explicit steps of size one of a body with masses of
    * its own, m = Σ_j |K_ij| times 0.3 by row sums of the stiffness, with which every mode is stable
-   * at that step (Gershgorin), from rest; velocities are put to zero at each maximum of the kinetic
+   * at that step (Gershgorin), from rest; velocities are set to zero at each maximum of the kinetic
    * energy, and positions to those at about that time, the middle between the last two before the
    * energy fell (Barnes, Int. J. Space Struct. 14, 89-104, 1999): without that, vibrations of three
    * steps would last. It solves the same equations as NewtonKrylov, each evaluation from the
@@ -90,7 +90,7 @@ namespace tombolo
         ++iterations;
         if (energy < last_energy && k >= ramp_end)
         {
-          go_to_rest(problem);
+          stop_motion(problem);
           is_from_rest = true;
           ++n_restarts;
           last_energy = 0;
@@ -123,7 +123,7 @@ namespace tombolo
 
   private:
     /** After a step that has lost kinetic energy. */
-    void go_to_rest(const StaticProblem<dim> &problem)
+    void stop_motion(const StaticProblem<dim> &problem)
     {
       displacement.fill(
           [&](const unsigned int i, double *const node_displacement)

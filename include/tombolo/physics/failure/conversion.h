@@ -23,7 +23,7 @@ namespace tombolo
   /**
    * Cells of elements that become particles of another part (`Cells = from PART`) before the forces
    * at t_n, where they fulfil the criterion of their part, with layers of cells around them. Mass,
-   * momentum, heat and what was dissipated stay.
+   * momentum, heat and dissipated energy stay.
    */
   template <int dim>
   class Conversion : public Process<dim>
@@ -113,7 +113,7 @@ namespace tombolo
         Part<dim> &target = model.parts[pair.target];
         EnergyAccounts change = energies_of(source, target);
         const NodalVector extra = extra_mass(model, source),
-                          of_particles = extra_mass(model, target);
+                          particle_mass = extra_mass(model, target);
         StateTransfer converted(model.state.partition(), source.formulation->points(),
                                 target.formulation->points());
         add_up(converted.sums(), [&] { pair.cells->add_state(cells, converted); });
@@ -124,12 +124,12 @@ namespace tombolo
         NodalVector volumes;
         if (pair.cells->masses_move())
           volumes = volumes_of_particles(model, pair, &converted);
-        give_cells(model, pair, &converted, pair.cells->masses_move() ? &volumes : nullptr);
+        update_particles(model, pair, &converted, pair.cells->masses_move() ? &volumes : nullptr);
         if (!model.inertia_is_mass)
         {
           NodalVector moved = extra_mass(model, source);
           for (unsigned int i = 0; i < moved.partition()->n_owned(); ++i)
-            *moved.node(i) = *extra.node(i) + *of_particles.node(i) - *moved.node(i);
+            *moved.node(i) = *extra.node(i) + *particle_mass.node(i) - *moved.node(i);
           set_inertia(moved, target);
         }
         change.add(energies_of(source, target), -1.);
@@ -166,12 +166,12 @@ namespace tombolo
     /** Adds the cells that are too near to the surface of the criterion to those that are chosen.
      */
     static void add_near_cells(Model<dim> &model, const ConversionCriterion &criterion,
-                               const LocalNodes &of_cells, const double time,
+                               const LocalNodes &nodes_by_cell, const double time,
                                std::vector<bool> &is_chosen)
     {
       std::vector<unsigned int> nodes;
-      for (const auto &of_cell : of_cells)
-        nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
+      for (const auto &cell_nodes : nodes_by_cell)
+        nodes.insert(nodes.end(), cell_nodes.begin(), cell_nodes.end());
       std::sort(nodes.begin(), nodes.end());
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
       const auto contacts = shown_by_processes<SurfaceContact<dim>>(model);
@@ -186,26 +186,26 @@ namespace tombolo
       std::vector<bool> is_near(model.state.partition()->n_local(), false);
       for (std::size_t k = 0; k < nodes.size(); ++k)
         is_near[nodes[k]] = gaps[k] < *criterion.smallest_gap;
-      for (std::size_t cell = 0; cell < of_cells.size(); ++cell)
-        for (const unsigned int node : of_cells[cell])
+      for (std::size_t cell = 0; cell < nodes_by_cell.size(); ++cell)
+        for (const unsigned int node : nodes_by_cell[cell])
           is_chosen[cell] = is_chosen[cell] || is_near[node];
     }
 
-    /** Remembers that these cells of a part became particles, on all ranks that see them.
+    /** Notes that these cells of a part became particles, on all ranks that have them.
      * Collective. */
     void note_conversion(const Model<dim> &model, const unsigned int source,
                          const std::vector<unsigned int> &cells)
     {
       is_converted.resize(model.mesh.triangulation.n_active_cells(), false);
-      const auto of_part = cells_of_part(*model.nodes, *model.part_cells, source);
+      const auto source_cells = cells_of_part(*model.nodes, *model.part_cells, source);
       for (const unsigned int cell : cells)
-        is_converted[of_part[cell]->active_cell_index()] = true;
+        is_converted[source_cells[cell]->active_cell_index()] = true;
       update_ghost_flags(*model.nodes, is_converted);
     }
 
-    /** The particles of the pair are those of the cells that have become some. Collective. */
-    void give_cells(const Model<dim> &model, const Pair &pair, const StateTransfer *const converted,
-                    const NodalVector *const volumes)
+    /** Makes the particles of the pair those of the converted cells. Collective. */
+    void update_particles(const Model<dim> &model, const Pair &pair,
+                          const StateTransfer *const converted, const NodalVector *const volumes)
     {
       pair.particles->add_particles(
           [&](const typename Nodes<dim>::Cell &cell)
@@ -238,10 +238,10 @@ namespace tombolo
       for (const Pair &pair : pairs)
       {
         const auto group = archive.group("cells from " + model.parts[pair.source].name);
-        const auto of_part = cells_of_part(*model.nodes, *model.part_cells, pair.source);
+        const auto source_cells = cells_of_part(*model.nodes, *model.part_cells, pair.source);
         archive.set_rows(model.persistent_ids_of_points(pair.source));
         std::vector<double> flags;
-        for (const auto &cell : of_part)
+        for (const auto &cell : source_cells)
           flags.push_back(!is_converted.empty() && is_converted[cell->active_cell_index()] ? 1.
                                                                                            : 0.);
         archive.rows("is converted", 1, flags);
@@ -261,7 +261,7 @@ namespace tombolo
           continue;
         pair.cells->take_converted_cells(cells);
         note_conversion(model, pair.source, cells);
-        give_cells(model, pair, nullptr, pair.cells->masses_move() ? &volumes : nullptr);
+        update_particles(model, pair, nullptr, pair.cells->masses_move() ? &volumes : nullptr);
         has_read = true;
       }
       if (has_read)
@@ -281,8 +281,8 @@ namespace tombolo
       return dealii::Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 1;
     }
 
-    /** What the inertia of the cells or particles of a part is more than that of their inertial
-     * density, at owned nodes [M]. Collective. */
+    /** The inertia of the cells or particles of a part beyond that of their inertial density, at
+     * owned nodes [M]. Collective. */
     static NodalVector extra_mass(const Model<dim> &model, const Part<dim> &part)
     {
       const auto add = [&](NodalVector &sums)

@@ -19,13 +19,13 @@
 
 namespace tombolo
 {
-  /** What has left the bodies with the cells that were removed; this rank's share. */
+  /** The losses of the bodies with the removed cells; this rank's share. */
   struct ErosionLoss
   {
     double n_cells = 0;
     double mass = 0; ///< [M]
-    /** Kinetic, elastic and of hourglass stiffness; what was dissipated before stays where it is
-     * accounted for [M L^2/T^2]. */
+    /** Kinetic, elastic and of hourglass stiffness; former dissipation stays where it is accounted
+     * for [M L^2/T^2]. */
     double energy = 0;
     std::array<double, 3> momentum{};         ///< [M L/T]
     std::array<double, 3> angular_momentum{}; ///< [M L^2/T]
@@ -192,7 +192,8 @@ namespace tombolo
       model.remove_faces(cells);
     }
 
-    /** Takes the momentum and the kinetic energy of the mass that nodes have lost, and its heat. */
+    /** Accounts for the momentum, the kinetic energy and the heat of the mass that nodes have lost.
+     */
     void lose_mass(Model<dim> &model, const NodalVector &old_mass, const NodalVector &old_body_mass,
                    const double pending_heat)
     {
@@ -218,7 +219,7 @@ namespace tombolo
         add_moment(x, momentum.data(), lost.angular_momentum);
         if (*state.mass.node(i) > 0.)
           continue;
-        // Stays where it is for the rest of the run.
+        // Stays for the rest of the run.
         for (NodalVector *vector :
              {&state.unsmoothed_velocity, &state.velocity, &state.acceleration})
           std::fill_n(vector->node(i), node_stride, 0.);

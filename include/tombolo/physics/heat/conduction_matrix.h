@@ -422,7 +422,7 @@ namespace tombolo
    * there is no trace bridge, it is that of ThermalModel::apply_conduction() without films. L is
    * the capacity of the part that averaging over the particles removes, diag(Φᵀc) - Φᵀ diag(c) Φ.
    * Rows and columns of nodes with prescribed temperatures, and of nodes that hang on faces of
-   * elements, are those of the unit matrix; what hanging nodes conduct counts at those between
+   * elements, are those of the unit matrix; the conduction of hanging nodes counts at those between
    * which they lie.
    * @p diagonal is scalar, owned values. Collective.
    */

@@ -15,12 +15,12 @@
 namespace tombolo
 {
   /**
-   * Notices forward Euler steps that are too long by what they do. A step amplifies modes with an
+   * Detects forward Euler steps that are too long by their effect. A step amplifies modes with an
    * eigenvalue λ of C⁻¹A above 2/Δt, and then the rates of temperature d = C⁻¹ dH/dt are made of
    * such modes sooner or later. The largest rate is followed. Whenever it is twice the usual one, A
    * is applied to the rates once, for the quotient (y · C⁻¹ y)/(d · y) with y = A d: a lower bound
-   * of the largest eigenvalue, since A is symmetric. Sources and what is prescribed make rates
-   * grow, too, but are not in A: no step that is stable exceeds 2/λ.
+   * of the largest eigenvalue, since A is symmetric. Sources and prescribed values make rates grow,
+   * too, but are not in A: no step that is stable exceeds 2/λ.
    */
   template <int dim>
   class GrowingRates
@@ -46,7 +46,7 @@ namespace tombolo
                    ? 0.
                    : quotient_of_rates(model, time, rate, time_step);
       }
-      // Of what goes up and down, quotients are found in less than one of twenty steps.
+      // Oscillating rates need a quotient in less than one of twenty steps.
       constexpr double memory = 0.97;
       if (usual == 0.)
         usual = largest;
@@ -55,7 +55,7 @@ namespace tombolo
       return 0.;
     }
 
-    /** Lists what is kept between steps. */
+    /** Lists the state between steps. */
     void list(Records &records)
     {
       records.value("usual rate", usual);
@@ -105,17 +105,17 @@ namespace tombolo
                          { *direction.node(node) = *rate.node(node) / capacity / largest; });
                    });
       heat.apply_conduction(model.state.position, heat.state.temperature, time, direction, image);
-      double norm = 0, of_direction = 0, of_image = 0;
+      double norm = 0, direction_product = 0, image_product = 0;
       visit_free_nodes(heat,
                        [&](const unsigned int node, const double capacity)
                        {
                          const double d = *direction.node(node), y = *image.node(node);
                          norm += d * capacity * d;
-                         of_direction += d * y;
-                         of_image += y / capacity * y;
+                         direction_product += d * y;
+                         image_product += y / capacity * y;
                        });
-      const auto sums =
-          ordered_sum(std::array<double, 3>{{norm, of_direction, of_image}}, model.communicator);
+      const auto sums = ordered_sum(std::array<double, 3>{{norm, direction_product, image_product}},
+                                    model.communicator);
       // Rates that are the same at all nodes have an image of round-off.
       constexpr double smallest_share = 1e-6;
       return sums[1] * time_step > smallest_share * sums[0] ? sums[2] / sums[1] : 0.;

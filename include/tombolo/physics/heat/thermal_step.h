@@ -20,7 +20,7 @@ namespace tombolo
 {
   class Summary;
 
-  /** How heat goes from one thermal time to the next: a plug-in, `Heat/Time integration`. */
+  /** Advances heat from one thermal time to the next: a plug-in, `Heat/Time integration`. */
   template <int dim>
   class HeatIntegrator
   {
@@ -32,22 +32,22 @@ namespace tombolo
     virtual double allowed_step(const Model<dim> &model, double time) = 0;
 
     /** From enthalpy, unsmoothed temperature and temperature at @p time to next_enthalpy and
-     * next_unsmoothed_temperature (owned) at the end of the step, such that Σ next_enthalpy has
-     * changed by what is added to @p of_condition, summed over conditions and ranks, to round-off.
+     * next_unsmoothed_temperature (owned) at the end of the step, such that the change of Σ
+     * next_enthalpy is that of @p condition_heats, summed over conditions and ranks, to round-off.
      * Collective. */
     virtual void advance(const Model<dim> &model, double time, double time_step,
-                         std::vector<double> &of_condition) = 0;
+                         std::vector<double> &condition_heats) = 0;
 
-    /** Forgets what belongs to the nodes of a mesh, which is another one now. */
+    /** Clears data of the nodes of the former mesh. */
     virtual void mesh_has_changed() {}
 
-    /** What limits the step, where something does. */
+    /** The limit of the step, where there is one. */
     virtual const StepLimit &limit() const = 0;
 
-    /** Lists what is kept between steps. */
+    /** Lists the state between steps. */
     virtual void list(Records & /*records*/, const Model<dim> & /*scene*/) {}
 
-    /** Adds what it cost so far to the summary of the run. */
+    /** Adds its costs so far to the summary of the run. */
     virtual void add_to_summary(Summary & /*summary*/) const {}
   };
 
@@ -57,18 +57,18 @@ namespace tombolo
     static constexpr const char *name = "heat integrator";
   };
 
-  /** Where the heat of a scene is and where it came from, at one time; sums over all ranks
+  /** The heat of a scene and its sources, at one time; sums over all ranks
    * [M L^2/T^2]. */
   struct HeatBalance
   {
     /** "enthalpy" of the nodes (zero at the initial temperatures), "heat through NAME" of each
-     * condition, "plastic heat", "pending heat" (not yet given to nodes), and what processes have
-     * given. */
+     * condition, "plastic heat", "pending heat" (not yet given to nodes), and the heat of
+     * processes. */
     EnergyAccounts heat;
     double initial_enthalpy = 0; ///< at the start
     double external = 0;         ///< entered since
     double magnitude = 0;        ///< Σ |H|
-    /** (held - initial - external) / the largest of these so far, where Σ |H| stands for the
+    /** (held - initial - external) / the largest of these so far, where Σ |H| replaces the
      * enthalpy. */
     double error = 0;
   };
@@ -76,11 +76,10 @@ namespace tombolo
   /**
    * Algorithm 2 of Pan et al. 2019 with its own clock (doc/method.md, section 10). The thermal step
    * in progress leads from t_n^θ to t_{n+1}^θ >= t, with all heat but that of plastic work and
-   * contact, which arises meanwhile: it is collected and added when the step is complete, which for
-   * the forward Euler method is the same as if it had been known before. In between, the mechanics
-   * sees the temperature interpolated in time; what plastic work has heated since t_n^θ, the
-   * material points add themselves. So no heat is late, lost or counted twice, whatever the ratio
-   * of the steps.
+   * contact in the same interval: it is collected and added when the step is complete, which for
+   * the forward Euler method is the same as if it had been added before. In between, the mechanics
+   * uses the temperature interpolated in time; the material points add the heat of plastic work
+   * since t_n^θ. So no heat is late, lost or counted twice, at any ratio of the steps.
    */
   template <int dim>
   class ThermalStep
@@ -101,19 +100,20 @@ namespace tombolo
       entered.assign(model.heat->conditions.n_conditions(), 0.);
       entering = entered;
       time_of_state = next_time = present_time = time;
-      // What prescribed temperatures do at once belongs to the beginning, not to the balance.
-      std::vector<double> of_condition(entered.size(), 0.);
+      // The first effect of prescribed temperatures belongs to the beginning, not to the balance.
+      std::vector<double> condition_heats(entered.size(), 0.);
       model.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature,
-                                   of_condition);
+                                   condition_heats);
       model.heat->find_field_of_state();
       state.present_temperature.copy_from(state.temperature);
     }
 
     /** Completes the step in progress when its end is not later than @p time, and begins another
-     * towards @p target, not beyond it, when needed; then brings the present temperature to @p
-     * time. Throws RunError on all ranks when a temperature is not finite. Where it takes more than
-     * a thousand steps, @p must_stop is asked now and then, which must answer alike on all ranks:
-     * returns false where it says so, with the temperature still before @p time. Collective. */
+     * towards @p target, not beyond it, when needed; then interpolates the present temperature to
+     * @p time. Throws RunError on all ranks when a temperature is not finite. Where there are more
+     * than a thousand steps, @p must_stop is called now and then and must return the same on all
+     * ranks: where it is true, returns false, with the temperature still before @p time.
+     * Collective. */
     bool bring_to(const Model<dim> &model, double time, double target,
                   const std::function<bool()> &must_stop = {})
     {
@@ -135,7 +135,7 @@ namespace tombolo
       }
       present_time = time;
       if (model.has_mechanics)
-        model.heat->forget_field_of_state(); // bodies move, and others change temperatures
+        model.heat->forget_field_of_state(); // bodies move, and processes change temperatures
       ThermalState &state = model.heat->state;
       const double s = fraction();
       const std::size_t n =
@@ -151,8 +151,8 @@ namespace tombolo
       return true;
     }
 
-    /** Begins a step towards @p target and returns its size: in a scene without mechanics the run
-     * takes these. Collective. */
+    /** Begins a step towards @p target and returns its size: in a scene without mechanics these are
+     * the steps of the run. Collective. */
     double begin_step(const Model<dim> &model, const double target)
     {
       const auto begin = std::chrono::steady_clock::now();
@@ -176,13 +176,13 @@ namespace tombolo
       return step;
     }
 
-    /** The step that begin_step() would take if there were no target. Collective. */
+    /** The step of begin_step() without a target. Collective. */
     double allowed_step(const Model<dim> &model)
     {
       return scheme->allowed_step(model, time_of_state);
     }
 
-    /** The model is another one of the same time, on another mesh. */
+    /** The model was replaced by one of the same time on another mesh. */
     void mesh_has_changed()
     {
       scheme->mesh_has_changed();
@@ -235,7 +235,7 @@ namespace tombolo
       return seconds_spent;
     }
 
-    /** Lists what is kept between steps, with the error of the @p last balance. */
+    /** Lists the state between steps, with the error of the @p last balance. */
     void list(Records &records, const Model<dim> &model, HeatBalance &last)
     {
       records.value("time", time_of_state);
@@ -252,8 +252,8 @@ namespace tombolo
       entered.resize(model.heat->conditions.n_conditions());
       entering.resize(entered.size());
       std::vector<double *> shares;
-      for (std::vector<double> *const of_conditions : {&entered, &entering})
-        for (double &value : *of_conditions)
+      for (std::vector<double> *const condition_heats : {&entered, &entering})
+        for (double &value : *condition_heats)
           shares.push_back(&value);
       records.sums("heat of conditions", shares);
       records.sums("eroded heat", model.heat->eroded_heat, model.heat->eroding_heat);
@@ -261,7 +261,7 @@ namespace tombolo
       scheme->list(records, model);
     }
 
-    /** What the integrator has to say about its cost. */
+    /** Adds the costs of the integrator. */
     void add_to_summary(Summary &summary) const
     {
       scheme->add_to_summary(summary);
@@ -371,7 +371,7 @@ namespace tombolo
     double smallest = 1e300, largest = 0;
     double seconds_spent = 0;
 
-    // This rank's shares of what came through each condition: until t_n^θ, and in the step.
+    // This rank's shares of the heat through each condition: until t_n^θ, and in the step.
     std::vector<double> entered, entering;
     double largest_scale = 0;
     bool has_start = false;

@@ -19,9 +19,9 @@ namespace tombolo
   /** The table `conditions.csv` of all mechanical conditions. */
   constexpr const char *condition_history = "condition history";
 
-  /** What a mechanical condition, a support, a drive or a load, does to the bodies; sums over all
-   * its nodes and ranks. Impulses are those until t_{n-1/2}, as the momentum; moments are about the
-   * origin of coordinates. */
+  /** The effect of a mechanical condition, a support, a drive or a load, on the bodies; sums over
+   * all its nodes and ranks. Impulses are those until t_{n-1/2}, as the momentum; moments are about
+   * the origin of coordinates. */
   struct ConditionBalance : ImpulseBalance
   {
     bool prescribes_motion = false; ///< otherwise it is a load
@@ -42,11 +42,11 @@ namespace tombolo
   {
   public:
     /** Of those that prescribe motion, or of the loads. */
-    ConditionAccounts(const Model<dim> &model, const bool of_prescribed_motion)
-        : model(model), of_prescribed_motion(of_prescribed_motion)
+    ConditionAccounts(const Model<dim> &model, const bool is_for_motion)
+        : model(model), is_for_motion(is_for_motion)
     {
       for (const MechanicalCondition<dim> &condition : model.conditions->all())
-        accounts.push_back({prescribes(condition.type) == of_prescribed_motion, {}, 0.});
+        accounts.push_back({prescribes(condition.type) == is_for_motion, {}, 0.});
     }
 
     /** The impulses of the last step count from now on; those that follow are of the interval
@@ -61,7 +61,7 @@ namespace tombolo
     /** Of one of them. */
     struct Account
     {
-      bool is_kept; ///< the others are of the other kind
+      bool is_kept; ///< false for conditions of the other kind
       ImpulseAccount impulses;
       double work = 0;
     };
@@ -96,23 +96,23 @@ namespace tombolo
       {
         if (!accounts[c].is_kept)
           continue;
-        const double *const of_condition = sums.data() + n_sums * c;
+        const double *const condition_sums = sums.data() + n_sums * c;
         ConditionBalance balance;
         balance.name = model.conditions->all()[c].name;
-        balance.prescribes_motion = of_prescribed_motion;
+        balance.prescribes_motion = is_for_motion;
         balance.time_of_impulse = time_of_impulse;
-        balance.work = of_condition[6];
-        balance.n_nodes = of_condition[10];
-        std::copy_n(of_condition, 3, balance.impulse.begin());
-        std::copy_n(of_condition + 3, 3, balance.angular_impulse.begin());
+        balance.work = condition_sums[6];
+        balance.n_nodes = condition_sums[10];
+        std::copy_n(condition_sums, 3, balance.impulse.begin());
+        std::copy_n(condition_sums + 3, 3, balance.angular_impulse.begin());
         for (unsigned int d = 0; d < 3 && balance.n_nodes > 0.; ++d)
-          balance.displacement[d] = of_condition[7 + d] / balance.n_nodes;
+          balance.displacement[d] = condition_sums[7 + d] / balance.n_nodes;
         result.push_back(balance);
       }
       return result;
     }
 
-    /** Lists what is kept from step to step. */
+    /** Lists the state from step to step. */
     void list(Records &records)
     {
       Records &all = records.group("by condition");
@@ -152,7 +152,7 @@ namespace tombolo
     }
 
     const Model<dim> &model;
-    bool of_prescribed_motion;
+    bool is_for_motion;
     std::vector<Account> accounts; ///< by number of the condition
     double time_of_impulse = 0;
   };

@@ -18,14 +18,15 @@
 
 namespace tombolo
 {
-  /** What contacts with surfaces ask of the nodes and cells of a model, which must outlive this. */
+  /** The properties of nodes and cells of a model for contacts with surfaces. The model must
+   * outlive this. */
   template <int dim>
   class ContactNodes
   {
   public:
     explicit ContactNodes(const Model<dim> &model) : model(model) {}
 
-    /** Throws the InputError of a contact that puts nodes onto a surface, where particles are
+    /** Throws the InputError of a contact that moves nodes onto a surface, where particles are
      * smoothed so that this creates energy. */
     void refuse_blunt_smoothing(const Section &section) const
     {
@@ -76,10 +77,10 @@ namespace tombolo
       return can_be_exposed;
     }
 
-    /** Lets contacts have the faces of the cells that are full now, where refills fill and empty
-     * cells; their partition must be set then. */
-    void take_faces_of_full_cells(
-        const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
+    /** Sets the faces of contacts to those of the cells that are full now, where refills fill and
+     * empty cells; their partition must be set then. */
+    void
+    set_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
     {
       const auto is_void = void_cells();
       for (const auto &contact : contacts)
@@ -96,8 +97,8 @@ namespace tombolo
                      "faces this contact does not follow; allowed is penalty.");
     }
 
-    /** The bodies that touch the surfaces of parts, and those of these parts, on this rank, as
-     * Bodies::body_of() has them. */
+    /** The bodies that touch the surfaces of parts, and those of these parts, on this rank, by
+     * Bodies::body_of(). */
     std::set<types::global_dof_index>
     bodies_of_contacts(const std::vector<const SurfaceContact<dim> *> &contacts,
                        const Bodies<dim> &bodies) const
@@ -116,7 +117,8 @@ namespace tombolo
       return result;
     }
 
-    /** Tells contacts which nodes are debris now, where any of them conducts. Collective. */
+    /** Notifies contacts of the nodes that are debris now, where any of them conducts. Collective.
+     */
     void
     find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
     {
@@ -144,7 +146,7 @@ namespace tombolo
     std::optional<double>
     count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
     {
-      constexpr double of_cutting_speed = 2.;
+      constexpr double speed_factor = 2.;
       double speed = std::numeric_limits<double>::max();
       for (const auto &contact : contacts)
         if (contact->cutting_speed() > 0.)
@@ -155,30 +157,30 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
         for (const unsigned int node : part.formulation->particle_nodes())
           if (vector_of<dim>(model.state.velocity.node(node)).norm_square() >
-              std::pow(of_cutting_speed * speed, 2))
+              std::pow(speed_factor * speed, 2))
             fast.insert(node);
       return ordered_sum(static_cast<double>(fast.size()), model.communicator);
     }
 
   private:
-    /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no
-     * such parts. Refers to the model. */
+    /** Returns whether cells are void, of parts whose refills fill and empty cells; empty where
+     * there are no such parts. Refers to the model. */
     typename OutwardAreas<dim>::IsVoid void_cells() const
     {
-      std::vector<const VoidCells<dim> *> of_parts;
+      std::vector<const VoidCells<dim> *> part_voids;
       bool any = false;
       for (const Part<dim> &part : model.parts)
       {
         const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
         const bool fills = cells != nullptr && cells->refill().fills_cells;
-        of_parts.push_back(fills ? &cells->void_cells() : nullptr);
+        part_voids.push_back(fills ? &cells->void_cells() : nullptr);
         any = any || fills;
       }
       if (!any)
         return {};
-      return [of_parts, &model = model](const typename Nodes<dim>::Cell &cell)
+      return [part_voids, &model = model](const typename Nodes<dim>::Cell &cell)
       {
-        const VoidCells<dim> *const voids = of_parts[model.part_cells->part_of(cell)];
+        const VoidCells<dim> *const voids = part_voids[model.part_cells->part_of(cell)];
         return voids != nullptr && voids->is_void(cell);
       };
     }

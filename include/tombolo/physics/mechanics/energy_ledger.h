@@ -19,7 +19,7 @@ namespace tombolo
     EnergyAccounts energies;
     double smoothed_kinetic = 0; ///< ½ v · M v at t_{n-1/2} [M L^2/T^2]
     double total = 0;            ///< all energies but external ones
-    double external = 0;         ///< put in since the start
+    double external = 0;         ///< added since the start
     double initial_total = 0;
     /** (total - external - initial total) / the largest initial total + external so far. */
     double error = 0;
@@ -30,8 +30,8 @@ namespace tombolo
     std::array<double, 3> angular_impulse{};
     double momentum_scale = 0;         ///< the largest Σ m̂ |v̂| so far
     double angular_momentum_scale = 0; ///< the largest Σ |x - x̄| m̂ |v̂| so far
-    /** |momentum + what was removed - initial - impulse| / scale. Only of components that the body
-     * keeps by itself: what planes of symmetry give to it is no impulse here. */
+    /** |momentum + removed momentum - initial - impulse| / scale. Only of components that the body
+     * conserves by itself: reactions of planes of symmetry are no impulses here. */
     double momentum_drift = 0;
     double angular_momentum_drift = 0;
   };
@@ -39,19 +39,19 @@ namespace tombolo
   /**
    * The balance of energy and momentum (doc/method.md, section 14). Internal energy comes from the
    * stored state of the material points, never from Δt F · v, so that the balance is a test and not
-   * an identity. What parts and processes store, dissipate and put in they account for themselves
+   * an identity. Parts and processes account for the energies that they store, dissipate and add
    * (EnergyAccounts).
    */
   class EnergyLedger
   {
   public:
-    /** The balance at t_n, before the motion. An error of at most @p unresolved [M L^2/T^2] is
-     * none: works are not known better. Collective. */
+    /** The balance at t_n, before the motion. An error of at most @p unresolved [M L^2/T^2], the
+     * uncertainty of works, counts as zero. Collective. */
     template <int dim>
     EnergyBalance balance(const Model<dim> &model, const Clock &clock, double unresolved = 0.);
 
-    /** Lists what is kept between the steps, with the relative numbers of the @p last balance,
-     * which the summary of a run has that ends before the next. */
+    /** Lists the state between the steps, with the relative numbers of the @p last balance, for the
+     * summary of a run that ends before the next. */
     void list(Records &records, EnergyBalance &last);
 
   private:

@@ -8,7 +8,7 @@ namespace tombolo
 {
   /** Contact between particles: fragments of a part, bodies that no chain of bonds connects, and
    * bodies of different parts with self-contact push each other away, and rub and conduct where
-   * their parts ask for it. What it stores and dissipates stands among the energies of the parts.
+   * their parts have such entries. Its stored and dissipated energies are among those of the parts.
    */
   template <int dim>
   class FragmentContact : public Process<dim>

@@ -18,10 +18,10 @@
 namespace tombolo
 {
   /**
-   * The friction over the temperature of contacts in a scene whose particles share out the heat of
-   * nodes (SpreadFriction). The coefficients of the receivers are implicit in the thermal step:
-   * those of the temperatures that they will have at its end if what the last one brought by the
-   * coefficient 1 comes again,
+   * The friction over the temperature of contacts in a scene whose particles distribute the heat
+   * of nodes (SpreadFriction). The coefficients of the receivers are implicit in the thermal step:
+   * those of their temperatures at its end if the heat of the last one by the coefficient 1
+   * is repeated,
    *
    * @verbatim
    *   m_j = μ(T_j),   H_j(T_j) = H_j + m_j Σ_i G_ij q_i / μ_i
@@ -30,8 +30,8 @@ namespace tombolo
    * where T_j is that of the node or of the field there, whichever is hotter: sharpened and affine
    * smoothings are hotter between nodes than these are.
    *
-   * Where nodes hang, heat is shared out as that of other sources, and friction sees the field at
-   * the node.
+   * Where nodes hang, heat is distributed as that of other sources, and friction depends on the
+   * field at the node.
    */
   template <int dim>
   class HeatedFriction
@@ -40,7 +40,7 @@ namespace tombolo
     using Contacts = std::vector<std::unique_ptr<SurfaceContact<dim>>>;
 
     /** Of those of @p contacts that have a friction over the temperature, where something is
-     * smoothed: of none elsewhere. They must outlive this. Lists what it keeps in @p records. */
+     * smoothed: of none elsewhere. They must outlive this. Lists its state in @p records. */
     HeatedFriction(const Contacts &contacts, const Model<dim> &model, Records &records)
     {
       if (!model.heat || model.heat->bridge.operators() == Bridge::Operators::identity)
@@ -51,14 +51,14 @@ namespace tombolo
           continue;
         SpreadFriction &friction = contact->spread_friction();
         members.push_back({contact.get(), &friction});
-        Records &of_contact = records.group("friction of " + contact->name());
-        of_contact.value("is outdated", friction.is_outdated);
-        of_contact.nodal("coefficients of receivers", 1, friction.weight);
-        of_contact.nodal("coefficient", 1, friction.coefficient);
-        of_contact.nodal("heat of friction", 1, friction.heat);
-        of_contact.nodal("heat by the coefficient 1", 1, friction.unit_heat);
-        // What waits is shared out as that of other sources.
-        of_contact.on_division(
+        Records &contact_records = records.group("friction of " + contact->name());
+        contact_records.value("is outdated", friction.is_outdated);
+        contact_records.nodal("coefficients of receivers", 1, friction.weight);
+        contact_records.nodal("coefficient", 1, friction.coefficient);
+        contact_records.nodal("heat of friction", 1, friction.heat);
+        contact_records.nodal("heat by the coefficient 1", 1, friction.unit_heat);
+        // Pending heat is distributed as that of other sources.
+        contact_records.on_division(
             [&friction](auto &)
             {
               friction.heat.set_zero();
@@ -75,7 +75,7 @@ namespace tombolo
     {
       if (members.empty())
         return;
-      ThermalModel<dim> &of_heat = *model.heat;
+      ThermalModel<dim> &thermal_model = *model.heat;
       set_partition(model.state.partition());
       for (Member &member : members)
       {
@@ -87,14 +87,14 @@ namespace tombolo
         const unsigned int n_owned = friction.weight.partition()->n_owned();
         hottest.resize(n_owned);
         explicit_weights.resize(n_owned);
-        // The field can be hotter than what it is made of.
+        // The field can be hotter than the values that it is made of.
         const auto excess_of = [&](const unsigned int i)
         {
-          return std::max(0., *of_heat.state.temperature.node(i) -
-                                  *of_heat.state.unsmoothed_temperature.node(i));
+          return std::max(0., *thermal_model.state.temperature.node(i) -
+                                  *thermal_model.state.unsmoothed_temperature.node(i));
         };
         for (unsigned int i = 0; i < n_owned; ++i)
-          hottest[i] = *of_heat.state.unsmoothed_temperature.node(i) + excess_of(i);
+          hottest[i] = *thermal_model.state.unsmoothed_temperature.node(i) + excess_of(i);
         table.evaluate(n_owned, hottest.data(), explicit_weights.data());
         friction.weight.fill(
             [&](const unsigned int i, double *const weight)
@@ -103,9 +103,10 @@ namespace tombolo
               const double expected = *friction.unit_heat.node(i);
               if (!(expected > 0.))
                 return;
-              const double enthalpy = *of_heat.state.enthalpy.node(i), excess = excess_of(i);
+              const double enthalpy = *thermal_model.state.enthalpy.node(i), excess = excess_of(i);
               const auto with_heat = [&](const double coefficient) {
-                return of_heat.nodal_enthalpy.temperature(i, enthalpy + coefficient * expected) +
+                return thermal_model.nodal_enthalpy.temperature(i,
+                                                                enthalpy + coefficient * expected) +
                        excess;
               };
               *weight = implicit_coefficient(table, hottest[i], with_heat);
@@ -117,23 +118,24 @@ namespace tombolo
         revision_of_rows = model.revisions.stencils;
         for (const unsigned int node : member.contact->candidate_nodes())
         {
-          double &of_node = *friction.coefficient.node(node);
-          of_node = are_dependent ? table.value(*of_heat.state.temperature.node(node))
-                                  : std::max(0., of_node);
+          double &node_coefficient = *friction.coefficient.node(node);
+          node_coefficient = are_dependent
+                                 ? table.value(*thermal_model.state.temperature.node(node))
+                                 : std::max(0., node_coefficient);
         }
       }
     }
 
     /** The model has changed, other than its rows alone. */
-    void forget_coefficients()
+    void invalidate_coefficients()
     {
       for (Member &member : members)
         member.is_current = false;
     }
 
-    /** At the end of a thermal step: nodes get the heat of friction, which waits no longer.
+    /** At the end of a thermal step: adds the pending heat of friction to nodes.
      * Collective. */
-    void give_heat(const Model<dim> &model)
+    void distribute_heat(const Model<dim> &model)
     {
       if (members.empty())
         return;
@@ -146,7 +148,7 @@ namespace tombolo
           member.friction->unit_heat.set_zero();
         }
         else
-          give_heat(model, member);
+          distribute_heat(model, member);
         member.friction->is_outdated = true;
       }
     }
@@ -190,22 +192,22 @@ namespace tombolo
       unit_heat.fit_to(partition, Quantity::scalar);
     }
 
-    /** Takes friction from receivers whose heat raises the field where that is beyond the end of
+    /** Removes friction from receivers whose heat raises the field where that is beyond the end of
      * friction. Collective. */
     void limit_weights(const Model<dim> &model, const Member &member)
     {
-      // Of the range up to the end of friction: a field that is beyond it by so much, at a node to
-      // which a receiver gives all its heat, takes all friction from this receiver.
+      // Of the range up to the end of friction: a field that is beyond it by so much, at a node
+      // with all the heat of a receiver, removes all friction of this receiver.
       constexpr double tolerance = 1e-3;
-      ThermalModel<dim> &of_heat = *model.heat;
+      ThermalModel<dim> &thermal_model = *model.heat;
       const double end = end_of_friction(member.contact->friction());
       heated.clear();
       loads.set_zero();
       for (unsigned int i = 0; i < loads.partition()->n_owned(); ++i)
       {
-        const double excess = *of_heat.state.temperature.node(i) - end;
-        const double range = end - of_heat.nodal_enthalpy.initial_temperature(i);
-        if (!(excess > 0.) || !(range > 0.) || *of_heat.bridge.mass().node(i) == 0.)
+        const double excess = *thermal_model.state.temperature.node(i) - end;
+        const double range = end - thermal_model.nodal_enthalpy.initial_temperature(i);
+        if (!(excess > 0.) || !(range > 0.) || *thermal_model.bridge.mass().node(i) == 0.)
           continue;
         *loads.node(i) = excess / (tolerance * range);
         heated.push_back(i);
@@ -213,9 +215,10 @@ namespace tombolo
       if (dealii::Utilities::MPI::max(heated.empty() ? 0 : 1, model.communicator) == 0)
         return;
       add_up({&heat},
-             [&] { of_heat.bridge.load_transfer().add_force_of_loads(heated, loads, heat); });
+             [&] { thermal_model.bridge.load_transfer().add_force_of_loads(heated, loads, heat); });
       unit_heat.set_zero();
-      add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
+      add_transposed_smoothing(thermal_model.bridge, thermal_model.conditions, heat, adjoint, kept,
+                               unit_heat);
       member.friction->weight.fill([&](const unsigned int i, double *const weight)
                                    { *weight *= 1. - std::clamp(*unit_heat.node(i), 0., 1.); });
     }
@@ -228,16 +231,16 @@ namespace tombolo
                                                      result);
     }
 
-    void give_heat(const Model<dim> &model, const Member &member)
+    void distribute_heat(const Model<dim> &model, const Member &member)
     {
-      // Below, receivers have all but no friction left, and the heat goes where others goes.
+      // Below, receivers have nearly no friction, and the heat is distributed as other heat.
       constexpr double smallest_share = 1e-3;
-      // What a thermal step brought is expected for some more, since a coefficient of zero hides
-      // how much would come, and what sticks slips again.
+      // The heat of a thermal step is expected for some more, since a coefficient of zero hides how
+      // much would come, and sticking nodes slip again.
       constexpr double remembered = 0.9;
       SpreadFriction &friction = *member.friction;
-      ThermalModel<dim> &of_heat = *model.heat;
-      ThermalState &state = of_heat.state;
+      ThermalModel<dim> &thermal_model = *model.heat;
+      ThermalState &state = thermal_model.state;
       // Those of the forces, if nothing has changed since, but for negative ones, which count
       // alike.
       const bool are_current = member.is_current && revision_of_rows == model.revisions.stencils;
@@ -249,18 +252,20 @@ namespace tombolo
       heated.clear();
       for (const unsigned int node : member.contact->candidate_nodes())
       {
-        const double of_node = std::exchange(*friction.heat.node(node), 0.);
+        const double friction_heat = std::exchange(*friction.heat.node(node), 0.);
         const double coefficient = *coefficients.node(node);
-        if (of_node == 0. || !(coefficient > smallest) || *of_heat.bridge.mass().node(node) == 0.)
-          continue; // it waits with other heat
-        *loads.node(node) = of_node / coefficient;
-        *state.pending.node(node) -= of_node;
+        if (friction_heat == 0. || !(coefficient > smallest) ||
+            *thermal_model.bridge.mass().node(node) == 0.)
+          continue; // it stays with other pending heat
+        *loads.node(node) = friction_heat / coefficient;
+        *state.pending.node(node) -= friction_heat;
         heated.push_back(node);
       }
-      add_up({&heat},
-             [&] { of_heat.bridge.load_transfer().add_force_at_positions(heated, loads, heat); });
+      add_up({&heat}, [&]
+             { thermal_model.bridge.load_transfer().add_force_at_positions(heated, loads, heat); });
       unit_heat.set_zero();
-      add_transposed_smoothing(of_heat.bridge, of_heat.conditions, heat, adjoint, kept, unit_heat);
+      add_transposed_smoothing(thermal_model.bridge, thermal_model.conditions, heat, adjoint, kept,
+                               unit_heat);
       for (unsigned int i = 0; i < unit_heat.partition()->n_owned(); ++i)
       {
         const double now = *unit_heat.node(i);

@@ -17,7 +17,7 @@ namespace tombolo
   template <int dim>
   class KinematicContact;
 
-  /** Contact by the forces that put nodes onto a surface, `kinematic`, among the @p contacts of a
+  /** Contact by the forces that move nodes onto a surface, `kinematic`, among the @p contacts of a
    * KinematicSolver. Throws InputError. Collective. */
   template <int dim>
   std::unique_ptr<SurfaceContact<dim>>
@@ -26,9 +26,9 @@ namespace tombolo
   /**
    * Finds the forces of all kinematic contacts of a scene in a step, together: those of one contact
    * move the nodes of others. Sweeps end when they change positions by less than 1e-3 of the
-   * deepest predicted penetration, or after 200; what is left then is part of the next prediction.
-   * Sums over ranks are those of nodal forces, so that results on other numbers of ranks agree to
-   * round-off.
+   * deepest predicted penetration, or after 200; the remaining error is part of the next
+   * prediction. Sums over ranks are those of nodal forces, so that results on other numbers of
+   * ranks agree to round-off.
    */
   template <int dim>
   class KinematicSolver
@@ -38,7 +38,7 @@ namespace tombolo
     KinematicSolver(std::vector<KinematicContact<dim> *> contacts, const Model<dim> &model);
 
     /** The forces at t_n, once the acceleration by all others is complete, with its ghosts, and the
-     * size of the coming step known. Adds them to @p loads at positions, and their nodes to @p
+     * size of the coming step set. Adds them to @p loads at positions, and their nodes to @p
      * loaded_nodes. Collective. */
     void solve(const Model<dim> &model, const Clock &clock, const NodalHeat &nodal_heat,
                NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
@@ -47,7 +47,7 @@ namespace tombolo
     /** Finds the nodes that can come behind a surface in the step, judged without B. Returns
      * whether there is one on any rank. Collective. */
     bool find_near_nodes(const Model<dim> &model, const Clock &clock);
-    /** Lets the nodes behind surfaces respond, and those near them. Collective. */
+    /** Sets the nodes that respond: those behind surfaces, and those near them. Collective. */
     void set_responding_nodes(const Model<dim> &model);
     /** Begins the step of all contacts. Returns the deepest penetration. Collective. */
     double find_constraints(const Model<dim> &model, const Clock &clock,

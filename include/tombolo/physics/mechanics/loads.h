@@ -16,7 +16,7 @@ namespace tombolo
   /**
    * Tractions, pressures and body forces. They act at positions, which move with Φ: the nodal force
    * is Φᵀ times them. Where there are several, the work of a single one is that of its forces f at
-   * positions on their velocity Φ v: what all do together is that of Φᵀ f on v.
+   * positions on their velocity Φ v: the work of all together is that of Φᵀ f on v.
    */
   template <int dim>
   class Loads : public Process<dim>
@@ -24,7 +24,7 @@ namespace tombolo
   public:
     explicit Loads(const Model<dim> &model)
         : conditions(*model.conditions), loads(this->actions.add("loads", ActsAt::loads)),
-          of_conditions(model, false)
+          accounts(model, false)
     {
       loads.books("external work", EnergyKind::external).comes_from_outside().stays_on_rank();
       model.signals.change.connect(
@@ -41,7 +41,7 @@ namespace tombolo
       if (single.size() == 1)
         single.clear();
       Records &all = this->records.group("loads");
-      of_conditions.list(all);
+      accounts.list(all);
       for (SingleLoad &load : single)
         load.work.list("previous impulse of " + std::to_string(load.condition), all);
     }
@@ -51,17 +51,18 @@ namespace tombolo
       loaded_nodes =
           with_nodes_depended_on(model.state.partition(), conditions.loaded_nodes(model.state));
       if (model.bridge->has_particles())
-        places.reinit(model.state.partition(), model.state.position.quantity());
+        load_positions.reinit(model.state.partition(), model.state.position.quantity());
     }
 
     void add_forces(const Model<dim> &model, const Clock &clock, const NodalVector &) override
     {
       const bool has_particles = model.bridge->has_particles();
       if (has_particles)
-        model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.position, places);
-      std::function<void(unsigned int, const NodalVector &)> take_alone;
+        model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.position,
+                                                      load_positions);
+      std::function<void(unsigned int, const NodalVector &)> store_alone;
       if (!single.empty())
-        take_alone = [this](const unsigned int condition, const NodalVector &alone)
+        store_alone = [this](const unsigned int condition, const NodalVector &alone)
         {
           for (SingleLoad &load : single)
             if (load.condition == condition)
@@ -70,15 +71,15 @@ namespace tombolo
       for (SingleLoad &load : single)
         load.at_positions.clear();
       loads.touched_nodes() = loaded_nodes;
-      conditions.compute_loads(model.state, clock.time,
-                               has_particles ? places : model.state.position,
-                               loads.at_touched_nodes(), resultants, model.body_mass(), take_alone);
+      conditions.compute_loads(
+          model.state, clock.time, has_particles ? load_positions : model.state.position,
+          loads.at_touched_nodes(), resultants, model.body_mass(), store_alone);
     }
 
     void after_acceleration(const Model<dim> &model, const Clock &clock) override
     {
-      of_conditions.begin_step(clock.time - 0.5 * clock.previous_step);
-      of_conditions.add_loads(resultants, clock.velocity_step());
+      accounts.begin_step(clock.time - 0.5 * clock.previous_step);
+      accounts.add_loads(resultants, clock.velocity_step());
       add_works(model, [&](SingleLoad &load, const NodalVector &velocity, double &work)
                 { load.work.complete_step(load.at_positions, velocity, clock, work); });
     }
@@ -109,46 +110,46 @@ namespace tombolo
     /** Collective. */
     std::vector<ConditionBalance> balances() const
     {
-      std::vector<ConditionBalance> result = of_conditions.balances();
+      std::vector<ConditionBalance> result = accounts.balances();
       if (single.empty()) // one load, which has done all the work
         result.front().work = ordered_sum(loads.work(), loads.given().partition()->communicator());
       return result;
     }
 
-    /** Adds what @p add(load, velocity where it acts, work) finds to the work of each load among
+    /** Adds the work by @p add(load, velocity where it acts, work) to that of each load among
      * several. Collective. */
     template <typename Add>
     void add_works(const Model<dim> &model, const Add &add)
     {
       if (single.empty())
         return;
-      const NodalVector &velocity = velocity_at_places(model);
+      const NodalVector &velocity = velocity_at_loads(model);
       for (SingleLoad &load : single)
       {
         double work = 0;
         add(load, velocity, work);
-        of_conditions[load.condition].work += work;
+        accounts[load.condition].work += work;
       }
     }
 
     /** The velocity of t_{n-1/2} where loads act, at owned nodes. Collective. */
-    const NodalVector &velocity_at_places(const Model<dim> &model)
+    const NodalVector &velocity_at_loads(const Model<dim> &model)
     {
       if (!model.bridge->has_particles())
         return model.state.velocity;
-      place_velocities.fit_to(model.state.partition());
+      load_velocities.fit_to(model.state.partition());
       model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.velocity,
-                                                    place_velocities);
-      return place_velocities;
+                                                    load_velocities);
+      return load_velocities;
     }
 
     const MechanicalConditions<dim> &conditions;
     Action &loads;
     std::vector<unsigned int> loaded_nodes; ///< owned, ascending
-    NodalVector places;              ///< where loads act, Φ x; only where there are particles
+    NodalVector load_positions;      ///< where loads act, Φ x; only where there are particles
     std::vector<LoadSum> resultants; ///< of `loads`, by number of the condition
-    ConditionAccounts<dim> of_conditions;
+    ConditionAccounts<dim> accounts;
     std::vector<SingleLoad> single; ///< where there are several; else empty
-    NodalVector place_velocities;   ///< Φ v; only where there are particles and several loads
+    NodalVector load_velocities;    ///< Φ v; only where there are particles and several loads
   };
 } // namespace tombolo

@@ -22,13 +22,13 @@
 namespace tombolo
 {
   /**
-   * Section "Scaling": what makes a quasi-static process cheaper to follow with explicit steps.
+   * Section "Scaling": makes a quasi-static process cheaper with explicit steps.
    *
-   * A process that runs s times faster, with everything that has a time in it carried along
+   * A process that runs s times faster, with all quantities with a unit of time scaled
    * (conductivity, film coefficients and radiation times s, reference strain rates times s,
-   * functions of s t), is in its own time the same as one with s² times the inertia and all else as
-   * it is. So nothing is carried along: the file stays in the time of the process, and inertia is
-   * multiplied by inertia_factor().
+   * functions of s t), is in its own time the same as one with s² times the inertia and nothing
+   * else changed. So only inertia is multiplied, by inertia_factor(), and the file stays in the
+   * time of the process.
    */
   struct ScalingSettings
   {
@@ -58,7 +58,7 @@ namespace tombolo
     double mass_factor = 1.;
     double process_time_factor = 1.;
     double target_time_step = 0.; ///< by eq. (41) [T]; zero: none
-    unsigned int interval = 0;    ///< steps between looks at the target
+    unsigned int interval = 0;    ///< steps between checks of the target
 
     /** The largest factor allowed; its inverse is the smallest. */
     static constexpr double largest_factor = 1e12;
@@ -67,16 +67,16 @@ namespace tombolo
   /**
    * The inertia of the parts of a scene where it is not that of their densities. The uniform factor
    * is that of the materials (Material::scale_inertia); this process finds the factors of single
-   * cells and particles (Part::inertia), which bring each of them to the target step, and reports
-   * what was scaled. By the theorem of element eigenvalues the step of a mesh is at least the
-   * smallest one of its elements, each with its own mass.
+   * cells and particles (Part::inertia), which raise each of them to the target step, and reports
+   * the scaling. By the theorem of element eigenvalues the step of a mesh is at least the smallest
+   * one of its elements, each with its own mass.
    */
   template <int dim>
   class MassScaling : public Process<dim>
   {
   public:
-    /** Finds the factors for the initial positions and gives the model their masses. Throws
-     * InputError where the target does nothing, or would take too much. Collective. */
+    /** Finds the factors for the initial positions and sets the masses of the model by them. Throws
+     * InputError where the target has no effect, or needs too large factors. Collective. */
     MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model)
         : section(section), settings(settings), communicator(model.communicator)
     {
@@ -144,8 +144,8 @@ namespace tombolo
           part.formulation->courant_limits(model.state.position, steps);
           for (std::size_t i = 0; i < steps.size(); ++i)
           {
-            constexpr double of_removed_cells = 1e299;
-            if (part.inertia[i] > 1. && steps[i] < of_removed_cells)
+            constexpr double removed_limit = 1e299;
+            if (part.inertia[i] > 1. && steps[i] < removed_limit)
               ++count;
             smallest = std::min(smallest, steps[i]);
           }
@@ -195,10 +195,10 @@ namespace tombolo
       for (Part<dim> &part : model.parts)
       {
         part.formulation->courant_limits(model.state.position, steps);
-        const bool knows_all =
+        const bool has_all_steps =
             steps.size() >= std::max<std::size_t>(part.formulation->n_cells(),
                                                   part.formulation->particle_nodes().size());
-        if (dealii::Utilities::MPI::min(knows_all ? 1 : 0, communicator) == 0)
+        if (dealii::Utilities::MPI::min(has_all_steps ? 1 : 0, communicator) == 0)
           section.fail("Target time step", "cells of part \"" + part.name +
                                                "\" cannot be given mass one by one; allowed is a "
                                                "uniform `Mass factor`.");
@@ -291,7 +291,7 @@ namespace tombolo
         for (std::size_t i = 0; i < steps.size(); ++i)
         {
           const double ratio = settings.target_time_step / steps[i];
-          // A cell turned inside out has no step; the forces say so.
+          // A cell turned inside out has no step; the forces report it.
           const double wanted = std::min(ratio * ratio, ScalingSettings::largest_factor);
           if (!(steps[i] > 0.) || !(wanted > part.inertia[i]))
             continue;

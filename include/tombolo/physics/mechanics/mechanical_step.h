@@ -38,9 +38,8 @@ namespace tombolo
 
   /**
    * Algorithm 1 of Pan et al. 2019 (doc/method.md, section 5) around the time t_n: forces, then,
-   * when the size of the coming step is known, the acceleration with its constraints, then motion.
-   * After complete() the state is that of t_n (stress, position, acceleration) and can be looked
-   * at.
+   * when the size of the coming step is set, the acceleration with its constraints, then motion.
+   * After complete() the state is that of t_n (stress, position, acceleration) and can be read.
    */
   template <int dim>
   class MechanicalStep
@@ -48,12 +47,12 @@ namespace tombolo
   public:
     explicit MechanicalStep(Model<dim> &model);
 
-    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns what
-     * has changed in the model. Throws RunError on all ranks when a value stopped being finite, one
-     * step after it did. Collective. */
+    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns the
+     * change of the model. Throws RunError on all ranks when a value stopped being finite, one step
+     * after it did. Collective. */
     ModelChange evaluate(const Clock &clock);
 
-    /** Prescribes motion and accounts for the step; the size of the coming step must be known.
+    /** Prescribes motion and accounts for the step; the size of the coming step must be set.
      * Collective. */
     void complete(const Clock &clock);
 
@@ -78,7 +77,7 @@ namespace tombolo
     void smooth_velocity(const Clock &clock);
     /** Adds the other forces of the parts. */
     void add_internal_force(const Clock &clock);
-    /** Has @p add_force add forces of a part, and notes what it has failed at. */
+    /** Calls @p add_force, which adds forces of a part, and notes its failure. */
     void evaluate_part(std::size_t number, const Clock &clock,
                        const std::function<void()> &add_force);
     void divide_by_mass(const Clock &clock);

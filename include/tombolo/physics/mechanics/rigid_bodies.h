@@ -32,14 +32,14 @@ namespace tombolo
   std::vector<unsigned int> owned_nodes_of_part(const Model<dim> &model, unsigned int part);
 
   /** A rigid body: the parts of cells that common nodes join, the first of which is the one whose
-   * section gives the motion, and their owned nodes, ascending local numbers. */
+   * section prescribes the motion, and their owned nodes, ascending local numbers. */
   struct JoinedParts
   {
     std::vector<unsigned int> parts, nodes;
   };
 
   /** The rigid bodies of a model, whose parts have the sections @p sections. Throws the InputError
-   * of a body whose motion two parts give. Collective. */
+   * of a body whose motion is prescribed by two parts. Collective. */
   template <int dim>
   std::vector<JoinedParts> find_rigid_bodies(const std::vector<Section> &sections,
                                              const Model<dim> &model);
@@ -66,18 +66,18 @@ namespace tombolo
   /**
    * The parts with `Formulation = rigid`. All forces act on their nodes as on any others; when they
    * are complete, and after every other process, the acceleration of these nodes is replaced by the
-   * one that brings each to its place in the body at t_{n+1}, which follows from the resultant of
+   * one that moves each to its position in the body at t_{n+1}, which follows from the resultant of
    * the forces and their moment. Nodes that are shared with elements of other parts belong to the
    * body, and rigid parts that share nodes are one. Where another process has changed their masses
-   * and velocities, as a remap does, the body takes these masses, the momentum and the angular
-   * momentum; what is lost of the kinetic energy, and of a momentum that is prescribed, is booked
-   * with that of the remap.
+   * and velocities, as a remap does, the body gets these masses, the momentum and the angular
+   * momentum; the loss of kinetic energy, and of a prescribed momentum, is accounted for with that
+   * of the remap.
    */
   template <int dim>
   class RigidBodies : public Process<dim>
   {
   public:
-    /** Collects the rigid parts, gives their nodes the velocity at the start. Throws InputError.
+    /** Collects the rigid parts, sets the initial velocity of their nodes. Throws InputError.
      * Collective. */
     RigidBodies(const Parameters &parameters, Model<dim> &model)
         : impulses(model.impulses),
@@ -122,7 +122,7 @@ namespace tombolo
       for (std::size_t b = 0; b < bodies.size(); ++b)
       {
         const Wrench momentum = momentum_of_nodes(b, model);
-        const auto way_back = bodies[b].take_momentum(clock, momentum.force, momentum.moment);
+        const auto way_back = bodies[b].set_momentum(clock, momentum.force, momentum.moment);
         for (const unsigned int node : joined[b].nodes)
         {
           const dealii::Tensor<1, 3> way =
@@ -157,11 +157,11 @@ namespace tombolo
         std::array<double, 3> moment{};
         for (const unsigned int node : joined[b].nodes)
         {
-          const dealii::Tensor<1, 3> of_node = vector_of<3>(state.force.node(node));
+          const dealii::Tensor<1, 3> node_force = vector_of<3>(state.force.node(node));
           const dealii::Tensor<1, 3> r =
               vector_of<3>(state.position.node(node)) - bodies[b].centre();
-          force += of_node;
-          add_moment(&r[0], &of_node[0], moment);
+          force += node_force;
+          add_moment(&r[0], &node_force[0], moment);
         }
         sums.insert(sums.end(), &force[0], &force[0] + 3);
         sums.insert(sums.end(), moment.begin(), moment.end());
@@ -213,9 +213,9 @@ namespace tombolo
             }
             model.state.unsmoothed_velocity.distribute();
           });
-      Records &of_all = this->records.group("rigid parts");
-      of_all.value("lost energy", lost);
-      of_all.sums("lost momentum", interleaved(lost_momentum, lost_angular_momentum));
+      Records &all_records = this->records.group("rigid parts");
+      all_records.value("lost energy", lost);
+      all_records.sums("lost momentum", interleaved(lost_momentum, lost_angular_momentum));
     }
 
     void observe()
@@ -314,7 +314,7 @@ namespace tombolo
       return {vector_of<3>(sums.data()), vector_of<3>(sums.data() + 3)};
     }
 
-    /** Whether nodes have other masses than when this was asked last. Collective. */
+    /** Whether the masses of nodes have changed since the last call. Collective. */
     bool masses_have_changed(const Model<dim> &model)
     {
       std::vector<double> now;
@@ -327,20 +327,20 @@ namespace tombolo
       return has_changed;
     }
 
-    /** Gives all bodies the inertia for the masses that nodes have now. Collective. */
+    /** Sets the inertia of all bodies by the present masses of nodes. Collective. */
     void renew_inertia(const Model<dim> &model)
     {
       for (std::size_t b = 0; b < bodies.size(); ++b)
         bodies[b].set_inertia(inertia_of(joined[b], model));
     }
 
-    /** Moves the body by what initial conditions gave to its nodes. Collective. */
+    /** Sets the initial motion of the body by the initial conditions of its nodes. Collective. */
     void start(const Section &section, const std::size_t index, Model<dim> &model)
     {
       RigidBody<dim> &body = bodies[index];
       const RigidBodySettings<dim> &motion = body.motion();
-      const Wrench of_nodes = momentum_of_nodes(index, model);
-      const dealii::Tensor<1, 3> &momentum = of_nodes.force, &angular_momentum = of_nodes.moment;
+      const Wrench momenta = momentum_of_nodes(index, model);
+      const dealii::Tensor<1, 3> &momentum = momenta.force, &angular_momentum = momenta.moment;
       const bool is_given = momentum.norm() > 0. || angular_momentum.norm() > 0.;
       if (is_given && (motion.initial_velocity || motion.initial_spin))
         section.fail(
@@ -356,7 +356,7 @@ namespace tombolo
       set_velocity(index, model.state);
     }
 
-    /** Gives the nodes of a body its velocity at the start. */
+    /** Sets the nodes of a body to its initial velocity. */
     void set_velocity(const std::size_t index, NodalState &state) const
     {
       for (const unsigned int node : joined[index].nodes)
@@ -371,19 +371,20 @@ namespace tombolo
     /** Sets the acceleration of the nodes of a body for the step that it has found. */
     void move_nodes(const std::size_t index, const Clock &clock, NodalState &state) const
     {
-      // The round-off of positions is taken back slowly: at once, it would be a noise of
+      // The round-off of positions is corrected slowly: at once, it would be a noise of
       // velocities.
       constexpr double share_of_correction = 1e-3;
       const auto from_start = bodies[index].placement();
-      const auto of_step = bodies[index].motion_of_step(clock);
+      const auto step_motion = bodies[index].motion_of_step(clock);
       for (const unsigned int node : joined[index].nodes)
       {
         const dealii::Tensor<1, 3> initial = vector_of<3>(state.initial_position.node(node));
-        const dealii::Tensor<1, 3> place = initial + from_start.of(initial),
-                                   motion = of_step.of(initial);
+        const dealii::Tensor<1, 3> position = initial + from_start.of(initial),
+                                   motion = step_motion.of(initial);
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const double correction = share_of_correction * (place[d] - state.position.node(node)[d]);
+          const double correction =
+              share_of_correction * (position[d] - state.position.node(node)[d]);
           state.acceleration.node(node)[d] = ((motion[d] + correction) / clock.next_step -
                                               state.unsmoothed_velocity.node(node)[d]) /
                                              clock.velocity_step();
@@ -391,8 +392,8 @@ namespace tombolo
       }
     }
 
-    /** The step that the user gives; zero where none. As text, since who makes a model alone does
-     * not declare it. */
+    /** The step that the user gives; zero where none. As text, since it is not declared where a
+     * model is made alone. */
     static double fixed_step(const Parameters &parameters)
     {
       return std::strtod(parameters.raw("Time step/Fixed", "0").c_str(), nullptr);

@@ -15,8 +15,8 @@
 
 namespace tombolo
 {
-  /** Where a rigid body is, how it moves, and what its drive does to it; the same on all ranks.
-   * Impulses are those of what holds and drives the prescribed components, until t_{n+1/2} and with
+  /** Position, motion and drive of a rigid body; the same on all ranks. Impulses are those of the
+   * reactions at prescribed components, until t_{n+1/2} and with
    * moments about the reference point; the work is that of the drive and of given forces. In two
    * dimensions rotations, spins and moments are about z. */
   struct RigidBodyBalance : ImpulseBalance
@@ -36,15 +36,15 @@ namespace tombolo
   /** How a rigid body turns. */
   enum class RigidRotation
   {
-    by_angle,   ///< as a function of time says, about an axis
-    about_axis, ///< as moments say, about an axis that keeps its direction
-    free        ///< as moments say
+    by_angle,   ///< by a function of time, about an axis
+    about_axis, ///< by moments, about an axis that keeps its direction
+    free        ///< by moments
   };
 
   /**
-   * What the section "Part: NAME/rigid" says of the motion of a body: the displacement of its
+   * The section "Part: NAME/rigid" of the motion of a body: the displacement of its
    * reference point and its angle as functions of time, or which of them forces move, given forces
-   * and the motion at the start. In the words of the motion of rigid tools (RigidTool). Vectors
+   * and the motion at the start. With the entries of the motion of rigid tools (RigidTool). Vectors
    * have three components; in two dimensions rotation is about z.
    */
   template <int dim>
@@ -84,8 +84,7 @@ namespace tombolo
   class Records;
   class ImpulseAccount;
 
-  /** The inertia of a rigid body, in its place at the start. Second moments are about the centre.
-   */
+  /** The inertia of a rigid body, in its initial position. Second moments are about the centre. */
   struct RigidInertia
   {
     double mass = 0;                   ///< [M]
@@ -94,7 +93,7 @@ namespace tombolo
     dealii::Tensor<2, 3> nodal_second; ///< of the masses of nodes [M L^2]
   };
 
-  /** A force and a moment, or what they do in a time. */
+  /** A force and a moment, or their impulses. */
   struct Wrench
   {
     dealii::Tensor<1, 3> force, moment;
@@ -103,9 +102,9 @@ namespace tombolo
   /**
    * A rigid body that moves from t_n to t_{n+1} by central differences (doc/rigid_bodies.md): its
    * momentum by the resultant of all forces at t_n, its angular momentum by their moment about the
-   * centre of mass, and its rotation by rigid_rotation::find_rotation(). What is prescribed of the
-   * motion of its reference point p and of its rotation is met exactly at t_{n+1}, by a force at p
-   * and a moment, the reaction: that of t_n, as all forces. All ranks hold the same.
+   * centre of mass, and its rotation by rigid_rotation::find_rotation(). The prescribed motion of
+   * its reference point p and the prescribed rotation are met exactly at t_{n+1}, by a force at p
+   * and a moment, the reaction: that of t_n, as all forces. The same on all ranks.
    */
   template <int dim>
   class RigidBody
@@ -118,15 +117,15 @@ namespace tombolo
     RigidBody(const std::string &name, RigidBodySettings<dim> settings,
               const RigidInertia &inertia);
 
-    /** Gives the body the motion at the start: what is free of @p velocity of the centre and of
-     * @p spin, unless the settings give one, and the rates of what is prescribed over the short @p
-     * interval after the start. */
+    /** Sets the initial motion of the body: the free components of @p velocity of the centre and of
+     * @p spin, unless the settings have them, and the prescribed rates over the short @p interval
+     * after the start. */
     void start(const Vector &velocity, const Vector &spin, const double interval)
     {
       set_motion(velocity, spin, interval, false);
     }
 
-    /** The motion of the coming step, whose size must be known, by the resultant @p force of all
+    /** The motion of the coming step, whose size must be set, by the resultant @p force of all
      * forces on its nodes at t_n, and their @p moment about the centre of mass. Throws RunError,
      * on all ranks alike, where the body turns too far in a step. */
     void find_motion(const Clock &clock, const Vector &force, const Vector &moment);
@@ -163,17 +162,17 @@ namespace tombolo
              dealii::cross_product_3d(present.spin, position - present.centre);
     }
 
-    /** The body has another inertia from t_n on. */
+    /** Sets the inertia from t_n on. */
     void set_inertia(const RigidInertia &inertia);
 
-    /** At t_n gives the body the @p momentum and the @p angular_momentum about its centre of mass
-     * that its nodes have, with what it has beyond them, as far as its motion is not prescribed.
-     * Returns what takes points of the body from t_n back to t_{n-1} then. Throws RunError, on all
-     * ranks alike, where the body turns too far in a step. */
-    Placement take_momentum(const Clock &clock, const Vector &momentum,
-                            const Vector &angular_momentum);
+    /** Sets the momentum at t_n to the @p momentum and the @p angular_momentum of its nodes about
+     * its centre of mass, with the part of the body beyond them, as far as its motion is not
+     * prescribed. Returns the motion of points of the body from t_n back to t_{n-1} then. Throws
+     * RunError, on all ranks alike, where the body turns too far in a step. */
+    Placement set_momentum(const Clock &clock, const Vector &momentum,
+                           const Vector &angular_momentum);
 
-    /** What kinetic_energy_beyond_nodes() was in the last step, @p interval long. */
+    /** kinetic_energy_beyond_nodes() in the last step, @p interval long. */
     double energy_beyond_nodes_before(const double interval) const
     {
       const Matrix before =
@@ -181,8 +180,8 @@ namespace tombolo
       return 0.5 * trace(before * (initial.second - initial.nodal_second) * transpose(before));
     }
 
-    /** Works and impulses of the step, after find_motion(). What the nodes get from outside, with
-     * what the inertia of the body differs from that of the masses of nodes, is added to @p
+    /** Works and impulses of the step, after find_motion(). Adds the external impulses of the
+     * nodes, corrected by the inertia of the body beyond that of the masses of nodes, to @p
      * impulses; on one rank only. */
     void complete_step(const Clock &clock, ImpulseAccount *impulses);
 
@@ -192,8 +191,8 @@ namespace tombolo
       present = next;
     }
 
-    /** What the kinetic energy of the body is more than that of the masses of its nodes at t_n,
-     * which are farther out than its cells; after complete_step() [M L^2/T^2]. */
+    /** The kinetic energy of the body beyond that of the masses of its nodes at t_n, which are
+     * farther out than its cells; after complete_step() [M L^2/T^2]. */
     double kinetic_energy_beyond_nodes() const
     {
       return beyond_nodes_energy;
@@ -225,11 +224,11 @@ namespace tombolo
       return settings;
     }
 
-    /** Lists what is kept from step to step. */
+    /** Lists the state from step to step. */
     void list(Records &records);
 
-    /** Begins where the body of this name was at the end of another run, which was read, with the
-     * velocities that it had there; where they are prescribed, with the rates over the short @p
+    /** Starts from the position of the body of this name at the end of another run, which was read,
+     * with its velocities there; where they are prescribed, with the rates over the short @p
      * interval after the start. Displacement and angle that are prescribed count from there. */
     void continue_motion(const double interval)
     {
@@ -240,7 +239,7 @@ namespace tombolo
     }
 
   private:
-    /** What changes from step to step. Velocities are those of t_{n-1/2}. */
+    /** The state from step to step. Velocities are those of t_{n-1/2}. */
     struct State
     {
       Vector centre;
@@ -254,8 +253,8 @@ namespace tombolo
       Vector beyond_nodes;       ///< angular momentum, less that of the masses of nodes [M L^2/T]
     };
 
-    /** The velocities at the start, of which @p velocity (of the centre) and @p spin are what
-     * nothing else gives. */
+    /** Sets the initial velocities; @p velocity (of the centre) and @p spin are those of components
+     * that nothing else prescribes. */
     void set_motion(const Vector &velocity, const Vector &spin, double interval, bool is_continued);
     Matrix orientation(const State &state) const
     {
@@ -269,8 +268,8 @@ namespace tombolo
       return orientation(state) * reference_arm;
     }
 
-    /** The state at t_{n+1} with the @p momentum and the @p angular_momentum that forces give;
-     * whether there is one. */
+    /** Computes the state at t_{n+1} with the @p momentum and the @p angular_momentum by the
+     * forces; returns whether there is one. */
     bool move(const Clock &clock, const Vector &momentum, const Vector &angular_momentum,
               State &end) const;
     /** By which a force at the reference point at t_n moves it in the step; identity and zero in
@@ -282,7 +281,7 @@ namespace tombolo
     RigidBodySettings<dim> settings;
     RigidInertia initial;
     Matrix body_inertia, inertia_beyond_nodes; ///< tensors of inertia, in the body's own axes
-    Vector reference_place;                    ///< of the reference point, at the start
+    Vector reference_position;                 ///< of the reference point, at the start
     Vector reference_arm;                      ///< of it from the centre of mass
     Vector reference_at_start;                 ///< where prescribed displacements begin
     double angle_at_start = 0;                 ///< where a prescribed angle begins

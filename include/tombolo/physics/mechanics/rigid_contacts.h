@@ -20,8 +20,8 @@ namespace tombolo
   /**
    * All contacts of a scene with rigid surfaces (the sections `Contact: NAME`). Their forces act at
    * positions and enter the nodal force by Φᵀ; those of kinematic contacts follow when all other
-   * accelerations and the size of the coming step are known. With heat, nodes exchange it with the
-   * tools; all contacts see the same heat of a node, whatever their order.
+   * accelerations and the size of the coming step are computed. With heat, nodes exchange it with
+   * the tools; all contacts have the same heat of a node in any order.
    */
   template <int dim>
   class RigidContacts : public Process<dim>
@@ -48,7 +48,7 @@ namespace tombolo
     void linearize(const Model<dim> &model, const Clock &clock, Tangent<dim> &tangent) override;
     void add_heat(const Model<dim> &model, double, double) override
     {
-      heated_friction->give_heat(model);
+      heated_friction->distribute_heat(model);
     }
 
     /** On an owned node [M L/T^2]. */
@@ -77,7 +77,7 @@ namespace tombolo
                         const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
                         std::vector<KinematicContact<dim> *> &kinematic);
     void create_heat(bool has_heat);
-    /** Connects to signals of the model, and says what there is. */
+    /** Connects to signals of the model, and adds outputs. */
     void observe(const Model<dim> &model);
     /** Fills tables and pictures. */
     void show(const Model<dim> &model);
@@ -86,7 +86,7 @@ namespace tombolo
       return std::any_of(members.begin(), members.end(),
                          [](const auto &contact) { return contact->has_tool_mass(); });
     }
-    /** What contacts see of the heat, and where they put theirs. */
+    /** The heat at nodes, and where contacts add theirs. */
     NodalHeat present_heat(const Model<dim> &model);
     /** Exchanges heat after the forces of all contacts. Collective. */
     void exchange_heat(const Model<dim> &model);

@@ -9,8 +9,8 @@ namespace tombolo
 {
   /**
    * Rotations of rigid bodies and the momentum of a step of them. With the rotations R_n at t_n and
-   * R_{n+1} = R_n exp(f^), the nodes of a body that go straight from their places at t_n to those
-   * at t_{n+1} have the angular momentum about the centre
+   * R_{n+1} = R_n exp(f^), the nodes of a body that move straight from their positions at t_n to
+   * those at t_{n+1} have the angular momentum about the centre
    *
    * @verbatim
    *   L = R_n g(f)/Δt,   g(f) = (sin φ/φ) J f + ((1 - cos φ)/φ²) f × J f,   φ = |f|

@@ -13,8 +13,8 @@ namespace tombolo
   /** @p force := the nodal forces of the elastic stiffness of all parts in a @p motion over a time
    * step at the present positions, as their formulations have them. @p motion has current ghosts.
    * Where a cell or particle of this rank is turned inside out the forces of its part are left out:
-   * were it thrown here, the other ranks would wait in their exchanges. The stresses of such a
-   * place fail in the same step, which ends the run on all ranks. With @p by_groups it is that of
+   * were it thrown here, the other ranks would wait in their exchanges. The stresses there fail in
+   * the same step, which ends the run on all ranks. With @p by_groups it is that of
    * StepGroups, which bounds the step. Collective. */
   template <int dim>
   void apply_elastic_stiffness(const Model<dim> &model, const NodalVector &motion,
@@ -40,33 +40,33 @@ namespace tombolo
                   });
   }
 
-  /** The next number below with a short mantissa: what a different order of summation does to the
-   * last digits of an estimate must not change the step. */
+  /** The next number below with a short mantissa: a different order of summation changes the last
+   * digits of an estimate and must not change the step. */
   double round_down(double step);
 
   /** Eq. (41) of Pan et al. 2019 without its factor: the smallest ratio of characteristic length
-   * (an element's, or a particle's support) to wave speed, over the ratio of a cell that takes
-   * longer steps. Not a bound of the stable step: at free
-   * corners of particles with ν ≥ 0.3, and for dilations from 1.9, it is larger. Collective. */
+   * (an element's, or a particle's support) to wave speed, over the ratio of a cell that has longer
+   * steps. Not a bound of the stable step: at free corners of particles with ν ≥ 0.3, and for
+   * dilations from 1.9, it is larger. Collective. */
   template <int dim>
   StepLimit courant_limit(const Model<dim> &model);
 
   /**
    * The stable step from the spectrum of the real update operator, 2/√λ with λ the largest
    * eigenvalue of A = Φ_γ M⁻¹ K S_γ, which is self-adjoint in the inner product of M̂
-   * (doc/method.md, section 8). Artificial viscosity C sees velocities that lag by half a step: the
-   * limit is then the Δt at which the largest eigenvalue of Δt² K + 2 Δt C is 4, found by Newton's
-   * method.
+   * (doc/method.md, section 8). Artificial viscosity C acts on velocities that lag by half a step:
+   * the limit is then the Δt at which the largest eigenvalue of Δt² K + 2 Δt C is 4, found by
+   * Newton's method.
    *
    * λ is found by Lobpcg, which approaches it from below, so that the result is scaled
    * by a margin. The first call starts from noise, a later one from the last eigenvector with some
-   * noise, since another place may limit the step by now.
+   * noise, since another region may limit the step by now.
    */
   template <int dim>
   class SpectralEstimator
   {
   public:
-    /** Of the step of the model, or, without @p by_groups, of one that all cells take. */
+    /** Of the step of the model, or, without @p by_groups, of one common step of all cells. */
     explicit SpectralEstimator(const Entries &e, bool by_groups = true);
     /** The largest stable step at the present configuration, before any safety factor, the same on
      * all ranks, with the entity that limits it. Where there is viscosity the iteration begins with
@@ -74,7 +74,7 @@ namespace tombolo
      * calls. Collective. */
     StepLimit estimate(const Model<dim> &model, double expected = 0.);
 
-    /** Lists what is kept of earlier calls. */
+    /** Lists the results of earlier calls. */
     void list(Records &records, const Model<dim> &model);
 
     /** Applications of the operator in the last call. */

@@ -15,18 +15,18 @@ namespace tombolo
 
   /**
    * Which cells and particles have become shorter since the stable step was estimated. The smallest
-   * length over wave speed of a body tells nothing of a cell that was twice as long and now is the
-   * one that limits the step, or of a layer that shears while another one grows.
+   * length over wave speed of a body has no information on a cell that was twice as long and now
+   * limits the step, or of a layer that shears while another one grows.
    */
   template <int dim>
   class LocalShortening
   {
   public:
     /** Keeps the length over wave speed of each cell and particle of this rank. */
-    void remember(const Model<dim> &model);
+    void store(const Model<dim> &model);
 
     /** Whether any of those within twice the smallest of all has lost more than @p fraction since
-     * remember(). Parts whose cells are others since then do not count. Collective. */
+     * store(). Parts whose cells have changed since do not count. Collective. */
     bool exceeds(const Model<dim> &model, double fraction) const;
 
     /** Writes to a checkpoint or reads from it, by cell and particle. Collective. */
@@ -50,20 +50,20 @@ namespace tombolo
     double next(const Model<dim> &model, const Clock &clock, double target,
                 bool has_new_neighbours);
 
-    /** Lists what is kept from step to step. */
+    /** Lists the state from step to step. */
     void list(Records &records, const Model<dim> &model);
 
-    /** The mesh is another one: the next limit is estimated as the first was. */
+    /** After a change of the mesh: the next limit is estimated as the first was. */
     void mesh_has_changed(const Parameters &parameters);
 
-    /** The limit found last, before the safety factor, and what limits it. */
+    /** The limit found last, before the safety factor, with the entity that limits it. */
     const StepLimit &limit() const
     {
       return present;
     }
 
-    /** The next step is taken from a new estimate: cells have been removed, and what is left alone
-     * of a body can move faster than the whole. */
+    /** The next step needs a new estimate: cells have been removed, and the rest of a body can move
+     * faster than the whole. */
     void forget_limit()
     {
       has_limit = false;
@@ -73,7 +73,7 @@ namespace tombolo
      * target. */
     double allowed() const;
 
-    /** The limit itself, before the safety factor; a step given by the user stands in for it. */
+    /** The limit itself, before the safety factor; or the step given by the user. */
     double stable() const;
 
     /** Whether the user gives the step, which no limit changes then. */
@@ -98,7 +98,7 @@ namespace tombolo
   private:
     std::unique_ptr<SpectralEstimator<dim>> estimator;
     double safety_factor;
-    /** What the springs of contacts leave of the limit, which is that of the bodies alone. */
+    /** The fraction of the limit of the bodies that is stable with the springs of contacts. */
     double stable_fraction = 1.;
     double maximum;
     double fixed;

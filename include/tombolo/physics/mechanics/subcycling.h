@@ -5,7 +5,7 @@
 
 namespace tombolo
 {
-  /** About what the forces of a step would cost over what they do, if cells took the longer steps
+  /** About the cost of the forces of a step over the present one, if cells had the longer steps
    * that their own limits allow, 8 of the smallest at most (StepGroups); @p limit is that of the
    * scene [T]. One where no cell can. Collective. */
   template <int dim>

@@ -16,20 +16,20 @@ namespace tombolo
   /**
    * Viscosity at the surface of particles whose shape functions are cell averages. Their outermost
    * layer has a mode of its own: it is half as heavy as the others and as stiff, so that it
-   * oscillates faster than any wave of the layers inside, which can therefore not take the energy
-   * away that a sudden load gives it. A fibre from a node I on the surface through the next nodes A
-   * and B inside, with the rate
+   * oscillates faster than any wave of the layers inside, which therefore cannot remove the energy
+   * of a sudden load from it. A fibre from a node I on the surface through the next nodes A and B
+   * inside, with the rate
    *
    * @verbatim
    *   r = e_IA · (v_I - v_A) / l_IA - e_AB · (v_A - v_B) / l_AB
    * @endverbatim
    *
    * of the difference of its two stretches, dissipates η V r² with η = b ρ h min(c_P, 2 c_S): the
-   * mode is gone after some ten spacings of way, while waves lose to it with the fourth power of
-   * their number only. Forces are along the edges: linear and angular momentum are those without
-   * it, and a rigid motion makes none. Materials that flow plastically have none of it: their flow
-   * takes the mode, and a viscosity of elastic impedance would hold them by stresses like their
-   * yield stress. b is the entry `Coefficient` of the section `Surface damping`.
+   * mode vanishes within some ten spacings, while the loss of waves grows only with the fourth
+   * power of their number. Forces are along the edges: linear and angular momentum are those
+   * without it, and a rigid motion makes none. Materials that flow plastically have none of it:
+   * their flow damps the mode, and the stresses by a viscosity of elastic impedance would be as
+   * large as their yield stress. b is the entry `Coefficient` of the section `Surface damping`.
    */
   template <int dim>
   class SurfaceDamping : public Process<dim>
@@ -45,7 +45,7 @@ namespace tombolo
         const Material &material = particles->material();
         if (material.remembers("effective plastic strain"))
           continue;
-        // A nearly incompressible body is not to be held by its speed of sound.
+        // The speed of sound would damp a nearly incompressible body too much.
         const double impedance =
             material.inertial_density() *
             std::min(material.longitudinal_wave_speed(), 2. * material.shear_wave_speed());

@@ -44,7 +44,7 @@ namespace tombolo
   public:
     virtual ~RefinementCriterion() = default;
 
-    /** What the parts of a scene lack for it; empty: nothing. Parts have no mesh yet. */
+    /** A clause on the missing data of a scene; empty: none. Parts have no mesh yet. */
     std::string missing(const std::vector<Part<dim>> &parts) const
     {
       std::string result;
@@ -58,8 +58,7 @@ namespace tombolo
     virtual std::vector<double> values(const Model<dim> &model) const = 0;
 
   private:
-    /** What a part lacks whose cells have only the value zero, as a clause about a scene of such
-     * parts; else nothing. */
+    /** A clause on the missing data where the value of all cells of a part is zero; else empty. */
     virtual std::string lack(const Part<dim> &part) const = 0;
   };
 
@@ -90,8 +89,8 @@ namespace tombolo
                        *adaptive_path = "Mesh/Adaptive refinement", *no_criterion = "none";
 
   /**
-   * Finds between two steps which cells a criterion divides or joins, and accounts for what each
-   * new mesh loses: the run itself makes a new model of the same parameters there (Simulation). A
+   * Finds between two steps which cells a criterion divides or joins, and accounts for the losses
+   * by each new mesh: the run itself makes a new model of the same parameters there (Simulation). A
    * cell is divided once in a check; the mesh never becomes coarser than that of the file, from
    * which levels count.
    */
@@ -183,13 +182,13 @@ namespace tombolo
     {
       if (!is_announced && (step == 0 || step % interval != 0))
         return std::nullopt;
-      const std::optional<Wanted> wanted = find_wanted(model);
+      const std::optional<NextMesh> next_mesh = find_next_mesh(model);
       const bool waits =
-          wanted && wanted->has_smaller_cells && !is_announced && model.has_mechanics;
+          next_mesh && next_mesh->has_smaller_cells && !is_announced && model.has_mechanics;
       is_announced = waits;
-      if (!wanted || waits)
+      if (!next_mesh || waits)
         return std::nullopt;
-      return wanted->divisions;
+      return next_mesh->divisions;
     }
 
     /** Accounts for the change from @p before to @p after by a new mesh. */
@@ -221,19 +220,19 @@ namespace tombolo
     }
 
     /** The mesh by the criterion. */
-    struct Wanted
+    struct NextMesh
     {
       CellDivisions divisions;
       bool has_smaller_cells = false;
     };
-    std::optional<Wanted> find_wanted(const Model<dim> &model) const
+    std::optional<NextMesh> find_next_mesh(const Model<dim> &model) const
     {
       const std::vector<double> values = criterion->values(model);
       const std::vector<bool> is_fine = cells_to_be_fine(model, values);
       std::size_t number = 0; // of the cell
       const int coarsest_level = levels_of_file(model).first;
       CellDivisions divided;
-      unsigned int finest = 0, finest_wanted = 0;
+      unsigned int finest = 0, finest_next = 0;
       std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
       for_cells(model,
                 [&](const auto &cell, const auto &)
@@ -248,7 +247,7 @@ namespace tombolo
                   if (is_fine[number] && level < most_levels)
                   {
                     divided.push_back(id);
-                    finest_wanted = std::max(finest_wanted, level + 1);
+                    finest_next = std::max(finest_next, level + 1);
                   }
                   else if (!is_fine[number] && !is_of_file && coarsen_below &&
                            values[number] < *coarsen_below)
@@ -280,8 +279,8 @@ namespace tombolo
             section, "Levels", model.mesh.triangulation.n_cells(0),
             static_cast<double>((dealii::GeometryInfo<dim>::max_children_per_cell - 1) * n_divided),
             model.communicator);
-      return Wanted{all, dealii::Utilities::MPI::max(finest_wanted, model.communicator) >
-                             dealii::Utilities::MPI::max(finest, model.communicator)};
+      return NextMesh{all, dealii::Utilities::MPI::max(finest_next, model.communicator) >
+                               dealii::Utilities::MPI::max(finest, model.communicator)};
     }
 
     /** Whether each cell of for_cells() is to be fine: by the criterion, or near such a cell.

@@ -206,7 +206,7 @@ namespace tombolo
         for (unsigned int c = 0; c < cells.size(); ++c)
           for (const std::uint64_t id : cells[c].ids)
             stars[id].push_back(c);
-        // So that ties are decided alike whatever the ranks of the cells are.
+        // So that ties are decided alike for all distributions of cells over ranks.
         for (auto &[id, star] : stars)
           sort(star);
       }

@@ -13,7 +13,7 @@
 
 namespace tombolo
 {
-  /** What smoothed_cells_of() needs of a part, with these void cells if they are on. */
+  /** The arguments of smoothed_cells_of() for a part, with these void cells if they are on. */
   template <int dim>
   PartSetup<dim> mesh_of_part(const Model<dim> &model, const unsigned int part,
                               const VoidCells<dim> *const voids = nullptr)

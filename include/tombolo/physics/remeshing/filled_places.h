@@ -246,7 +246,8 @@ namespace tombolo
     }
 
     /** Spreads values of nodes that move (one, zero for others; with ghosts) over those of the same
-     * cells, some times: the sum stays, and what alternates between nodes vanishes. Collective.
+     * cells, some times: the sum stays, and the part that alternates between nodes vanishes.
+     * Collective.
      */
     NodalVector spread(const NodalVector &moves, NodalVector values) const
     {
@@ -307,8 +308,8 @@ namespace tombolo
           position.partition(),
           [&](const unsigned int i)
           {
-            const bool goes_all_way = *search.way_shares.node(i) == whole_way;
-            return *search.on_surface.node(i) == 0. ? 0. : goes_all_way ? whole_way : part_of_way;
+            const bool moves_all_way = *search.way_shares.node(i) == whole_way;
+            return *search.on_surface.node(i) == 0. ? 0. : moves_all_way ? whole_way : part_of_way;
           });
       next.slide_onto(
           *surface, search.in_patch, search.volume, search.on_surface, search.way_shares,

@@ -115,7 +115,7 @@ namespace tombolo
       distorted = std::move(all);
     }
 
-    /** @p position [L], moved by what the mesh has moved since the last refill, with ghosts.
+    /** @p position [L] plus the displacement of the mesh since the last refill, with ghosts.
      * Collective. */
     NodalVector follow(const NodalVector &initial, const NodalVector &position,
                        const double time) const

@@ -23,8 +23,8 @@ namespace tombolo
     }
 
     NodalVector mass;     ///< before, scalar, owned
-    NodalVector enthalpy; ///< per mass, at the three times of ThermalState; those of after
-    NodalVector initial;  ///< those of before, with ghosts
+    NodalVector enthalpy; ///< per mass, at the three times of ThermalState; after the refill
+    NodalVector initial;  ///< before the refill, with ghosts
 
     /** The three temperatures of ThermalState at the nodes of the part. */
     NodalVector temperatures(const Model<dim> &model) const

@@ -228,7 +228,7 @@ namespace tombolo
                               const NodalVector &mesh_positions)
     {
       constexpr unsigned int most_attempts = 20;
-      constexpr double reduction = 1e-3; // of the residual: the steps that follow make up for it
+      constexpr double reduction = 1e-3; // of the residual: the following steps correct it
       const NodalVector &position = model.state.position;
       const std::vector<Corners> present = corners_at<dim>(local_nodes, position);
       const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
@@ -291,9 +291,9 @@ namespace tombolo
               return;
             const bool was_free = *slides == SurfaceSlide<dim>::relaxes || *inside.node(i) > 0.;
             *inside.node(i) = 0.;
-            const bool goes_on = motion.is_on() && was_free;
-            *slides = goes_on && *slides > 0. ? SurfaceSlide<dim>::goes_with_mesh : 0.;
-            *stays.node(i) = goes_on ? 0. : 1.;
+            const bool keeps_moving = motion.is_on() && was_free;
+            *slides = keeps_moving && *slides > 0. ? SurfaceSlide<dim>::moves_with_mesh : 0.;
+            *stays.node(i) = keeps_moving ? 0. : 1.;
           });
     }
 

@@ -101,10 +101,10 @@ namespace tombolo
 
     /** A sliding node relaxes towards its position in the mesh, or is only projected onto the
      * surface. */
-    static constexpr double relaxes = 1., goes_with_mesh = 0.5;
+    static constexpr double relaxes = 1., moves_with_mesh = 0.5;
 
     /**
-     * Moves the nodes of which @p slides (scalar, owned: relaxes, goes_with_mesh or zero) is
+     * Moves the nodes of which @p slides (scalar, owned: relaxes, moves_with_mesh or zero) is
      * positive. @p initial: positions in the mesh, @p before: positions, with ghosts. @p
      * keep_outside corrects the positions of owned nodes and marks those that stay as they are
      * then. @p position: the start of sliding nodes, and the former positions of others; set to the

@@ -259,8 +259,8 @@ namespace tombolo
       return mask;
     }
 
-    /** The largest sum of forces of cells at the nodes so far (its norm): what residuals are
-     * compared with [M L/T^2]. */
+    /** The largest sum of forces of cells at the nodes so far (its norm): the scale of residuals [M
+     * L/T^2]. */
     double force_scale = 0;
 
     /** The effect of rounded positions on R; zero before the stiffness of the step is computed [M
@@ -359,7 +359,7 @@ namespace tombolo
     bool has_converged = false;
     unsigned int n_iterations = 0;
     double residual = 0;      ///< |R| over the scale of forces
-    std::string report;       ///< norms by iteration, or what went wrong
+    std::string report;       ///< norms by iteration, or the failure
     std::string advice;       ///< where it has not converged: an entry that may help, as a sentence
     bool was_stopped = false; ///< by StaticProblem::must_stop
   };

@@ -118,8 +118,8 @@ namespace tombolo
             });
     }
 
-    /** For an initial model. Throws InputError where it has what static steps do not support, or
-     * where nothing holds a body. Collective. */
+    /** For an initial model. Throws InputError where static steps do not support a feature of it,
+     * or where nothing holds a body. Collective. */
     StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log)
         : model(model), log(log), name(parameters.section("").get(integration_entry)),
           tolerance(parameters.section(statics_section).get_double("Tolerance")),
@@ -401,7 +401,7 @@ namespace tombolo
     void book_part(const Clock &clock)
     {
       // The first half of the whole step is booked: works are those of its length times a velocity,
-      // whatever the length is. Impulses of the time between are added and subtracted.
+      // for any length. Impulses of the time between are added and subtracted.
       book_displacement(clock);
       book(clock, 0., -2. * clock.previous_step);
       book(clock, 0., clock.previous_step);

@@ -40,8 +40,8 @@ namespace tombolo
    * alone, too: their entries are added to the nodes on which they depend.
    *
    * `multigrid` is GMRES with Trilinos' smoothed aggregation (ML), whose near null space are the
-   * rigid modes at the present positions; `direct` is a sparse LU factorization (Amesos). Both
-   * give the same bits at each repetition on the same number of ranks: nothing in them is random.
+   * rigid modes at the present positions; `direct` is a sparse LU factorization (Amesos). Both have
+   * the same bits at each repetition on the same number of ranks: nothing in them is random.
    */
   template <int dim>
   class TangentMatrix
