@@ -58,9 +58,9 @@ namespace tombolo
               if (cell->face(f)->at_boundary())
                 faces.push_back({cell->face(f)->boundary_id(), cell->face(f)->measure()});
           }
-        for (const Item &cell : of_all_ranks(cells, MPI_COMM_WORLD))
+        for (const Item &cell : from_all_ranks(cells, MPI_COMM_WORLD))
           volume[cell.id] += cell.measure;
-        for (const Item &face : of_all_ranks(faces, MPI_COMM_WORLD))
+        for (const Item &face : from_all_ranks(faces, MPI_COMM_WORLD))
           area[face.id] += face.measure;
       }
 

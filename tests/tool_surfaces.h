@@ -21,7 +21,7 @@ namespace tombolo
   namespace testing
   {
     /** A profile with two steps. */
-    inline const std::vector<RigidProfile::Place> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
+    inline const std::vector<RigidProfile::Point> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
                                                              {3., 2.}, {3., 4.}, {0., 4.}};
 
     /** The gaps of points at a surface. */
@@ -46,12 +46,12 @@ namespace tombolo
     }
 
     /** A body of revolution about z, of n facets around, its outline as RigidProfile has it. */
-    inline FacetList<3> revolved(const std::vector<RigidProfile::Place> &outline,
+    inline FacetList<3> revolved(const std::vector<RigidProfile::Point> &outline,
                                  const unsigned int n)
     {
       FacetList<3> list;
       std::vector<unsigned int> first;
-      for (const RigidProfile::Place &place : outline)
+      for (const RigidProfile::Point &place : outline)
       {
         first.push_back(static_cast<unsigned int>(list.vertices.size()));
         for (unsigned int j = 0; j < (place.r > 0. ? n : 1); ++j)

@@ -141,7 +141,7 @@ namespace tombolo
                 row.neighbour[k] != shape().particle_node[i])
               own.push_back({{place_of(shape().particle_node[i]), place_of(row.neighbour[k])}});
         }
-        own = of_all_ranks(own, MPI_COMM_WORLD);
+        own = from_all_ranks(own, MPI_COMM_WORLD);
         return std::set<std::array<Place, 2>>(own.begin(), own.end());
       }
 

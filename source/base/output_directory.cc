@@ -95,7 +95,7 @@ namespace tombolo
     template <typename Act>
     void act_on_first_rank(const MPI_Comm communicator, const Act &act)
     {
-      const std::string error = of_first_rank(communicator, act);
+      const std::string error = from_first_rank(communicator, act);
       if (!error.empty())
         throw RunError(error);
     }
@@ -118,7 +118,7 @@ namespace tombolo
 
   std::string OutputDirectory::create() const
   {
-    return of_first_rank(
+    return from_first_rank(
         mpi_communicator,
         [&]
         {
@@ -182,14 +182,14 @@ namespace tombolo
 
   std::uint64_t OutputDirectory::size(const std::string &name) const
   {
-    return of_first_rank(mpi_communicator,
-                         [&]
-                         {
-                           std::error_code code;
-                           const std::uint64_t bytes =
-                               is_file(file(name)) ? fs::file_size(file(name), code) : 0;
-                           return code ? 0 : bytes;
-                         });
+    return from_first_rank(mpi_communicator,
+                           [&]
+                           {
+                             std::error_code code;
+                             const std::uint64_t bytes =
+                                 is_file(file(name)) ? fs::file_size(file(name), code) : 0;
+                             return code ? 0 : bytes;
+                           });
   }
 
   void OutputDirectory::truncate(const std::string &name, const std::uint64_t bytes) const

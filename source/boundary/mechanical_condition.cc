@@ -149,7 +149,7 @@ namespace tombolo
         section.fail("Axis", "two dimensions have none; nodes turn about `Centre`.");
       condition.turn.emplace(typename MechanicalCondition::Turn{
           {section, "Angle", 1}, read_vector<dim>(section, "Centre"), axis, {}, {}});
-      if (condition.turn->angle.depends_on_place())
+      if (condition.turn->angle.depends_on_position())
         section.fail("Angle", "allowed is a function of t.");
     }
     if (!turns || section.is_set("Function"))

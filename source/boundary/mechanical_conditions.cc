@@ -301,7 +301,7 @@ namespace tombolo
     for (unsigned int k = 0; k < nodes.size(); ++k)
     {
       const Point<dim> initial = point_of<dim>(state.initial_position.node(nodes[k]));
-      if (k == 0 || function.depends_on_place() || axes.depend_on_position())
+      if (k == 0 || function.depends_on_position() || axes.depend_on_position())
       {
         if (is_pressure)
           value[0] = function.value(initial, time, 0);

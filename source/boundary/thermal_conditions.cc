@@ -162,7 +162,7 @@ namespace tombolo
 
     double operator()(const unsigned int node)
     {
-      if (!is_evaluated || function.depends_on_place())
+      if (!is_evaluated || function.depends_on_position())
         present = function.value(point_of<dim>(initial_position.node(node)), time);
       is_evaluated = true;
       return present;
@@ -249,7 +249,7 @@ namespace tombolo
         if (is_film(condition.type))
           for (const LimitedFunction<dim> *function :
                {&*condition.coefficient, &*condition.ambient})
-            if (function->depends_on_place())
+            if (function->depends_on_position())
               for (const Point<dim> &point : face_points)
                 function->check_start(point);
       }

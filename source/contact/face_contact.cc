@@ -148,9 +148,9 @@ namespace tombolo
           });
     }
 
-    void forget_motion(const NodalState &state) override
+    void reset_motion(const NodalState &state) override
     {
-      SpringContact<dim>::forget_motion(state);
+      SpringContact<dim>::reset_motion(state);
       last_position.copy_from(state.position);
     }
 
@@ -252,7 +252,8 @@ namespace tombolo
       {
         std::vector<unsigned int> numbers(gap_points.size());
         std::iota(numbers.begin(), numbers.end(), 0u);
-        this->surface->evaluate_gaps(places_as_nodes<dim>(gap_points), numbers, clock.time, gaps);
+        this->surface->evaluate_gaps(positions_as_nodes<dim>(gap_points), numbers, clock.time,
+                                     gaps);
       };
       // Faces that are farther from the surface than their size have no point behind it.
       for (const auto &face : faces.faces())

@@ -92,14 +92,14 @@ namespace tombolo
         master_points.push_back(vector_of<dim>(state.initial_position.node(node)));
       double least = std::numeric_limits<double>::max();
       std::string where;
-      for (const Tensor<1, dim> &master_point : of_all_ranks(master_points, communicator))
+      for (const Tensor<1, dim> &master_point : from_all_ranks(master_points, communicator))
         for (const unsigned int node : slave_nodes)
         {
           const auto x = vector_of<dim>(state.initial_position.node(node));
           if (const double distance = (x - master_point).norm(); distance < least)
           {
             least = distance;
-            where = place_text(x);
+            where = position_text(x);
           }
         }
       const double least_of_all = Utilities::MPI::min(least, communicator);

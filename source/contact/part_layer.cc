@@ -14,7 +14,7 @@ namespace tombolo
 {
   namespace
   {
-    /** As of_all_ranks(), in every step. @p rank_lengths are the lengths on all ranks. */
+    /** As from_all_ranks(), in every step. @p rank_lengths are the lengths on all ranks. */
     std::vector<double> gather_numbers(const std::vector<double> &rank_values,
                                        const std::vector<int> &rank_lengths,
                                        const MPI_Comm communicator)
@@ -73,7 +73,8 @@ namespace tombolo
       survey_nodes.push_back(
           {node, nodes.persistent_ids()[nodes.owned().index_within_set(node)], point});
     }
-    read_survey(of_all_ranks(survey_nodes, communicator), of_all_ranks(survey_cells, communicator));
+    read_survey(from_all_ranks(survey_nodes, communicator),
+                from_all_ranks(survey_cells, communicator));
     std::vector<unsigned int> numbers_of_owned;
     for (unsigned int number = 0; number < global_numbers.size(); ++number)
       if (nodes.owned().is_element(global_numbers[number]))
@@ -82,7 +83,7 @@ namespace tombolo
         numbers_of_owned.push_back(number);
       }
     std::vector<int> begin;
-    received = of_all_ranks(numbers_of_owned, communicator, begin);
+    received = from_all_ranks(numbers_of_owned, communicator, begin);
     n_owned_of_rank.clear();
     for (std::size_t rank = 1; rank < begin.size(); ++rank)
       n_owned_of_rank.push_back(begin[rank] - begin[rank - 1]);
@@ -102,7 +103,7 @@ namespace tombolo
           continue;
         std::array<unsigned int, n_corners / 2> corners;
         for (unsigned int k = 0; k < n_corners / 2; ++k)
-          corners[k] = layer_cells[c][nodes.face_places(f)[k]];
+          corners[k] = layer_cells[c][nodes.face_node_indices(f)[k]];
         if constexpr (dim == 2)
           faces.facets.push_back({{corners[0], corners[1]}});
         else

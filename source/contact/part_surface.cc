@@ -35,7 +35,8 @@ namespace tombolo
                                           [&](const unsigned int number)
                                           { return list.vertices[number] == surface.vertices[v]; });
           if (found == std::end(numbers))
-            throw std::invalid_argument("it has two nodes at " + place_text(surface.vertices[v]));
+            throw std::invalid_argument("it has two nodes at " +
+                                        position_text(surface.vertices[v]));
           result[v] = *found;
         }
       return result;
@@ -72,7 +73,7 @@ namespace tombolo
     for (std::size_t f = 0; f < surface.facets.size(); ++f)
       largest_size = std::max(largest_size, layer->size(f));
     reactions.assign(dim * layer->n_nodes(), 0.);
-    forget_motion(state);
+    reset_motion(state);
   }
 
   template <int dim>

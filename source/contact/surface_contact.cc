@@ -55,7 +55,7 @@ namespace tombolo
     histories.resize(candidates.size());
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
-    records.on_continuation([this, &state] { forget_motion(state); });
+    records.on_continuation([this, &state] { reset_motion(state); });
     records.sums("heat, work and impulse", totals.friction, totals.damping, totals.work,
                  totals.translation_work, interleaved(totals.impulse, totals.force, dim),
                  interleaved(totals.angular_impulse, totals.torque_of_force));
@@ -64,7 +64,7 @@ namespace tombolo
     records.at_nodes(candidates, histories)
         .vector("force", &NodeHistory::force)
         .vector("position", &NodeHistory::position)
-        .of_field(state.position);
+        .samples_field(state.position);
     surface->translation().list(records);
     if (part)
       part->list(records.group("surface of the part"), candidates);
@@ -87,7 +87,7 @@ namespace tombolo
       heat->begin_step(nodal_heat);
     if (!(clock.stable_step > 0.))
     {
-      forget_motion(state);
+      reset_motion(state);
       return false;
     }
     return true;

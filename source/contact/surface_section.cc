@@ -35,7 +35,7 @@ namespace tombolo
           if (!nodes.is_outer_face(cell, f) ||
               (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
             continue;
-          for (const unsigned int k : nodes.face_places(f))
+          for (const unsigned int k : nodes.face_node_indices(f))
             if (nodes.owned().is_element(cell_nodes[k]))
               mark[partition.local_index(cell_nodes[k])] = true;
         }
@@ -145,7 +145,7 @@ namespace tombolo
         failure = message(
             as_text(deepest),
             "the node with the number " + std::to_string(nodes.persistent_ids()[candidates[k]]) +
-                " at " + place_text(vector_of<dim>(state.initial_position.node(candidates[k]))));
+                " at " + position_text(vector_of<dim>(state.initial_position.node(candidates[k]))));
       }
     // Of all ranks, the one with the deepest node reports it.
     if (deepest < Utilities::MPI::max(deepest, nodes.communicator()))

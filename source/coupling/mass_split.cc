@@ -403,7 +403,7 @@ namespace tombolo
     return is_sound || has_mass_above(0.);
   }
 
-  bool MassSplit::take_change_of_rows()
+  bool MassSplit::extract_change_of_rows()
   {
     return std::exchange(rows_have_changed, false);
   }

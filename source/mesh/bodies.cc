@@ -77,7 +77,7 @@ namespace tombolo
     std::vector<std::array<types::global_dof_index, 2>> sent;
     for (const auto &[body, mirrors] : own_mirrors)
       sent.push_back({{body, mirrors}});
-    for (const auto &[body, mirrors] : of_all_ranks(sent, communicator))
+    for (const auto &[body, mirrors] : from_all_ranks(sent, communicator))
       mirrors_of_body[body] |= static_cast<unsigned int>(mirrors);
   }
 

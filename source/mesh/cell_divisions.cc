@@ -32,7 +32,7 @@ namespace tombolo
       for (int level = cell->level(); level > 0 && index_in_parent<dim>(id) == 0; --level)
         own.push_back(id = parent_of<dim>(id));
     }
-    CellDivisions result = of_all_ranks(own, communicator_of(mesh.triangulation));
+    CellDivisions result = from_all_ranks(own, communicator_of(mesh.triangulation));
     std::sort(result.begin(), result.end());
     return result;
   }

@@ -459,7 +459,7 @@ namespace tombolo
             found.push_back({m, other, cell->center()});
         }
       }
-      found = of_all_ranks(found, communicator_of(mesh.triangulation));
+      found = from_all_ranks(found, communicator_of(mesh.triangulation));
       if (found.empty())
         return;
       const auto key = [](const Overlap &overlap)
@@ -475,7 +475,7 @@ namespace tombolo
           "",
           "the meshes " + in_quotes(members[first.mesh].name) + " and " +
               in_quotes(members[first.other].name) + " overlap: the cell of the first one at " +
-              place_text(first.position) +
+              position_text(first.position) +
               " goes into a cell of the other one. Bodies can touch, but not be in the same place: "
               "move one by `Shift`.");
     }

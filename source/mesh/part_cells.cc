@@ -298,12 +298,12 @@ namespace tombolo
     if (survey.n_without_part + survey.n_with_two == 0)
       return;
     if (worst.first_part == rules.size())
-      sections.back().fail(entry, "The cell at " + place_text(worst.center) + " is in no part (" +
-                                      std::to_string(survey.n_without_part) +
+      sections.back().fail(entry, "The cell at " + position_text(worst.center) +
+                                      " is in no part (" + std::to_string(survey.n_without_part) +
                                       " cells in all). Give it to a part, or let the last part "
                                       "take the rest with \"otherwise\".");
     sections[worst.second_part].fail(
-        entry, "The cell at " + place_text(worst.center) + " is in two parts, \"" +
+        entry, "The cell at " + position_text(worst.center) + " is in two parts, \"" +
                    sections[worst.first_part].name() + "\" and \"" +
                    sections[worst.second_part].name() + "\" (" + std::to_string(survey.n_with_two) +
                    " cells in all). Each cell must be in one: correct one of them, or use "

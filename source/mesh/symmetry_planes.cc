@@ -56,7 +56,7 @@ namespace tombolo
                 boundaries.count(cell->face(f)->boundary_id()) == 0)
               continue;
             nodes.cell_nodes(cell, cell_nodes);
-            for (const unsigned int k : nodes.face_places(f))
+            for (const unsigned int k : nodes.face_node_indices(f))
               candidates.insert(cell_nodes[k]);
           }
         }

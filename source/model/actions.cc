@@ -31,8 +31,8 @@ namespace tombolo
     }
   } // namespace
 
-  void take_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
-                   NodalForces &result)
+  void extract_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
+                      NodalForces &result)
   {
     result.clear();
     for (const unsigned int node : nodes)
@@ -136,7 +136,7 @@ namespace tombolo
     else
     {
       given_nodes.swap(node_forces.nodes);
-      take_forces(buffer, given_nodes, node_forces);
+      extract_forces(buffer, given_nodes, node_forces);
     }
     for (const unsigned int node : node_forces.nodes)
       std::fill_n(buffer.node(node), node_stride, 0.);

@@ -46,8 +46,8 @@ namespace tombolo
     return power;
   }
 
-  double taken_by_change(const double before, const double after, const double step,
-                         const MPI_Comm communicator)
+  double energy_of_change(const double before, const double after, const double step,
+                          const MPI_Comm communicator)
   {
     const double dissipated = 0.5 * step * (before - after);
     return std::isfinite(dealii::Utilities::MPI::sum(dissipated, communicator)) ? dissipated : 0.;

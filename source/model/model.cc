@@ -254,7 +254,7 @@ namespace tombolo
     if (!has_mechanics || !heat)
       return;
     const auto has_changed = [&] // evaluates both
-    { return std::max(bridge->take_change_of_rows(), heat->bridge.take_change_of_rows()); };
+    { return std::max(bridge->extract_change_of_rows(), heat->bridge.extract_change_of_rows()); };
     while (has_changed())
     {
       bridge->update_nodal_mass();

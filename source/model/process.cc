@@ -30,7 +30,7 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Process<dim>::give_heat(const Model<dim> &model, const double begin, const double end)
+  bool Process<dim>::supply_heat(const Model<dim> &model, const double begin, const double end)
   {
     add_heat(model, begin, end);
     collect_heat(model, false);

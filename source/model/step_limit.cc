@@ -10,7 +10,7 @@ namespace tombolo
   {
     records.value("limit", limit.time_step);
     records.value("limited by", limit.entity);
-    records.value("place of limit", limit.place);
+    records.value("place of limit", limit.position);
   }
 
   StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)
@@ -31,7 +31,7 @@ namespace tombolo
     MPI_Bcast(&length, 1, MPI_INT, least.rank, communicator);
     smallest.entity.resize(static_cast<std::size_t>(length));
     MPI_Bcast(smallest.entity.data(), length, MPI_CHAR, least.rank, communicator);
-    MPI_Bcast(smallest.place.begin_raw(), 3, MPI_DOUBLE, least.rank, communicator);
+    MPI_Bcast(smallest.position.begin_raw(), 3, MPI_DOUBLE, least.rank, communicator);
     return smallest;
   }
 } // namespace tombolo

@@ -207,17 +207,17 @@ namespace tombolo
       return std::string(create_table(file, name, columns) ? "" : full_disk);
     };
     throw_on_all(directory,
-                 of_first_rank(directory.communicator(),
-                               [&] { return replace_tables(directory.file(file_name), change); }));
+                 from_first_rank(directory.communicator(), [&]
+                                 { return replace_tables(directory.file(file_name), change); }));
   }
 
   void Hdf5Table::append(const OutputDirectory &directory, const std::vector<double> &values)
   {
-    throw_on_all(directory, of_first_rank(directory.communicator(),
-                                          [&] {
-                                            return append_rows(directory.file(file_name), name,
-                                                               n_written, n_columns, values);
-                                          }));
+    throw_on_all(directory, from_first_rank(directory.communicator(),
+                                            [&] {
+                                              return append_rows(directory.file(file_name), name,
+                                                                 n_written, n_columns, values);
+                                            }));
     n_written += values.size() / n_columns;
   }
 } // namespace tombolo

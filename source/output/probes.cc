@@ -111,7 +111,7 @@ namespace tombolo
             best = other;
         }
       }
-      for (const Candidate &other : of_all_ranks(std::vector<Candidate>{best}, communicator))
+      for (const Candidate &other : from_all_ranks(std::vector<Candidate>{best}, communicator))
         if (other.is_before(best, alike))
           best = other;
       return best;

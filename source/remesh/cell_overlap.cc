@@ -120,7 +120,7 @@ namespace tombolo
         own_box.push_back(box.second[d]);
       }
     }
-    const auto boxes = items_of_ranks(own_box, communicator);
+    const auto boxes = items_by_rank(own_box, communicator);
     std::map<unsigned int, std::vector<double>> messages;
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
@@ -176,7 +176,7 @@ namespace tombolo
           cells[cell].mass[points.sub_cell[s]] * simplex_volumes[s] / volumes[points.sub_cell[s]];
       sums.clear();
       sums.add_whole(mass, point_values, points.vertices[s].data());
-      sums.take_coordinates();
+      sums.use_barycentric_functions();
       point_integrals.add(sums, points.vertices[s].data());
     }
     point_integrals.add_to(integrals[cell]);

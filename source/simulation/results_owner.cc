@@ -102,8 +102,8 @@ namespace tombolo
   void refuse_running_run(const Parameters &parameters)
   {
     const std::string directory = parameters.section("").get("Output directory");
-    if (of_first_rank(parameters.communicator(),
-                      [&] { return is_held_by_another(fs::path(directory) / owner_file); }))
+    if (from_first_rank(parameters.communicator(),
+                        [&] { return is_held_by_another(fs::path(directory) / owner_file); }))
       parameters.fail("Output directory", "another run writes there now. Name another directory, "
                                           "or wait for its end.");
   }
@@ -122,7 +122,7 @@ namespace tombolo
   void refuse_results_of_another_file(const Parameters &parameters)
   {
     const std::string directory = parameters.section("").get("Output directory");
-    const std::string obstacle = of_first_rank(
+    const std::string obstacle = from_first_rank(
         parameters.communicator(), [&] { return what_owns_results(parameters, directory); });
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);

@@ -60,7 +60,7 @@ namespace tombolo
         {
           const std::string directory = parameters.section("").get("Output directory");
           const std::string obstacle =
-              of_first_rank(communicator, [&] { return what_prevents_directory(directory); });
+              from_first_rank(communicator, [&] { return what_prevents_directory(directory); });
           if (!obstacle.empty())
             parameters.fail("Output directory", obstacle);
         });

@@ -302,7 +302,7 @@ namespace tombolo
       bool evaluate(ModelChange &change)
       {
         change = ModelChange();
-        if (thermal_step && !thermal_step->bring_to(
+        if (thermal_step && !thermal_step->advance_to(
                                 *model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return requests.received_signal() != 0; }))
           return false;
@@ -316,7 +316,7 @@ namespace tombolo
       {
         const double target = std::min(schedule.next_time(), end_time);
         if (change.cells)
-          step_size.forget_limit();
+          step_size.discard_limit();
         if (target > run_clock.time && !model->has_mechanics)
           run_clock.next_step = thermal_step->begin_step(*model, target);
         else if (target > run_clock.time && statics)

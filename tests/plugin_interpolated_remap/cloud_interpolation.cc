@@ -218,7 +218,7 @@ namespace tombolo
       own_box.insert(own_box.end(), &corners.first[0], &corners.first[0] + dim);
       own_box.insert(own_box.end(), &corners.second[0], &corners.second[0] + dim);
     }
-    const auto boxes = items_of_ranks(own_box, communicator);
+    const auto boxes = items_by_rank(own_box, communicator);
     std::map<unsigned int, std::vector<double>> messages;
     for (std::size_t i = 0; i < n_points; ++i)
     {

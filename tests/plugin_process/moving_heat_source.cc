@@ -44,9 +44,9 @@ namespace tombolo
         : power(section, "Power", 1), path(section, "Path", dim),
           radius(section.get_positive("Radius"))
     {
-      if (power.depends_on_place())
+      if (power.depends_on_position())
         section.fail("Power", "the power is that of the whole source; allowed is a function of t.");
-      if (path.depends_on_place())
+      if (path.depends_on_position())
         section.fail("Path", "allowed are functions of t.");
     }
 

@@ -51,7 +51,7 @@ namespace tombolo
         : point(read_vector<dim>(section, "Point")), stiffness(section.get_positive("Stiffness")),
           end(section, "End", dim)
     {
-      if (end.depends_on_place())
+      if (end.depends_on_position())
         section.fail("End", "allowed are functions of t.");
     }
 

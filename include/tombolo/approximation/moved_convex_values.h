@@ -26,7 +26,7 @@ namespace tombolo
   class MovedConvexValues
   {
   public:
-    static constexpr unsigned int most_places = 8;
+    static constexpr unsigned int most_points = 8;
 
     explicit MovedConvexValues(std::shared_ptr<const Kernel> kernel) : kernel(std::move(kernel)) {}
 
@@ -48,9 +48,9 @@ namespace tombolo
           moved[d][k] = present[k * node_stride + d];
         }
       }
-      if (numbers.size() >= n_neighbours * most_places)
+      if (numbers.size() >= n_neighbours * most_points)
         return;
-      const std::size_t size = n_neighbours * most_places;
+      const std::size_t size = n_neighbours * most_points;
       numbers.resize(size);
       for (std::vector<double> *const buffer : {&coordinate, &offset, &factor, &slope})
         buffer->resize(size * dim);
@@ -58,11 +58,11 @@ namespace tombolo
         buffer->resize(size);
     }
 
-    using Places = std::array<dealii::Point<dim>, most_places>;
+    using Points = std::array<dealii::Point<dim>, most_points>;
 
     /** At @p n points @p x, which are now at @p present_x. Returns those that have values, as
      * bits. */
-    unsigned int evaluate(const unsigned int n, const Places &x, const Places &present_x)
+    unsigned int evaluate(const unsigned int n, const Points &x, const Points &present_x)
     {
       // As in ConvexApproximation::minimize().
       constexpr double tolerance = 1e-13, least_decrease = 1e-4, largest = 1e300;
@@ -100,7 +100,7 @@ namespace tombolo
         norm = next_norm;
       }
       find_basis(multiplier);
-      for (std::size_t first = 0; first < n_rows * most_places; first += most_places)
+      for (std::size_t first = 0; first < n_rows * most_points; first += most_points)
         store_eight(load_eight(weight.data() + first) * load_eight(basis_value.data() + first) /
                         sums.total,
                     basis_value.data() + first);
@@ -116,12 +116,12 @@ namespace tombolo
     /** The neighbour of a value, below n_values(); ascending. */
     unsigned int neighbour(const unsigned int lane, const unsigned int k) const
     {
-      return numbers[k * most_places + lane];
+      return numbers[k * most_points + lane];
     }
 
     double value(const unsigned int lane, const unsigned int k) const
     {
-      return basis_value[k * most_places + lane];
+      return basis_value[k * most_points + lane];
     }
 
   private:
@@ -153,19 +153,19 @@ namespace tombolo
             continue;
           if (row == n_rows)
           {
-            std::fill_n(coordinate.begin() + std::ptrdiff_t(row * dim * most_places),
-                        dim * most_places, outside);
-            std::fill_n(offset.begin() + std::ptrdiff_t(row * dim * most_places), dim * most_places,
+            std::fill_n(coordinate.begin() + std::ptrdiff_t(row * dim * most_points),
+                        dim * most_points, outside);
+            std::fill_n(offset.begin() + std::ptrdiff_t(row * dim * most_points), dim * most_points,
                         0.);
             ++n_rows;
           }
           for (unsigned int d = 0; d < dim; ++d)
           {
-            const std::size_t entry = (std::size_t(row) * dim + d) * most_places + lane;
+            const std::size_t entry = (std::size_t(row) * dim + d) * most_points + lane;
             coordinate[entry] = eight_values[d][k];
             offset[entry] = moved[d][first + k] - present_x[d];
           }
-          numbers[std::size_t(row) * most_places + lane] = static_cast<unsigned int>(first) + k;
+          numbers[std::size_t(row) * most_points + lane] = static_cast<unsigned int>(first) + k;
           ++row;
         }
       }
@@ -173,21 +173,21 @@ namespace tombolo
     }
     void find_weights()
     {
-      kernel->evaluate(n_rows * dim * most_places, coordinate.data(), factor.data(), slope.data());
+      kernel->evaluate(n_rows * dim * most_points, coordinate.data(), factor.data(), slope.data());
       EightDoubles sum = 0., count = 0.;
       for (std::size_t row = 0; row < n_rows; ++row)
       {
-        EightDoubles product = load_eight(factor.data() + row * dim * most_places);
+        EightDoubles product = load_eight(factor.data() + row * dim * most_points);
         EightDoubles square = 0.;
         for (unsigned int d = 0; d < dim; ++d)
         {
           const EightDoubles offset_component =
-              load_eight(offset.data() + (row * dim + d) * most_places);
+              load_eight(offset.data() + (row * dim + d) * most_points);
           square += offset_component * offset_component;
           if (d > 0)
-            product *= load_eight(factor.data() + (row * dim + d) * most_places);
+            product *= load_eight(factor.data() + (row * dim + d) * most_points);
         }
-        store_eight(product, weight.data() + row * most_places);
+        store_eight(product, weight.data() + row * most_points);
         EightDoubles distance = root_of(square), one = 1.;
         std::experimental::where(product == 0., distance) = 0.;
         std::experimental::where(product == 0., one) = 0.;
@@ -196,22 +196,22 @@ namespace tombolo
       }
       std::experimental::where(sum == 0., sum) = 1.;
       const EightDoubles inverse_mean = count / sum;
-      for (std::size_t entry = 0; entry < n_rows * dim * most_places; entry += most_places)
+      for (std::size_t entry = 0; entry < n_rows * dim * most_points; entry += most_points)
         store_eight(load_eight(offset.data() + entry) * inverse_mean, offset.data() + entry);
     }
     void find_basis(const EightDoubles (&multiplier)[dim])
     {
       for (std::size_t row = 0; row < n_rows; ++row)
       {
-        const double *const row_offset = offset.data() + row * dim * most_places;
+        const double *const row_offset = offset.data() + row * dim * most_points;
         EightDoubles argument = multiplier[0] * load_eight(row_offset);
         TOMBOLO_UNROLL
         for (unsigned int d = 1; d < dim; ++d)
-          argument += multiplier[d] * load_eight(row_offset + d * most_places);
-        store_eight(argument, basis_value.data() + row * most_places);
+          argument += multiplier[d] * load_eight(row_offset + d * most_points);
+        store_eight(argument, basis_value.data() + row * most_points);
       }
       double *const value = basis_value.data();
-      const std::size_t n = n_rows * most_places;
+      const std::size_t n = n_rows * most_points;
       for (std::size_t k = 0; k < n; ++k)
         value[k] = std::exp(value[k]);
     }
@@ -226,7 +226,7 @@ namespace tombolo
         entry = 0.;
       for (std::size_t row = 0; row < n_rows; ++row)
       {
-        const std::size_t first = row * most_places;
+        const std::size_t first = row * most_points;
         const EightDoubles row_weight = load_eight(weight.data() + first);
         const EightDoubles value = row_weight * load_eight(basis_value.data() + first);
         sums.total += value;
@@ -234,7 +234,7 @@ namespace tombolo
         TOMBOLO_UNROLL
         for (unsigned int i = 0; i < dim; ++i)
         {
-          at[i] = load_eight(offset.data() + first * dim + i * most_places);
+          at[i] = load_eight(offset.data() + first * dim + i * most_points);
           sums.residual[i] += value * at[i];
           TOMBOLO_UNROLL
           for (unsigned int j = 0; j <= i; ++j)
@@ -294,7 +294,7 @@ namespace tombolo
     // Of those that reach a point, by row, component and lane: rows of a lane beyond its own
     // have no weight.
     std::size_t n_rows = 0;
-    std::array<unsigned int, most_places> n_active{};
+    std::array<unsigned int, most_points> n_active{};
     std::vector<unsigned int> numbers;
     std::vector<double> coordinate, offset, factor, slope;
     std::vector<double> weight, basis_value; // by row and lane

@@ -269,7 +269,7 @@ namespace tombolo
 
     /** The index of each neighbour of the rows. Particles of this rank have the index of their row.
      */
-    const std::vector<unsigned int> &places() const
+    const std::vector<unsigned int> &neighbour_indices() const
     {
       return neighbour_index;
     }

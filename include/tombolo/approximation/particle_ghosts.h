@@ -170,7 +170,7 @@ namespace tombolo
           own_boxes[b].lowest.fill(nowhere);
           own_boxes[b].highest.fill(-nowhere);
         }
-      return of_all_ranks(std::vector<BoxesOfRank>{own_boxes}, communicator);
+      return from_all_ranks(std::vector<BoxesOfRank>{own_boxes}, communicator);
     }
     /** The messages of own particles whose supports touch @p boxes. */
     std::vector<double> pack_touching(const BoxesOfRank &boxes,

@@ -20,7 +20,7 @@ namespace tombolo
 
   /** A position as messages write it: "(1, 2, 3)". */
   template <int dim>
-  std::string place_text(const dealii::Tensor<1, dim> &position)
+  std::string position_text(const dealii::Tensor<1, dim> &position)
   {
     std::ostringstream text;
     text << "(" << position[0];

@@ -35,7 +35,7 @@ namespace tombolo
 
   /** What @p make() returns on the first rank, the only one that calls it, on all. Collective. */
   template <typename Make>
-  auto of_first_rank(const MPI_Comm communicator, const Make &make)
+  auto from_first_rank(const MPI_Comm communicator, const Make &make)
   {
     decltype(make()) result{};
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
@@ -68,8 +68,8 @@ namespace tombolo
   /** The items of all ranks after each other, in the order of the ranks, which begin at @p begin.
    * Collective. */
   template <typename Item>
-  std::vector<Item> of_all_ranks(const std::vector<Item> &own_items, const MPI_Comm communicator,
-                                 std::vector<int> &begin)
+  std::vector<Item> from_all_ranks(const std::vector<Item> &own_items, const MPI_Comm communicator,
+                                   std::vector<int> &begin)
   {
     static_assert(std::is_trivially_copyable_v<Item>);
     begin = internal::begin_of_ranks(own_items.size(), communicator);
@@ -80,19 +80,19 @@ namespace tombolo
 
   /** The items of all ranks after each other, in the order of the ranks. Collective. */
   template <typename Item>
-  std::vector<Item> of_all_ranks(const std::vector<Item> &own_items, const MPI_Comm communicator)
+  std::vector<Item> from_all_ranks(const std::vector<Item> &own_items, const MPI_Comm communicator)
   {
     std::vector<int> begin;
-    return of_all_ranks(own_items, communicator, begin);
+    return from_all_ranks(own_items, communicator, begin);
   }
 
   /** The items of each rank, on all of them. Collective. */
   template <typename Item>
-  std::vector<std::vector<Item>> items_of_ranks(const std::vector<Item> &own_items,
-                                                const MPI_Comm communicator)
+  std::vector<std::vector<Item>> items_by_rank(const std::vector<Item> &own_items,
+                                               const MPI_Comm communicator)
   {
     std::vector<int> begin;
-    const std::vector<Item> all = of_all_ranks(own_items, communicator, begin);
+    const std::vector<Item> all = from_all_ranks(own_items, communicator, begin);
     std::vector<std::vector<Item>> result;
     for (std::size_t rank = 0; rank + 1 < begin.size(); ++rank)
       result.emplace_back(all.begin() + begin[rank], all.begin() + begin[rank + 1]);

@@ -49,8 +49,8 @@ namespace tombolo
       groups[group].is_initial = is_kept;
     }
 
-    /** Adds a face with its nodes in the order of Nodes::face_places(). Each face is added by one
-     * rank. @p orientation is 1 or -1 where the group has outward areas, see orientation(). */
+    /** Adds a face with its nodes in the order of Nodes::face_node_indices(). Each face is added by
+     * one rank. @p orientation is 1 or -1 where the group has outward areas, see orientation(). */
     void add_face(unsigned int group, const std::vector<dealii::types::global_dof_index> &nodes,
                   double orientation = 0.)
     {
@@ -412,7 +412,7 @@ namespace tombolo
           else
             for (const unsigned int f : cell->face_indices())
               if (cell->face(f)->at_boundary() && region.has_boundary(cell->face(f)->boundary_id()))
-                for (const unsigned int k : nodes.face_places(f))
+                for (const unsigned int k : nodes.face_node_indices(f))
                   select(k);
         }
       }
@@ -437,7 +437,7 @@ namespace tombolo
             continue;
           face_nodes.clear();
           face_points.clear();
-          for (const unsigned int k : nodes.face_places(f))
+          for (const unsigned int k : nodes.face_node_indices(f))
           {
             face_nodes.push_back(cell_nodes[k]);
             face_points.push_back(cell_points[k]);

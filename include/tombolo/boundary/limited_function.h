@@ -25,7 +25,7 @@ namespace tombolo
         : expression(section, entry, 1), description(section.describe(entry)), allowed(allowed),
           lowest(lowest), highest(highest)
     {
-      if (!depends_on_place())
+      if (!depends_on_position())
         check_start(dealii::Point<dim>());
     }
 
@@ -35,9 +35,9 @@ namespace tombolo
           highest(std::numeric_limits<double>::infinity())
     {}
 
-    bool depends_on_place() const
+    bool depends_on_position() const
     {
-      return expression.depends_on_place();
+      return expression.depends_on_position();
     }
 
     /** Throws RunError, on this rank alone, without a finite value or beyond the limits. */
@@ -48,7 +48,7 @@ namespace tombolo
       {
         std::ostringstream message;
         message << description << ": allowed is " << allowed << ", but it is " << result;
-        if (depends_on_place())
+        if (depends_on_position())
           message << " at (" << point << ")";
         message << " at t = " << time << ".";
         throw RunError(message.str());

@@ -107,7 +107,7 @@ namespace tombolo
         {
           if (!(nodes.is_outer_face(cell, f) || is_exposed(cell, f)) || !selects(cell, f))
             continue;
-          const std::vector<unsigned int> &indices = nodes.face_places(f);
+          const std::vector<unsigned int> &indices = nodes.face_node_indices(f);
           Face face;
           FaceCorners<dim> corners;
           for (unsigned int k = 0; k < n_corners; ++k)
@@ -350,7 +350,7 @@ namespace tombolo
           around[dim + d] = std::max(around[dim + d], box.upper_bound(d));
         }
       }
-      const auto rank_boxes = items_of_ranks(around, communicator);
+      const auto rank_boxes = items_by_rank(around, communicator);
       std::vector<dealii::BoundingBox<dim>> boxes;
       for (const auto &face : masters.faces())
         boxes.push_back(box_around<dim>(masters.corners(face, position), 0.));

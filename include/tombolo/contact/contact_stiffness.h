@@ -132,7 +132,7 @@ namespace tombolo
           pieces.push_back({row->first, entry});
         row = rows.erase(row);
       }
-      for (const auto &[row_node, entry] : of_all_ranks(pieces, partition.communicator()))
+      for (const auto &[row_node, entry] : from_all_ranks(pieces, partition.communicator()))
         if (partition.owned().is_element(row_node))
           add(row_node, entry.node, entry.normal, entry.weight, entry.shift, entry.shares);
     }

@@ -258,7 +258,7 @@ namespace tombolo
         else if (const std::vector<double> point(x, x + dim); first.empty() || point < first)
           first = point;
       }
-      for (const std::vector<double> &rank_first : items_of_ranks(first, communicator))
+      for (const std::vector<double> &rank_first : items_by_rank(first, communicator))
         if (!rank_first.empty() && (first.empty() || rank_first < first))
           first = rank_first;
       n_tied = Utilities::MPI::sum(n_tied, communicator);
@@ -268,7 +268,7 @@ namespace tombolo
       return first.empty() ? text
                            : text + ", " + std::to_string(n_nodes - n_tied) +
                                  " not, where no master is near: the first at " +
-                                 place_text(vector_of<dim>(first.data()));
+                                 position_text(vector_of<dim>(first.data()));
     }
   };
 
@@ -405,7 +405,7 @@ namespace tombolo
     ContactBalance balance() const;
 
     /** Whether the temperatures of both sides are found in each step. */
-    bool knows_temperatures() const
+    bool finds_temperatures() const
     {
       return settings.has_heat && settings.needs_temperature();
     }

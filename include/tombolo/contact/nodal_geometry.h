@@ -61,7 +61,7 @@ namespace tombolo
 
   /** Positions that belong to no node, as ContactSurface::evaluate_gaps() needs them. */
   template <int dim>
-  NodalVector places_as_nodes(const std::vector<dealii::Tensor<1, dim>> &positions)
+  NodalVector positions_as_nodes(const std::vector<dealii::Tensor<1, dim>> &positions)
   {
     const auto n = static_cast<dealii::types::global_dof_index>(positions.size());
     NodalVector result(std::make_shared<const NodePartition>(dealii::complete_index_set(n),

@@ -32,14 +32,14 @@ namespace tombolo
     OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries)
         : boundaries(boundaries), shapes(nodes.degree(), nodes.degree() + 1)
     {
-      take_faces(nodes, [](const auto &) { return false; });
+      select_faces(nodes, [](const auto &) { return false; });
     }
 
     using IsVoid = std::function<bool(const typename Nodes<dim>::Cell &)>;
 
     /** Selects the faces that bound the cells that are not void; towards void cells only if there
      * are no ids. set_partition() must follow. */
-    void take_faces(const Nodes<dim> &nodes, const IsVoid &is_void)
+    void select_faces(const Nodes<dim> &nodes, const IsVoid &is_void)
     {
       faces.clear();
       const auto is_outside = [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
@@ -66,7 +66,7 @@ namespace tombolo
             nodes.cell_nodes(cell, cell_nodes);
             nodes.cell_points(cell, cell_points);
           }
-          const std::vector<unsigned int> &indices = nodes.face_places(f);
+          const std::vector<unsigned int> &indices = nodes.face_node_indices(f);
           Face face;
           for (const unsigned int k : indices)
             face.global_nodes.push_back(cell_nodes[k]);

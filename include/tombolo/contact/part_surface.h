@@ -226,7 +226,7 @@ namespace tombolo
     void find_sides(const NodalVector &position, const std::vector<unsigned int> &candidates);
 
     /** Sets the motion over the last step to zero. Collective. */
-    void forget_motion(const NodalState &state)
+    void reset_motion(const NodalState &state)
     {
       positions = last_positions = gather_positions(state.position);
       refit();

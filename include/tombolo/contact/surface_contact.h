@@ -166,12 +166,12 @@ namespace tombolo
     }
 
     /** Sets the motion over the last step to zero. Collective. */
-    virtual void forget_motion(const NodalState &state)
+    virtual void reset_motion(const NodalState &state)
     {
       for (std::size_t k = 0; k < candidates.size(); ++k)
         histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
       if (part)
-        part->forget_motion(state);
+        part->reset_motion(state);
     }
 
     /** Adds how the last forces change with positions. Collective. */

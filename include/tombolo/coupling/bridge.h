@@ -93,8 +93,8 @@ namespace tombolo
                                  NodalVector &position);
 
     /** M̂ dv̂/dt at owned nodes for affine smoothing, the adjoint of S times M a, with prescribed
-     * components kept; the reaction over @p time_step is in take_constraint_reaction(). Valid until
-     * the next operation. Collective. */
+     * components kept; the reaction over @p time_step is in extract_constraint_reaction(). Valid
+     * until the next operation. Collective. */
     const NodalVector &momentum_rate(const NodalState &state, double time_step);
 
     /** The same as a rate of v̂, Φ_γ a, for every smoothing. Collective. */
@@ -109,12 +109,12 @@ namespace tombolo
 
     /** v̂ -= @p change at owned nodes, but for prescribed components of particles, where @p change
      * becomes zero; updates the ghosts of v̂. Returns this rank's share of the work of what keeps
-     * these, which goes to take_constraint_reaction() as well. Collective. */
+     * these, which goes to extract_constraint_reaction() as well. Collective. */
     double remove_from_velocity(NodalVector &change, NodalState &state);
 
     /** The reaction of prescribed components to momentum_rate(), velocity_rate() and
      * remove_from_velocity() since the last call. */
-    ConstraintReaction take_constraint_reaction()
+    ConstraintReaction extract_constraint_reaction()
     {
       return constrained_particles.extract_reaction();
     }
@@ -126,9 +126,9 @@ namespace tombolo
 
     /** Whether rows lost negative values since the last call. Other users of the rows must then use
      * the new ones. */
-    bool take_change_of_rows()
+    bool extract_change_of_rows()
     {
-      return split.take_change_of_rows();
+      return split.extract_change_of_rows();
     }
 
     /** The nodal forces of loads. Its nodes are to be set again after every reinit(). */

@@ -59,8 +59,8 @@ namespace tombolo
     /** Φ @p field at these nodes: of positions, the points where the loads act, with the moments of
      * the nodal forces. @p field has current ghosts; @p result is the same at other nodes, and has
      * current ghosts. Collective. */
-    void places_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &field,
-                         NodalVector &result)
+    void field_at_loads(const std::vector<unsigned int> &nodes, const NodalVector &field,
+                        NodalVector &result)
     {
       result.copy_from(field);
       interpolate_rows(nodes, field, result);

@@ -76,7 +76,7 @@ namespace tombolo
     bool update_nodal_mass();
 
     /** Whether rows lost negative values since the last call. */
-    bool take_change_of_rows();
+    bool extract_change_of_rows();
 
     /** m̂ of the nodes, scalar [M]. */
     const NodalVector &unsmoothed_mass() const

@@ -79,8 +79,8 @@ namespace tombolo
   struct StepLimit
   {
     double time_step = 1e300;
-    std::string entity;     ///< "cell", "particle", "node"
-    dealii::Point<3> place; ///< its current position
+    std::string entity;        ///< "cell", "particle", "node"
+    dealii::Point<3> position; ///< its current position
   };
 
   /** The result of update_neighbourhoods(). */
@@ -272,7 +272,8 @@ namespace tombolo
       const unsigned int n_points = is_point ? 1 : n_points_per_cell();
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int d = 0; d < dim; ++d)
-          limit.place[d] += points[is_point ? shortest : point_of_cell(shortest, q)][d] / n_points;
+          limit.position[d] +=
+              points[is_point ? shortest : point_of_cell(shortest, q)][d] / n_points;
       return limit;
     }
 

@@ -9,8 +9,9 @@
 
 namespace tombolo
 {
-  /** Lagrange shape functions of the nodes of a face, in the order of Nodes::face_places(), with
-   * their derivatives along the face, at the points of a Gauss quadrature of the reference face. */
+  /** Lagrange shape functions of the nodes of a face, in the order of Nodes::face_node_indices(),
+   * with their derivatives along the face, at the points of a Gauss quadrature of the reference
+   * face. */
   template <int dim>
   struct FaceShapes
   {

@@ -63,7 +63,7 @@ namespace tombolo
     void cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const;
 
     /** Which of a cell's nodes lie on its face @p face: ascending indices in cell_nodes. */
-    const std::vector<unsigned int> &face_places(const unsigned int face) const
+    const std::vector<unsigned int> &face_node_indices(const unsigned int face) const
     {
       return indices_by_face[face];
     }

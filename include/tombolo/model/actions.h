@@ -35,8 +35,8 @@ namespace tombolo
   };
 
   /** What @p vector has at these owned nodes, ascending, without zeros. */
-  void take_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
-                   NodalForces &result);
+  void extract_forces(const NodalVector &vector, const std::vector<unsigned int> &nodes,
+                      NodalForces &result);
 
   /** The work of forces on the motion of their nodes from step to step (impulse_of_step()). */
   class StepWork

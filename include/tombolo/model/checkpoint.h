@@ -133,12 +133,12 @@ namespace tombolo
           files.insert(files.begin(), file);
         return files;
       };
-      if (!of_first_rank(communicator, is_directory))
+      if (!from_first_rank(communicator, is_directory))
       {
         StateArchive::verify(wanted, communicator);
         return wanted;
       }
-      const std::vector<std::string> candidates = of_first_rank(communicator, newest_first);
+      const std::vector<std::string> candidates = from_first_rank(communicator, newest_first);
       for (const std::string &candidate : candidates)
       {
         try
@@ -168,7 +168,7 @@ namespace tombolo
                                   const MPI_Comm communicator)
     {
       const std::string wanted = section.get(entry);
-      const std::string file = of_first_rank(
+      const std::string file = from_first_rank(
           communicator,
           [&]
           {
@@ -180,7 +180,7 @@ namespace tombolo
             return files.empty() || std::filesystem::exists(end, code) ? end
                                                                        : files.rbegin()->second;
           });
-      const std::string problem = of_first_rank(
+      const std::string problem = from_first_rank(
           communicator,
           [&]() -> std::string
           {

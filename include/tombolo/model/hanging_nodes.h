@@ -140,8 +140,8 @@ namespace tombolo
                              const std::vector<Part<dim>> &parts,
                              const std::vector<Section> &part_sections)
   {
-    const auto all = of_all_ranks(first_refused_face(mesh, part_cells, parts),
-                                  communicator_of(mesh.triangulation));
+    const auto all = from_all_ranks(first_refused_face(mesh, part_cells, parts),
+                                    communicator_of(mesh.triangulation));
     if (all.empty())
       return;
     const UnequalFace<dim> &first = *std::min_element(all.begin(), all.end());
@@ -149,7 +149,7 @@ namespace tombolo
     const unsigned int unfit = large_reason.empty() ? first.fine_part : first.part;
     const Section &section = part_sections[unfit];
     std::ostringstream message;
-    message << "At " << place_text(first.position) << " a cell of the part \""
+    message << "At " << position_text(first.position) << " a cell of the part \""
             << part_sections[first.part].name() << "\" lies beside cells of half its size";
     if (first.fine_part != first.part)
       message << " of the part \"" << part_sections[first.fine_part].name() << "\"";

@@ -15,5 +15,5 @@ namespace tombolo
    * once, this rank's share: ½ Δt times internal_power() @p before minus that @p after. Forces of
    * before work on the first half of the step, and the points that advance over the whole of it are
    * those of after. Zero where either is not a number on any rank. Collective. */
-  double taken_by_change(double before, double after, double step, MPI_Comm communicator);
+  double energy_of_change(double before, double after, double step, MPI_Comm communicator);
 } // namespace tombolo

@@ -155,10 +155,10 @@ namespace tombolo
     }
 
     /** See PointTransfer. */
-    void settle_volumes(const Model<dim> &model, const NodalVector &position) const
+    void update_volumes(const Model<dim> &model, const NodalVector &position) const
     {
       for (const PointTransfer<dim> &part_points : points)
-        part_points.settle_volumes(model, position);
+        part_points.update_volumes(model, position);
     }
 
     /** Adds to nodes of joined cells the momentum of nodes that are no longer unknowns, as far as
@@ -259,7 +259,7 @@ namespace tombolo
             source.ids.push_back(child_of<dim>(id, child));
             if (!lookup.has(result.number_of(source.ids.back())))
               problem =
-                  "Of the cell at " + place_text(cell->center()) + " the part \"" +
+                  "Of the cell at " + position_text(cell->center()) + " the part \"" +
                   model.parts[part].name +
                   "\" has another piece after a change of the mesh: let regions of `Cells` end "
                   "where cells of the mesh end.";

@@ -190,7 +190,7 @@ namespace tombolo
 
     /** Sets the volumes of new points at @p position, that of their state, with the
      * integrals of what is held. */
-    void settle_volumes(const Model<dim> &model, const NodalVector &position) const
+    void update_volumes(const Model<dim> &model, const NodalVector &position) const
     {
       if (n_points == 0)
         return;

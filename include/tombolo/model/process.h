@@ -202,7 +202,7 @@ namespace tombolo
     void act(const Model<dim> &model, const Clock &clock, NodalVector &force);
 
     /** For steps: add_heat(). Returns whether the process has sources of heat. */
-    bool give_heat(const Model<dim> &model, double begin, double end);
+    bool supply_heat(const Model<dim> &model, double begin, double end);
 
     /** constrain_acceleration(), and the actions that follow the acceleration. */
     void constrain(Model<dim> &model, const Clock &clock);

@@ -85,7 +85,7 @@ namespace tombolo
     /** The last field that was found has become that of the state, and nothing has moved since. */
     void keep_field_of_state();
     /** Rows or temperatures can change. */
-    void forget_field_of_state()
+    void discard_field_of_state()
     {
       field_is_of_state = false;
     }

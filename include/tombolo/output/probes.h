@@ -239,7 +239,7 @@ namespace tombolo
             if (const auto node = cell->vertex_dof_index(v, 0); nodes.owned().is_element(node))
               found.push_back({requested->second,
                                nodes.persistent_ids()[view.state->partition()->local_index(node)]});
-      for (const Found &node : of_all_ranks(found, nodes.communicator()))
+      for (const Found &node : from_all_ranks(found, nodes.communicator()))
         result[node.index] = node.id;
       return result;
     }
@@ -275,7 +275,7 @@ namespace tombolo
                     boundaries.count(cell->face(f)->boundary_id()) > 0)
                 {
                   nodes.cell_nodes(cell, cell_nodes);
-                  for (const unsigned int k : nodes.face_places(f))
+                  for (const unsigned int k : nodes.face_node_indices(f))
                     if (nodes.owned().is_element(cell_nodes[k]))
                       is_in_region[partition.local_index(cell_nodes[k])] = true;
                 }
@@ -289,7 +289,7 @@ namespace tombolo
                 found.push_back({number, position, is_listed});
             }
           });
-      found = of_all_ranks(found, nodes.communicator());
+      found = from_all_ranks(found, nodes.communicator());
       std::sort(found.begin(), found.end(),
                 [](const Found &a, const Found &b) { return a.number < b.number; });
 

@@ -62,10 +62,10 @@ namespace tombolo
           remark = "The pictures in " + file + " are damaged and are written anew from here on.";
         return std::vector<std::string>();
       };
-      grids = of_first_rank(directory.communicator(), read);
+      grids = from_first_rank(directory.communicator(), read);
       if (!grids.empty())
         write_index(directory);
-      return of_first_rank(directory.communicator(), [&] { return remark; });
+      return from_first_rank(directory.communicator(), [&] { return remark; });
     }
 
     /** Adds the grid of output number @p output, the pieces of all ranks one after the other.

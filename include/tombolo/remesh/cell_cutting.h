@@ -97,7 +97,7 @@ namespace tombolo
     }
 
     /** Changes the functions from 1, b_1, ..., b_dim to b_0, ..., b_dim. */
-    void take_coordinates()
+    void use_barycentric_functions()
     {
       TOMBOLO_UNROLL
       for (unsigned int j = 1; j <= dim; ++j)
@@ -386,7 +386,7 @@ namespace tombolo
                 sum += moments.products[0][k] * rows[k];
               note(after, pair, sum);
             });
-        integrals.take_coordinates();
+        integrals.use_barycentric_functions();
         point_integrals.add(integrals, simplex_points.vertices[after].data());
       }
       point_integrals.add_to(cell_integrals);

@@ -86,7 +86,8 @@ namespace tombolo
       return;
     text << " (limit " << limit.time_step << " " << by << "from the " << limit.entity;
     if (limit.entity != "spectrum")
-      text << " at (" << limit.place[0] << ", " << limit.place[1] << ", " << limit.place[2] << ")";
+      text << " at (" << limit.position[0] << ", " << limit.position[1] << ", " << limit.position[2]
+           << ")";
     text << ")";
   }
 
@@ -303,7 +304,7 @@ namespace tombolo
         const bool has_contact =
             touching.count(body) > 0 ||
             (part.particles != nullptr && (part.particles->fragment_contact() != nullptr ||
-                                           part.particles->sees_other_bodies()));
+                                           part.particles->reaches_other_bodies()));
         found.insert({has_contact ? numbers::invalid_dof_index : body, part.name});
       }
     std::set<types::global_dof_index> separate;

@@ -66,10 +66,10 @@ namespace tombolo
   {
     namespace fs = std::filesystem;
     std::error_code code;
-    return of_first_rank(communicator,
-                         [&] {
-                           return fs::equivalent(fs::absolute(file).parent_path().parent_path(),
-                                                 directory, code);
-                         });
+    return from_first_rank(communicator,
+                           [&] {
+                             return fs::equivalent(fs::absolute(file).parent_path().parent_path(),
+                                                   directory, code);
+                           });
   }
 } // namespace tombolo

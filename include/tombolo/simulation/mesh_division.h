@@ -58,7 +58,7 @@ namespace tombolo
     serialize_model(model, archive, &transfer);
     if (model.has_mechanics)
       // Where nodes were when the state of the points was found.
-      transfer.settle_volumes(model, earlier_position(model.state, clock.previous_step));
+      transfer.update_volumes(model, earlier_position(model.state, clock.previous_step));
     transfer.restore_momentum(model);
     if (model.heat)
       find_enthalpies(*model.heat);

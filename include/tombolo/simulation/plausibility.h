@@ -99,7 +99,7 @@ namespace tombolo
         if (!(excess > melt.value))
           continue;
         const auto largest_position = [&]
-        { return place_text<dim>(part.formulation->initial_point_positions()[hottest]); };
+        { return position_text<dim>(part.formulation->initial_point_positions()[hottest]); };
         melt = {excess,
                 as_text(std::setprecision(4), "At t = ", time, " part \"", part.name, "\" has ",
                         melting_temperature + excess, " at the point that started at ",
@@ -133,7 +133,7 @@ namespace tombolo
         }
       }
       const auto largest_position = [&]
-      { return place_text(vector_of<dim>(model.state.position.node(node))); };
+      { return position_text(vector_of<dim>(model.state.position.node(node))); };
       lattice_mode = {
           balance.short_wave_share,
           as_text(std::setprecision(3), "At t = ", time, " ", 100. * balance.short_wave_share,

@@ -76,12 +76,12 @@ namespace tombolo
                      "." + did_you_mean(name, stage_names));
         }
       }
-      read_lines(of_first_rank(communicator,
-                               [&]
-                               {
-                                 std::ifstream in(file, std::ios::binary);
-                                 return as_text(in.rdbuf());
-                               }));
+      read_lines(from_first_rank(communicator,
+                                 [&]
+                                 {
+                                   std::ifstream in(file, std::ios::binary);
+                                   return as_text(in.rdbuf());
+                                 }));
     }
 
     const std::vector<std::string> &names() const
@@ -260,7 +260,7 @@ namespace tombolo
   /** Whether this directory has checkpoints to resume from. Collective. */
   inline bool has_checkpoints(const std::string &output_directory, const MPI_Comm communicator)
   {
-    return of_first_rank(
+    return from_first_rank(
         communicator,
         [&]
         {
@@ -277,12 +277,12 @@ namespace tombolo
   /** Whether the run in this directory came to its end. Collective. */
   inline bool has_finished(const std::string &output_directory, const MPI_Comm communicator)
   {
-    return of_first_rank(communicator,
-                         [&]
-                         {
-                           std::ifstream in(output_directory + "/summary.json");
-                           const auto summary = nlohmann::json::parse(in, nullptr, false);
-                           return summary.is_object() && summary.value("ended", "") == "finished";
-                         });
+    return from_first_rank(communicator,
+                           [&]
+                           {
+                             std::ifstream in(output_directory + "/summary.json");
+                             const auto summary = nlohmann::json::parse(in, nullptr, false);
+                             return summary.is_object() && summary.value("ended", "") == "finished";
+                           });
   }
 } // namespace tombolo

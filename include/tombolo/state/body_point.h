@@ -63,7 +63,7 @@ namespace tombolo
           number = i;
         }
       Candidate best;
-      for (const Candidate &candidate : of_all_ranks(std::vector<Candidate>{here}, communicator))
+      for (const Candidate &candidate : from_all_ranks(std::vector<Candidate>{here}, communicator))
         if (is_before(candidate.id, best.id))
           best = candidate;
       id = best.id;

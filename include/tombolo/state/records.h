@@ -262,7 +262,7 @@ namespace tombolo
 
     /** The last column is that of a field which is @p field at nodes without an item: a node that
      * has come by a division has the mean of those between which it lies. */
-    NodeRecords &of_field(const NodalVector &field)
+    NodeRecords &samples_field(const NodalVector &field)
     {
       *elsewhere = &field;
       return *this;

@@ -331,7 +331,7 @@ namespace tombolo
       bool is_free = false;
       bool is_constant = false;
       bool depends_on_time = false;
-      bool depends_on_place = false;
+      bool depends_on_position = false;
       double constant = 0;
       std::unique_ptr<SpaceTimeFunction<dim>> function; ///< of components that are not constant
     };
@@ -371,10 +371,10 @@ namespace tombolo
       const auto tokens = tokens_of(calls);
       const auto names = variables_of_expressions(dim);
       component.depends_on_time = has_name(tokens, "t");
-      component.depends_on_place = std::any_of(names.begin(), names.end(),
-                                               [&](const std::string &name)
-                                               { return name != "t" && has_name(tokens, name); });
-      component.is_constant = !component.depends_on_time && !component.depends_on_place;
+      component.depends_on_position = std::any_of(
+          names.begin(), names.end(),
+          [&](const std::string &name) { return name != "t" && has_name(tokens, name); });
+      component.is_constant = !component.depends_on_time && !component.depends_on_position;
 
       bool is_parsed = false;
       bool is_finite = false;
@@ -465,10 +465,10 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Expression<dim>::depends_on_place() const
+  bool Expression<dim>::depends_on_position() const
   {
     return std::any_of(implementation->components.begin(), implementation->components.end(),
-                       [](const auto &component) { return component.depends_on_place; });
+                       [](const auto &component) { return component.depends_on_position; });
   }
 
   template <int dim>
@@ -483,12 +483,12 @@ namespace tombolo
   {
     const auto tokens = tokens_of(TableCalls(section.get(entry)));
     const auto names = variables_of_expressions(dim);
-    const bool depends_on_place =
+    const bool depends_on_position =
         std::any_of(names.begin(), names.end(),
                     [&](const std::string &name) { return has_name(tokens, name); });
     if (expression.depends_on_time())
       section.fail(entry, "a condition on points cannot depend on t.");
-    if (depends_on_place && std::none_of(tokens.begin(), tokens.end(), is_comparison))
+    if (depends_on_position && std::none_of(tokens.begin(), tokens.end(), is_comparison))
       section.fail(entry, "a condition is needed, for example \"x < 5 && y > 0\"; this is a number "
                           "that is compared with nothing.");
   }

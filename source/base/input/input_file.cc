@@ -65,7 +65,7 @@ namespace tombolo
   {
     std::string text;
     const std::string error =
-        of_first_rank(communicator, [&] { return read(section, entry, file, text); });
+        from_first_rank(communicator, [&] { return read(section, entry, file, text); });
     if (!error.empty())
       section.fail(entry, file == section.get(entry) ? error : "\"" + file + "\": " + error);
     const std::size_t size = dealii::Utilities::MPI::broadcast(communicator, text.size(), 0);

@@ -68,7 +68,7 @@ namespace tombolo
           message[2] = name;
         return message;
       };
-      std::vector<std::string> message = of_first_rank(communicator, read);
+      std::vector<std::string> message = from_first_rank(communicator, read);
       text = std::move(message[1]);
       identity = std::move(message[2]);
       return message[0];

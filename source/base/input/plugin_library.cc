@@ -133,7 +133,7 @@ namespace tombolo
         return "the library cannot be loaded: " +
                std::string(message != nullptr ? message : "unknown reason") + ".";
       }
-      return internal::take_registration_problems();
+      return internal::release_registration_problems();
     }
   } // namespace
 

@@ -112,7 +112,7 @@ namespace tombolo
       problems += (problems.empty() ? "" : " ") + problem;
     }
 
-    std::string take_registration_problems()
+    std::string release_registration_problems()
     {
       std::string problems;
       problems.swap(registration_problems());

@@ -125,12 +125,12 @@ namespace tombolo
     // Squares and cubes of these are numbers, too.
     const double extent = (high - low).norm();
     if (!(extent > 1e-50 && low.norm() < 1e50 && high.norm() < 1e50))
-      throw std::invalid_argument("its extent from " + place_text(low) + " to " + place_text(high) +
-                                  " is not that of a body");
+      throw std::invalid_argument("its extent from " + position_text(low) + " to " +
+                                  position_text(high) + " is not that of a body");
     if (!(extent > 1e-6 * (low.norm() + high.norm())))
       throw std::invalid_argument("it is so far from its own origin that the numbers do not "
                                   "resolve it, from " +
-                                  place_text(low) + " to " + place_text(high));
+                                  position_text(low) + " to " + position_text(high));
 
     const std::vector<Point<dim>> points(list.vertices.begin(), list.vertices.end());
     const auto tree = pack_rtree_of_indices(points);
@@ -224,7 +224,7 @@ namespace tombolo
       throw std::invalid_argument(
           std::to_string(n_without_area) +
           " triangles have no area, their corners being on a line; the first is at " +
-          place_text(center(first)));
+          position_text(center(first)));
   }
 
   template <int dim>
@@ -257,7 +257,7 @@ namespace tombolo
       const std::string where =
           end - begin == 2
               ? ""
-              : place_text(0.5 * (vertices[sides[begin].first] + vertices[sides[begin].second]));
+              : position_text(0.5 * (vertices[sides[begin].first] + vertices[sides[begin].second]));
       if (end - begin == 1 && n_open++ == 0)
         first_open = where;
       if (end - begin > 2 && n_branching++ == 0)
@@ -322,7 +322,7 @@ namespace tombolo
           else if (is_turned[other] != turns)
             throw std::invalid_argument("it has no inside: its two sides are one, as those of a "
                                         "Möbius strip; seen at " +
-                                        place_text(center(other)));
+                                        position_text(center(other)));
         }
       }
       n_turned_in_all += std::min(n_turned, n_facets - n_turned);
@@ -363,8 +363,8 @@ namespace tombolo
     for (const Piece &piece : pieces)
     {
       if (!(std::abs(piece.volume) > tolerance() * piece.area))
-        throw std::invalid_argument("it encloses nothing: the piece at " + place_text(piece.point) +
-                                    " is flat");
+        throw std::invalid_argument("it encloses nothing: the piece at " +
+                                    position_text(piece.point) + " is flat");
       volume += piece.volume;
     }
     if (volume < 0.)
@@ -394,7 +394,7 @@ namespace tombolo
         ++n_cavities;
         if (std::none_of(pieces.begin(), pieces.end(),
                          [&](const Piece &outer) { return is_within(piece, outer); }))
-          throw std::invalid_argument("its piece at " + place_text(piece.point) +
+          throw std::invalid_argument("its piece at " + position_text(piece.point) +
                                       " is inside out, while others are not");
       }
   }
@@ -424,7 +424,7 @@ namespace tombolo
           vertex_set = sets.find_set(c);
         else if (vertex_set != sets.find_set(c))
           throw std::invalid_argument("it touches itself in the point " +
-                                      place_text(vertices[facets[c / dim].vertex[c % dim]]));
+                                      position_text(vertices[facets[c / dim].vertex[c % dim]]));
       }
     }
   }

@@ -98,7 +98,7 @@ namespace tombolo
     if (!(square < nearest.distance_square))
       return false;
     nearest.distance_square = square;
-    nearest.place = point_on_side;
+    nearest.point = point_on_side;
     if (is_first || is_second)
     {
       nearest.feature = Feature::vertex;
@@ -342,7 +342,7 @@ namespace tombolo
         result.feature == Feature::facet  ? this->facet_normals[result.number]
         : result.feature == Feature::edge ? this->edge_normals[result.number]
                                           : this->vertex_normals[result.number];
-    const Tensor<1, dim> away = point - result.place;
+    const Tensor<1, dim> away = point - result.point;
     const double distance = std::sqrt(result.distance_square);
     const double sign = away * outward < 0. ? -1. : 1.;
     result.gap = sign * distance;
@@ -373,7 +373,7 @@ namespace tombolo
     result.gap.facet = tree.facet_of(*nearest);
     result.gap.normal = this->facet_normals[result.gap.facet];
     result.size = size_of(result.gap.facet);
-    const Tensor<1, dim> away = point - nearest->place;
+    const Tensor<1, dim> away = point - nearest->point;
     const Tensor<1, dim> along = away - (away * result.gap.normal) * result.gap.normal;
     result.behind = -(away * result.gap.normal);
     result.outside = along.norm();

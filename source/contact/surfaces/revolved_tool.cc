@@ -32,7 +32,7 @@ namespace tombolo
   /** The corners of a profile, and the radius by which its edges are rounded [L]. */
   struct ToolOutline
   {
-    std::vector<RigidProfile::Place> corners;
+    std::vector<RigidProfile::Point> corners;
     double edge_radius = 0;
 
   protected:
@@ -127,7 +127,7 @@ namespace tombolo
                ';'))
       {
         const std::vector<std::string> numbers = Utilities::split_string_list(text, ',');
-        RigidProfile::Place corner{};
+        RigidProfile::Point corner{};
         if (numbers.size() != 2 || !is_number(numbers[0], corner.r) ||
             !is_number(numbers[1], corner.z))
           e.section().fail("Corners", "\"" + text + "\" is not a pair of numbers `r, z`.");
@@ -183,7 +183,7 @@ namespace tombolo
           z += along[d] * y;
           square += y * y;
         }
-        const RigidProfile::Place point = {std::sqrt(std::max(square - z * z, 0.)), z};
+        const RigidProfile::Point point = {std::sqrt(std::max(square - z * z, 0.)), z};
         const double at_least = profile.distance_from_box(point);
         gap[k] = at_least > reach ? at_least : profile.nearest(point).gap;
       }
@@ -199,7 +199,7 @@ namespace tombolo
       const double z = from_origin * along;
       const Tensor<1, dim> across = from_origin - z * along;
       const double r = across.norm();
-      const RigidProfile::Place normal = profile.nearest({r, z}).normal;
+      const RigidProfile::Point normal = profile.nearest({r, z}).normal;
       Tensor<1, dim> result = normal.z * along;
       // On the axis, to round-off, all directions across are alike, and only the one along is left,
       // if there is one.
@@ -214,15 +214,15 @@ namespace tombolo
                            const Tensor<1, dim> &) const override
     {
       const Tensor<1, dim> origin = this->origin(time), along = axis_at(time);
-      const std::vector<RigidProfile::Place> outline =
+      const std::vector<RigidProfile::Point> outline =
           profile.outline(numbers::PI / (dim == 2 ? 180 : 18));
       FacetList<dim> result;
       if constexpr (dim == 2)
       {
         const Tensor<1, 2> across({along[1], -along[0]});
-        const auto add = [&](const RigidProfile::Place &point, const double side)
+        const auto add = [&](const RigidProfile::Point &point, const double side)
         { result.vertices.push_back(origin + point.z * along + side * point.r * across); };
-        for (const RigidProfile::Place &point : outline)
+        for (const RigidProfile::Point &point : outline)
           add(point, 1.);
         for (std::size_t i = outline.size() - 2; i > 0; --i)
           add(outline[i], -1.);
@@ -235,7 +235,7 @@ namespace tombolo
         constexpr unsigned int n = 48;
         const Tensor<1, 3> first = direction_across(along), second = cross_product_3d(along, first);
         const double start = this->angle(time);
-        for (const RigidProfile::Place &point : outline)
+        for (const RigidProfile::Point &point : outline)
           for (unsigned int k = 0; k < n; ++k)
           {
             const double angle = start + 2 * numbers::PI * k / n;

@@ -39,7 +39,8 @@ namespace tombolo
     else if (is_given)
     {
       function.emplace(e.section(), "Displacement", dim);
-      e.refuse(function->depends_on_place(), "Displacement", "allowed are functions of t alone.");
+      e.refuse(function->depends_on_position(), "Displacement",
+               "allowed are functions of t alone.");
     }
   }
 
@@ -92,7 +93,7 @@ namespace tombolo
     if (!section.get("Force").empty())
     {
       result.force.emplace(section, "Force", dim);
-      if (result.force->depends_on_place())
+      if (result.force->depends_on_position())
         section.fail("Force", "allowed are functions of t alone.");
     }
     result.free_directions = read_directions(section);

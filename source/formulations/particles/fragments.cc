@@ -125,7 +125,7 @@ namespace tombolo
         }
       std::sort(links.begin(), links.end());
       links.erase(std::unique(links.begin(), links.end()), links.end());
-      return of_all_ranks(links, communicator);
+      return from_all_ranks(links, communicator);
     }
 
     /** Replaces smallest particles on a rank by those of all ranks. Collective. */

@@ -161,7 +161,7 @@ namespace tombolo
                                      node_stride];
             std::copy_n(x, dim, position.begin_raw());
             failure =
-                "Section Mesh, entry \"Refine where\": at " + place_text(position) +
+                "Section Mesh, entry \"Refine where\": at " + position_text(position) +
                 " a node of a cell of the particle part \"" + setup.name +
                 "\" lies in the middle of a face or edge of a large cell that ends beyond the "
                 "part. Let the part and the small cells end at the same large cells.";

@@ -35,7 +35,7 @@ namespace tombolo
           continue;
         if (at_boundary && !all_nodes.is_outer_face(cell, face))
           continue;
-        for (const unsigned int corner : all_nodes.face_places(face))
+        for (const unsigned int corner : all_nodes.face_node_indices(face))
           face_nodes.push_back(cell_nodes[corner]);
         is_shared.push_back(!at_boundary);
         // The tangents of a face are those of the cell's axes in their order; their product points

@@ -383,7 +383,8 @@ namespace tombolo
                                     return;
                                   limit.time_step = step;
                                   for (unsigned int d = 0; d < dim; ++d)
-                                    limit.place[d] = position.node(rows.shape->particle_node[i])[d];
+                                    limit.position[d] =
+                                        position.node(rows.shape->particle_node[i])[d];
                                 });
       return limit;
     }

@@ -128,7 +128,7 @@ namespace tombolo
 
       static std::string outside_of_hull(const Point<dim> &x)
       {
-        return "the point at " + place_text(x) +
+        return "the point at " + position_text(x) +
                " is outside of the convex hull of the nodes whose supports reach it: the "
                "approximation does not exist there. A larger `Dilation` may help.";
       }
@@ -207,12 +207,12 @@ namespace tombolo
         is_known.assign(facets.size(), false);
         if (position == nullptr || !further_facets.empty())
           return;
-        constexpr unsigned int most_places = MovedConvexValues<dim>::most_places;
+        constexpr unsigned int most_points = MovedConvexValues<dim>::most_points;
         moved_values.set_neighbours(static_cast<unsigned int>(hits.size()), positions.data(),
                                     supports.data(), present.data());
         known_values.resize(facets.size());
-        std::array<std::size_t, most_places> numbers{};
-        typename MovedConvexValues<dim>::Places initial, now;
+        std::array<std::size_t, most_points> numbers{};
+        typename MovedConvexValues<dim>::Points initial, now;
         unsigned int n = 0;
         for (std::size_t f = 0; f < facets.size(); ++f)
         {
@@ -222,7 +222,7 @@ namespace tombolo
             initial[n] = facets[f].initial;
             now[n++] = facets[f].now;
           }
-          if (n < most_places && (n == 0 || f + 1 < facets.size()))
+          if (n < most_points && (n == 0 || f + 1 < facets.size()))
             continue;
           const unsigned int is_found = moved_values.evaluate(n, initial, now);
           for (unsigned int slot = 0; slot < n; ++slot)

@@ -102,7 +102,7 @@ namespace tombolo
         Bonds<dim> *const bonds = breaking_bonds(model.parts[p]);
         if (bonds == nullptr)
           continue;
-        for (LeavingParticle &particle : bonds->take_leaving_particles())
+        for (LeavingParticle &particle : bonds->leaving_particles())
         {
           const unsigned int node = node_of_row[p][particle.row];
           if (!has_left(node) || is_taken[node])

@@ -182,7 +182,7 @@ namespace tombolo
       {
         LimitedFunction<dim> rate(section, "Rate", 0., std::numeric_limits<double>::max(),
                                   "a number of at least 0");
-        if (rate.depends_on_place())
+        if (rate.depends_on_position())
           section.fail("Rate", "allowed is a function of t alone.");
         return rate;
       }

@@ -113,7 +113,7 @@ namespace tombolo
             farthest[direction] = std::max(farthest[direction], entry);
           }
         }
-        for (const auto &rank_farthest : items_of_ranks(farthest, model.communicator))
+        for (const auto &rank_farthest : items_by_rank(farthest, model.communicator))
           for (unsigned int direction = 0; direction < 2 * dim; ++direction)
             farthest[direction] = std::max(farthest[direction], rank_farthest[direction]);
         for (unsigned int axis = 0; axis < dim; ++axis)

@@ -83,7 +83,7 @@ namespace tombolo
       node_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
                    &model.heat->state.pending, heat};
     if (revision_of_cells != model.revisions.cells)
-      contact.forget_pairs();
+      contact.reset_pairs();
     revision_of_cells = model.revisions.cells;
     contact.add_forces(input, model.element_mass,
                        contact.rubs() ? forces.at_all_nodes() : forces.at_touched_nodes(),

@@ -88,7 +88,7 @@ namespace tombolo
                "a link ends at a place, \"End\", or at a point of a body, \"Other point\"; allowed "
                "is one of both.");
       for (const auto *const function : {&end, &free_length})
-        e.refuse(function->has_value() && (*function)->depends_on_place(),
+        e.refuse(function->has_value() && (*function)->depends_on_position(),
                  function == &end ? "End" : "Length", "allowed are functions of t.");
       e.refuse(!(stiffness > 0. || damping > 0. || stop_stiffness > 0.), "Stiffness",
                "a link needs a stiffness or a damping larger than zero, or stops.");

@@ -114,7 +114,7 @@ namespace tombolo
         positions.emplace_back();
         std::copy_n(model.state.initial_position.node(node), dim, positions.back().begin());
       }
-      positions = of_all_ranks(positions, model.communicator);
+      positions = from_all_ranks(positions, model.communicator);
       if (positions.empty())
         return;
       const std::array<double, dim> first = *std::min_element(positions.begin(), positions.end());
@@ -123,7 +123,7 @@ namespace tombolo
       section.fail("Master parts",
                    "the faces of both sides have " + std::to_string(positions.size()) +
                        (positions.size() == 1 ? " node" : " nodes") + " in common, the first at " +
-                       place_text(position) +
+                       position_text(position) +
                        ": the parts are one body there, and nothing comes apart or slides. Allowed "
                        "are parts that share no nodes, from `Meshes` or from a mesh file whose "
                        "nodes are not merged there; or, where other faces of one body shall touch, "
@@ -367,7 +367,7 @@ namespace tombolo
           continue;
         add_temperatures(
             "slave", contact->temperatures_in_contact(&model.heat->state.present_temperature), row);
-        if (contact->knows_temperatures())
+        if (contact->finds_temperatures())
           add_temperatures("master", contact->temperatures_in_contact(nullptr), row);
       }
     }

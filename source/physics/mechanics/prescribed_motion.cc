@@ -236,7 +236,7 @@ namespace tombolo
             account.impulses.add_now(reaction.impulse, reaction.angular_impulse);
             account.work += reaction.work;
           });
-      const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
+      const ConstraintReaction reaction = model.bridge->extract_constraint_reaction();
       work += reaction.work;
       model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
     }

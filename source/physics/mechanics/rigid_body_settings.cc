@@ -35,7 +35,7 @@ namespace tombolo
     {
       auto function =
           e.optional<Expression<dim>>(entry, unit, documentation, n_components, allow_free);
-      e.refuse(function && function->depends_on_place(), entry,
+      e.refuse(function && function->depends_on_position(), entry,
                n_components == 1 ? "allowed is a function of t alone."
                                  : "allowed are functions of t alone.");
       return function;

@@ -195,11 +195,11 @@ namespace tombolo
           nodes.begin(), nodes.end(),
           [&](const unsigned int node)
           { return !is_inside(Point<dim>(vector_of<dim>(state.initial_position.node(node)))); });
-      std::string position_text;
+      std::string exit_text;
       if (outside != nodes.end())
-        position_text = place_text(vector_of<dim>(state.position.node(*outside)));
+        exit_text = position_text(vector_of<dim>(state.position.node(*outside)));
       for (const std::string &rank_text :
-           texts_of_ranks(state.partition()->communicator(), position_text))
+           texts_of_ranks(state.partition()->communicator(), exit_text))
       {
         if (rank_text.empty())
           continue;
@@ -398,7 +398,7 @@ namespace tombolo
           {
             contact->become_static(touch_distance);
             if (clock.step == 0)
-              contact->forget_motion(model.state);
+              contact->reset_motion(model.state);
           }
         });
     this->observed.energies.connect(

@@ -261,7 +261,7 @@ namespace tombolo
       {
         smallest = id;
         limit.entity = rank_entity;
-        limit.place = rank_position;
+        limit.position = rank_position;
       }
   }
 

@@ -66,7 +66,7 @@ namespace tombolo
         {
           model.bridge->smooth_velocity(model.state);
           (n_broken > n_before ? taken_by_breaks : taken_by_renewals) +=
-              taken_by_change(power, power_back(model), step, model.communicator);
+              energy_of_change(power, power_back(model), step, model.communicator);
         }
       }
       step = 0.;

@@ -108,8 +108,8 @@ namespace tombolo
         model.bridge->smooth_velocity(model.state);
         const Content after = content_of(model);
         const double energy = before.energy - after.energy - given +
-                              taken_by_change(power, internal_power(model, clock.previous_step),
-                                              clock.previous_step, model.communicator);
+                              energy_of_change(power, internal_power(model, clock.previous_step),
+                                               clock.previous_step, model.communicator);
         lost += energy;
         for (unsigned int d = 0; d < 3; ++d)
         {
@@ -228,7 +228,7 @@ namespace tombolo
               result.push_back(as_text(
                   "At t = ", clock.time, " the material of part \"",
                   model.parts[part.refill->part].name, "\" has reached void cells at ",
-                  place_text(*end),
+                  position_text(*end),
                   " that cannot be filled, at the end of the mesh or beside cells of another "
                   "size. A larger mesh with more void cells, all of one size, gives it room."));
             }

@@ -170,7 +170,7 @@ namespace tombolo
                   const MPI_Comm communicator)
     {
       std::map<types::global_dof_index, types::global_dof_index> result;
-      const auto all = of_all_ranks(pairs, communicator);
+      const auto all = from_all_ranks(pairs, communicator);
       const auto of = [&](const types::global_dof_index body)
       { return result.try_emplace(body, body).first->second; };
       for (bool has_changed = true; has_changed;)

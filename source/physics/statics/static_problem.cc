@@ -291,7 +291,7 @@ namespace tombolo
         text << ", " << x[d];
       text << ") with " << largest;
     }
-    const auto rank_maxima = of_all_ranks(std::vector<double>{largest}, model.communicator);
+    const auto rank_maxima = from_all_ranks(std::vector<double>{largest}, model.communicator);
     const auto first_largest = std::max_element(rank_maxima.begin(), rank_maxima.end());
     return texts_of_ranks(model.communicator, text.str())[first_largest - rank_maxima.begin()];
   }

@@ -122,7 +122,7 @@ namespace
                                    shape.neighbour.data() + shape.row_start[row + 1]));
       }
       GlobalRows all;
-      own = of_all_ranks(own, MPI_COMM_WORLD);
+      own = from_all_ranks(own, MPI_COMM_WORLD);
       for (std::size_t i = 0; i < own.size(); i += 3)
         all[static_cast<types::global_dof_index>(own[i])]
            [static_cast<types::global_dof_index>(own[i + 1])] = own[i + 2];

@@ -130,10 +130,10 @@ namespace tombolo
           if (list.vertices[a][1] >= 0. && list.vertices[a][2] >= 0.)
             for (unsigned int d = 0; d < 3; ++d)
               of_sources[d] += values[3 * a + d];
-        const auto of_all_ranks =
+        const auto from_all_ranks =
             static_cast<double>(n_images * dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD));
-        EXPECT_NEAR(of_sources[0], of_all_ranks, 1e-12);
-        EXPECT_NEAR(of_sources[1], -2. * of_all_ranks, 1e-12);
+        EXPECT_NEAR(of_sources[0], from_all_ranks, 1e-12);
+        EXPECT_NEAR(of_sources[1], -2. * from_all_ranks, 1e-12);
       }
 
       TEST(part_layer, sums_over_ranks_are_the_same_on_all)

@@ -62,8 +62,8 @@ namespace tombolo
       Placed placed(const Tensor<1, 2> &from, const Tensor<1, 2> &place, const double slides = 1.)
       {
         const UnitDisc disc;
-        const NodalVector before = places_as_nodes<2>({from});
-        NodalVector position = places_as_nodes<2>({place}), is_bound, sliding;
+        const NodalVector before = positions_as_nodes<2>({from});
+        NodalVector position = positions_as_nodes<2>({place}), is_bound, sliding;
         for (NodalVector *const vector : {&is_bound, &sliding})
           vector->reinit(position.partition(), Quantity::scalar);
         *sliding.node(0) = slides;

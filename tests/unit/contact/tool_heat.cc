@@ -92,7 +92,7 @@ namespace
     }
 
     /** Adds the heat that waits to that which was given. */
-    void give_heat()
+    void supply_heat()
     {
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         *heat.node(i) += std::exchange(*waiting.node(i), 0.);
@@ -102,7 +102,7 @@ namespace
     void take_heat()
     {
       heat.set_zero();
-      give_heat();
+      supply_heat();
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       {
         const double now = enthalpy.enthalpy(i, *temperature.node(i)) + *heat.node(i);
@@ -202,7 +202,7 @@ TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
                   1e-13 * plate.friction());
       if (step == 150)
         break;
-      plate.give_heat();
+      plate.supply_heat();
       EXPECT_EQ(plate.pending(), 0.);
     }
     EXPECT_EQ(plate.pending() > 0., fraction > 0.);
@@ -335,7 +335,7 @@ TEST(ContactHeat, does_nothing_in_a_scene_without_heat)
     plate.advance();
     with_heat.advance();
   }
-  plate.give_heat();
+  plate.supply_heat();
   EXPECT_GT(with_heat.pending(), 0.);
   EXPECT_EQ(plate.pending(), 0.);
   EXPECT_EQ(plate.given(), 0.);

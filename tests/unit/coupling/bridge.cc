@@ -287,7 +287,7 @@ TEST(Bridge, prescribed_components_keep_their_own_row)
         work += *model->bridge->mass().node(i) * change.node(i)[d] * before.node(i)[d];
       }
     }
-  const ConstraintReaction reaction = model->bridge->take_constraint_reaction();
+  const ConstraintReaction reaction = model->bridge->extract_constraint_reaction();
   EXPECT_NEAR(given, work, 1e-13);
   EXPECT_NEAR(reaction.work, work, 1e-13);
   EXPECT_NEAR(reaction.impulse[0], impulse, 1e-13);

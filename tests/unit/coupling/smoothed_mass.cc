@@ -74,12 +74,12 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
     Model<2> &model = *body.model;
     const Stencils &shape = body.shape();
     model.bridge->update_nodal_mass();
-    EXPECT_FALSE(model.bridge->take_change_of_rows());
+    EXPECT_FALSE(model.bridge->extract_change_of_rows());
     make_light(body);
     const auto before = values(shape);
     model.bridge->update_nodal_mass();
-    EXPECT_TRUE(model.bridge->take_change_of_rows());
-    EXPECT_FALSE(model.bridge->take_change_of_rows());
+    EXPECT_TRUE(model.bridge->extract_change_of_rows());
+    EXPECT_FALSE(model.bridge->extract_change_of_rows());
 
     const auto after = values(shape);
     unsigned int n_changed = 0;
@@ -145,11 +145,11 @@ TEST(SmoothedMass, the_smallest_share_can_be_chosen)
     make_light(body, 0.);
     const double own = share_of_light();
     ASSERT_GT(own, 0.1);
-    EXPECT_FALSE(model.bridge->take_change_of_rows());
+    EXPECT_FALSE(model.bridge->extract_change_of_rows());
     // Eight neighbours leave half of what is asked for.
     make_light(body, (0.05 - own) / 8.);
     const double left = share_of_light();
-    EXPECT_EQ(model.bridge->take_change_of_rows(), is_chosen);
+    EXPECT_EQ(model.bridge->extract_change_of_rows(), is_chosen);
     if (is_chosen)
       EXPECT_GT(left, 0.1);
     else

@@ -52,7 +52,7 @@ namespace
           .numbers("stiffness", &Spring::stiffness, &Spring::is_bonded)
           .continues()
           .vector("slip", &Spring::slip)
-          .of_field(field);
+          .samples_field(field);
       all.list(
           [this](Records &now)
           {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/remesh/inner_places.h>
+#include <tombolo/remesh/inner_positions.h>
 
 #include "plugin_interpolated_remap/cloud_interpolation.h"
 #include "remap_body.h"

@@ -176,9 +176,9 @@ namespace
             n_own += pair.simplex == s ? 1 : 0;
           });
       EXPECT_EQ(n_own, 1u);
-      integrals.take_coordinates();
+      integrals.use_barycentric_functions();
       expected.add_whole(1., of_old, points.vertices[s].data());
-      expected.take_coordinates();
+      expected.use_barycentric_functions();
       for (unsigned int j = 0; j <= dim; ++j)
       {
         double sum = 0;

@@ -43,7 +43,7 @@ namespace tombolo
     bool depends_on_time() const;
 
     /** Whether the text of a component contains a coordinate. */
-    bool depends_on_place() const;
+    bool depends_on_position() const;
 
     unsigned int n_components() const;
 

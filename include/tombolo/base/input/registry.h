@@ -44,9 +44,9 @@ namespace tombolo
     void note_plugin(const PluginDescription &description);
 
     /** Keeps the message of a registration that failed while a library was being loaded, where
-     * nothing can be thrown; take_registration_problems() returns all of them once. */
+     * nothing can be thrown; release_registration_problems() returns all of them once. */
     void note_registration_problem(const std::string &problem);
-    std::string take_registration_problems();
+    std::string release_registration_problems();
   } // namespace internal
 
   /**

@@ -132,7 +132,7 @@ namespace tombolo
     struct Nearest
     {
       double distance_square; ///< [L^2]
-      dealii::Tensor<1, dim> place;
+      dealii::Tensor<1, dim> point;
       Feature feature;
       unsigned int number; ///< of the facet, edge or vertex
       unsigned int hint;   ///< for points near by

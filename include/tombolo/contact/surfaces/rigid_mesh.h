@@ -46,7 +46,7 @@ namespace tombolo
         : sharp_surface(surface), radius(edge_radius)
     {
       if (const auto crossing = sharp_surface.find_crossing())
-        throw std::invalid_argument("it passes through itself at " + place_text(*crossing) +
+        throw std::invalid_argument("it passes through itself at " + position_text(*crossing) +
                                     "; join its pieces, or make a contact of each");
       fill_voxels();
       if (!(radius > 0.))
@@ -55,16 +55,16 @@ namespace tombolo
       {
         SurfaceGap<dim> sharp{};
         for (const unsigned int v : sharp_surface.facets[f].vertex)
-          sharp.place += sharp_surface.vertices[v] / dim;
+          sharp.point += sharp_surface.vertices[v] / dim;
         sharp.normal = sharp_surface.facet_normals[f];
         sharp.feature = Feature::facet;
         sharp.number = static_cast<unsigned int>(f);
         dealii::Tensor<1, dim> center;
-        if (find_center(sharp.place, sharp, center))
+        if (find_center(sharp.point, sharp, center))
           continue;
         throw std::invalid_argument(as_text(
             "an edge radius of ", radius, " does not fit below the surface at ",
-            place_text(sharp.place), ", where the body is thinner than a ball of this radius"));
+            position_text(sharp.point), ", where the body is thinner than a ball of this radius"));
       }
     }
 
@@ -243,7 +243,7 @@ namespace tombolo
       if (sharp.gap >= 0.)
       {
         // Balls touch the facets from inside: a convex edge that is next to the point holds none.
-        center = sharp.place - 0.5 * radius * sharp.normal;
+        center = sharp.point - 0.5 * radius * sharp.normal;
         nearest = sharp_surface.gap(center, sharp.hint);
       }
       for (unsigned int i = 0; i < most_tries; ++i)
@@ -259,7 +259,7 @@ namespace tombolo
             if (spaces.member[k].feature != nearest.feature ||
                 spaces.member[k].number != nearest.number)
               spaces.member[n_kept++] = spaces.member[k];
-          spaces.member[n_kept] = {nearest.normal, nearest.normal * nearest.place - radius,
+          spaces.member[n_kept] = {nearest.normal, nearest.normal * nearest.point - radius,
                                    nearest.feature, nearest.number};
           spaces.n = n_kept + 1;
         }

@@ -28,7 +28,7 @@ namespace tombolo
   {
   public:
     /** A point, or a direction. */
-    struct Place
+    struct Point
     {
       double r, z; ///< [L]
     };
@@ -37,7 +37,7 @@ namespace tombolo
     struct Nearest
     {
       double gap;
-      Place normal;
+      Point normal;
     };
 
     RigidProfile() = default;
@@ -46,7 +46,7 @@ namespace tombolo
      * them). Convex corners, those on the axis too, are rounded with @p edge_radius. Throws
      * std::invalid_argument with what is wrong with the corners, or with a radius that the lines
      * between corners are too short for. */
-    RigidProfile(const std::vector<Place> &corners, const double edge_radius) : radius(edge_radius)
+    RigidProfile(const std::vector<Point> &corners, const double edge_radius) : radius(edge_radius)
     {
       check(corners, edge_radius);
       refuse_crossing_sides(corners);
@@ -55,7 +55,7 @@ namespace tombolo
       for (std::size_t i = 0; i < n_sides; ++i)
       {
         Line line;
-        const Place side = difference(corners[i + 1], corners[i]);
+        const Point side = difference(corners[i + 1], corners[i]);
         line.begin = corners[i];
         line.length = free_length[i] = length(side);
         line.along = unit(side);
@@ -64,7 +64,7 @@ namespace tombolo
         lines.push_back(line);
       }
       low = high = corners.front();
-      for (const Place &corner : corners)
+      for (const Point &corner : corners)
       {
         low = {std::min(low.r, corner.r), std::min(low.z, corner.z)};
         high = {std::max(high.r, corner.r), std::max(high.z, corner.z)};
@@ -73,14 +73,14 @@ namespace tombolo
       for (std::size_t i = 0; i <= n_sides; ++i)
       {
         // Beyond the axis the profile goes on as its mirror image.
-        const auto mirrored = [](const Place &along) -> Place { return {along.r, -along.z}; };
-        const Place before = i == 0 ? mirrored(lines[0].along) : lines[i - 1].along;
-        const Place after = i == n_sides ? mirrored(lines[n_sides - 1].along) : lines[i].along;
-        const Place normal_before = {before.z, -before.r}, normal_after = {after.z, -after.r};
+        const auto mirrored = [](const Point &along) -> Point { return {along.r, -along.z}; };
+        const Point before = i == 0 ? mirrored(lines[0].along) : lines[i - 1].along;
+        const Point after = i == n_sides ? mirrored(lines[n_sides - 1].along) : lines[i].along;
+        const Point normal_before = {before.z, -before.r}, normal_after = {after.z, -after.r};
         const double turn = std::atan2(cross(before, after), dot(before, after));
         if (!(turn > 1e-12))
         {
-          const Place mean = {normal_before.r + normal_after.r, normal_before.z + normal_after.z};
+          const Point mean = {normal_before.r + normal_after.r, normal_before.z + normal_after.z};
           if (!(length(mean) > 1e-9))
             throw std::invalid_argument("the profile turns back at " + text_of(corners[i]));
           if (i > 0)
@@ -107,17 +107,17 @@ namespace tombolo
           shorten(i);
           lines[i].begin = moved(lines[i].begin, cut, lines[i].along);
         }
-        const Place tangent_point = moved(corners[i], -cut, before);
+        const Point tangent_point = moved(corners[i], -cut, before);
         arcs.push_back(
             {moved(tangent_point, -radius, normal_before), normal_before, normal_after, i});
       }
     }
 
     /** @p point with r >= 0. */
-    Nearest nearest(const Place &point) const
+    Nearest nearest(const Point &point) const
     {
       Nearest result = {std::numeric_limits<double>::max(), {0., 1.}};
-      const auto consider = [&](const double distance, const Place &away, const Place &outward)
+      const auto consider = [&](const double distance, const Point &away, const Point &outward)
       {
         if (!(distance < std::abs(result.gap)))
           return;
@@ -126,14 +126,14 @@ namespace tombolo
         const bool is_on_it = distance < 1e-12 * (high.z - low.z);
         result.gap = sign * distance;
         result.normal =
-            is_on_it ? outward : Place{sign * away.r / distance, sign * away.z / distance};
+            is_on_it ? outward : Point{sign * away.r / distance, sign * away.z / distance};
       };
       for (const Line &line : lines)
       {
-        const Place from_begin = difference(point, line.begin);
+        const Point from_begin = difference(point, line.begin);
         const double s = dot(from_begin, line.along);
         const double clamped = std::clamp(s, 0., line.length);
-        const Place away = moved(from_begin, -clamped, line.along);
+        const Point away = moved(from_begin, -clamped, line.along);
         consider(length(away), away,
                  s <= 0.            ? line.normal_at_begin
                  : s >= line.length ? line.normal_at_end
@@ -141,12 +141,12 @@ namespace tombolo
       }
       for (const Arc &arc : arcs)
       {
-        const Place from_center = difference(point, arc.center);
+        const Point from_center = difference(point, arc.center);
         const double distance = length(from_center);
         if (!(distance > 0.) || cross(arc.first_normal, from_center) < 0. ||
             cross(from_center, arc.last_normal) < 0.)
           continue;
-        const Place outward = unit(from_center);
+        const Point outward = unit(from_center);
         const double gap = distance - radius;
         consider(std::abs(gap), {gap * outward.r, gap * outward.z}, outward);
       }
@@ -155,22 +155,22 @@ namespace tombolo
 
     /** A distance that is at most the one to the body, positive only outside of a cylinder around
      * it: cheap. */
-    double distance_from_box(const Place &point) const
+    double distance_from_box(const Point &point) const
     {
       return std::max({point.r - high.r, low.z - point.z, point.z - high.z});
     }
 
     /** Points along the profile from the axis to the axis, for pictures: ends of the lines, and
      * arcs in pieces of at most @p largest_turn [rad]. */
-    std::vector<Place> outline(const double largest_turn) const
+    std::vector<Point> outline(const double largest_turn) const
     {
-      std::vector<Place> result;
+      std::vector<Point> result;
       const double tolerance = 1e-9 * length(difference(high, low));
-      const auto add = [&](const Place &point)
+      const auto add = [&](const Point &point)
       {
         if (point.r < -tolerance) // an arc on the axis goes on beyond it
           return;
-        const Place on_this_side = {point.r > tolerance ? point.r : 0., point.z};
+        const Point on_this_side = {point.r > tolerance ? point.r : 0., point.z};
         if (result.empty() || length(difference(on_this_side, result.back())) > tolerance)
           result.push_back(on_this_side);
       };
@@ -187,7 +187,7 @@ namespace tombolo
             for (unsigned int k = 0; k <= n; ++k)
             {
               const double angle = turn * k / n, cosine = std::cos(angle), sine = std::sin(angle);
-              const Place &from = arc.first_normal;
+              const Point &from = arc.first_normal;
               add(moved(arc.center, radius,
                         {cosine * from.r - sine * from.z, sine * from.r + cosine * from.z}));
             }
@@ -203,61 +203,61 @@ namespace tombolo
   private:
     struct Line
     {
-      Place begin, along, normal; ///< unit vectors
+      Point begin, along, normal; ///< unit vectors
       double length;
-      Place normal_at_begin, normal_at_end; ///< where two lines meet: the mean of theirs
+      Point normal_at_begin, normal_at_end; ///< where two lines meet: the mean of theirs
     };
     struct Arc
     {
-      Place center, first_normal, last_normal;
+      Point center, first_normal, last_normal;
       std::size_t next_line; ///< the number of lines before it
     };
 
-    static Place difference(const Place &a, const Place &b)
+    static Point difference(const Point &a, const Point &b)
     {
       return {a.r - b.r, a.z - b.z};
     }
 
-    static Place moved(const Place &from, const double factor, const Place &along)
+    static Point moved(const Point &from, const double factor, const Point &along)
     {
       return {from.r + factor * along.r, from.z + factor * along.z};
     }
 
-    static double dot(const Place &a, const Place &b)
+    static double dot(const Point &a, const Point &b)
     {
       return a.r * b.r + a.z * b.z;
     }
 
     /** Positive where b turns left from a. */
-    static double cross(const Place &a, const Place &b)
+    static double cross(const Point &a, const Point &b)
     {
       return a.r * b.z - a.z * b.r;
     }
 
-    static double length(const Place &a)
+    static double length(const Point &a)
     {
       return std::sqrt(dot(a, a));
     }
 
-    static Place unit(const Place &a)
+    static Point unit(const Point &a)
     {
       const double size = length(a);
       return {a.r / size, a.z / size};
     }
 
-    static std::string text_of(const Place &corner)
+    static std::string text_of(const Point &corner)
     {
       return as_text("(", corner.r, ", ", corner.z, ")");
     }
 
-    static void check(const std::vector<Place> &corners, const double edge_radius)
+    static void check(const std::vector<Point> &corners, const double edge_radius)
     {
       if (corners.size() < 3)
         throw std::invalid_argument("a profile needs three corners or more");
-      for (const Place &corner : corners)
+      for (const Point &corner : corners)
         if (!std::isfinite(corner.r) || !std::isfinite(corner.z))
           throw std::invalid_argument("the corner " + text_of(corner) + " is not finite");
-      for (const Place &end : {corners.front(), corners.back()})
+      for (const Point &end : {corners.front(), corners.back()})
         if (end.r != 0.)
           throw std::invalid_argument("the profile must begin and end on the axis, r = 0, not at " +
                                       text_of(end));
@@ -267,7 +267,7 @@ namespace tombolo
         if (i > 0 && i + 1 < corners.size() && !(corners[i].r > 0.))
           throw std::invalid_argument("r must be above 0 between the ends, not at " +
                                       text_of(corners[i]));
-        const Place &next = corners[(i + 1) % corners.size()];
+        const Point &next = corners[(i + 1) % corners.size()];
         if (corners[i].r == next.r && corners[i].z == next.z)
           throw std::invalid_argument("the corner " + text_of(next) + " is there twice in a row");
         area += 0.5 * cross(corners[i], next);
@@ -280,14 +280,14 @@ namespace tombolo
     }
 
     /** Whether two sides cross, other than neighbours in their common corner. */
-    static void refuse_crossing_sides(const std::vector<Place> &corners)
+    static void refuse_crossing_sides(const std::vector<Point> &corners)
     {
       for (std::size_t i = 0; i + 1 < corners.size(); ++i)
         for (std::size_t j = i + 2; j + 1 < corners.size(); ++j)
         {
-          const Place a = difference(corners[i + 1], corners[i]);
-          const Place b = difference(corners[j + 1], corners[j]);
-          const Place between = difference(corners[j], corners[i]);
+          const Point a = difference(corners[i + 1], corners[i]);
+          const Point b = difference(corners[j + 1], corners[j]);
+          const Point between = difference(corners[j], corners[i]);
           const double determinant = cross(a, b);
           if (determinant == 0.)
             continue;
@@ -302,6 +302,6 @@ namespace tombolo
     std::vector<Line> lines;
     std::vector<Arc> arcs;
     double radius = 0; ///< of the arcs
-    Place low{}, high{};
+    Point low{}, high{};
   };
 } // namespace tombolo

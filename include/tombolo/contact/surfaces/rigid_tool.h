@@ -60,7 +60,7 @@ namespace tombolo
           "The angle by which the tool has turned about its axis (in two dimensions about its "
           "origin), a function of t such as `2*pi*50*t`; it does not turn if empty.",
           1);
-      e.refuse(rotation && rotation->depends_on_place(), "Angle",
+      e.refuse(rotation && rotation->depends_on_position(), "Angle",
                "allowed is a function of t alone.");
     }
 

@@ -239,7 +239,7 @@ namespace tombolo
         if (shortest / (2. * diffusivity) < limit.time_step)
         {
           limit.time_step = shortest / (2. * diffusivity);
-          limit.place = centre;
+          limit.position = centre;
         }
       }
     return limit;

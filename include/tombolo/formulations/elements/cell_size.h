@@ -22,7 +22,7 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       is_finite = is_finite && std::isfinite(centre[d]);
     std::ostringstream message;
-    message << "the cell at " << place_text(is_finite ? centre : initial_centre);
+    message << "the cell at " << position_text(is_finite ? centre : initial_centre);
     if (is_finite && std::isfinite(volume))
       message << " is turned inside out, at least in one of its integration points (volume "
               << volume << ")";

@@ -84,7 +84,7 @@ namespace tombolo
 
     /** Sets the @p cells that are particles in a checkpoint, before the state of the part is read.
      * Collective. */
-    virtual void take_converted_cells(const std::vector<unsigned int> & /*cells*/) {}
+    virtual void set_converted_cells(const std::vector<unsigned int> & /*cells*/) {}
 
     /** Keeps among the energies of this part what was dissipated in cells that it lost, and that
      * the particles do not have: plastic and viscous energy and thermal work of @p lost. */

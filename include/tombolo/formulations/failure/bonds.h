@@ -312,7 +312,7 @@ namespace tombolo
     }
     /** Of the debris() of the last update those that it made, and those from which it removed
      * further neighbours. */
-    std::vector<LeavingParticle> take_leaving_particles()
+    std::vector<LeavingParticle> leaving_particles()
     {
       return former_rows.leaving(rows.stencils(), debris());
     }
@@ -414,7 +414,7 @@ namespace tombolo
     {
       const auto &nodes = rows.neighbourhoods().global_nodes();
       const auto &images = rows.neighbourhoods().images();
-      const unsigned int neighbour = rows.neighbourhoods().places()[entry];
+      const unsigned int neighbour = rows.neighbourhoods().neighbour_indices()[entry];
       const BondPartner partner = partners[neighbour].partner;
       // The mirror image of the bond of I to an image of J is that of J to the image of I.
       if (broken.add(row, partner))
@@ -476,7 +476,7 @@ namespace tombolo
       const Stencils &shape = rows.stencils();
       for (unsigned int i = 0; i < own_ids.size(); ++i)
         for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-          if (const unsigned int neighbour = rows.neighbourhoods().places()[entry];
+          if (const unsigned int neighbour = rows.neighbourhoods().neighbour_indices()[entry];
               is_such(i, neighbour, entry))
             lists.add(i, partners[neighbour].partner);
     }

@@ -42,7 +42,7 @@ namespace tombolo
                 referenced_nodes.push_back(weight.first);
       bool has_some = false;
       for (const dealii::types::global_dof_index node :
-           of_all_ranks(referenced_nodes, setup.communicator))
+           from_all_ranks(referenced_nodes, setup.communicator))
         has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
       return dealii::Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
     }
@@ -220,7 +220,7 @@ namespace tombolo
       if (nodes->has_dependent_nodes())
         add_from_ranks(rank_sums, sums_of);
       if (shares_dilatation && nodes->has_dependent_nodes())
-        for (const NodeOfCell &node : of_all_ranks(entries_of_dependent, nodes->communicator()))
+        for (const NodeOfCell &node : from_all_ranks(entries_of_dependent, nodes->communicator()))
           entries_of_cells.push_back(node);
 
       std::vector<double> volumes, squared_edges;
@@ -268,7 +268,7 @@ namespace tombolo
       stencils.accelerated_share = accelerated_share;
       if (!share_rows || !fill_shared(found, stencils))
       {
-        const std::size_t n_entries = found.places().size();
+        const std::size_t n_entries = found.neighbour_indices().size();
         stencils.value.resize_fast(n_entries);
         stencils.gradient.resize_fast(Stencils::n_gradient * n_entries + 1);
         stencils.gradient.back() = 0.;
@@ -355,7 +355,7 @@ namespace tombolo
     {
       for (std::size_t k = stencils.row_start[row]; k < stencils.row_start[row + 1]; ++k)
       {
-        const Entry &entry = entry_at(found, row, found.places()[k]);
+        const Entry &entry = entry_at(found, row, found.neighbour_indices()[k]);
         *value++ = entry.value;
         gradient = std::copy_n(entry.gradient, Stencils::n_gradient, gradient);
       }
@@ -374,7 +374,7 @@ namespace tombolo
         gradient.resize(Stencils::n_gradient * n);
         copy_row(found, stencils, row, value.data(), gradient.data());
         start.push_back(kept.add(static_cast<unsigned int>(n), value.data(), gradient.data()));
-        if (2 * kept.size() > found.places().size())
+        if (2 * kept.size() > found.neighbour_indices().size())
           return false;
       }
       stencils.coefficient_start = start;
@@ -424,7 +424,7 @@ namespace tombolo
         for (const unsigned int face : cell->face_indices())
           if (!cell->at_boundary(face) &&
               !part_setup.smooths_over(part_setup.part_cells->part_beyond(cell, face)))
-            for (const unsigned int corner : nodes->face_places(face))
+            for (const unsigned int corner : nodes->face_node_indices(face))
             {
               const unsigned int opposite = corner ^ (1u << (face / 2));
               *shift.node(partition.local_index(cell_nodes[corner])) += volume;
@@ -510,7 +510,7 @@ namespace tombolo
                       entries_of_rank.back().position);
         }
       }
-      for (const auto &[node, totals] : of_all_ranks(totals_of_rank, nodes->communicator()))
+      for (const auto &[node, totals] : from_all_ranks(totals_of_rank, nodes->communicator()))
         if (Sums *const sum = sums_of(node))
         {
           sum->has_other_materials = sum->has_other_materials || totals.has_other_materials;
@@ -523,7 +523,7 @@ namespace tombolo
             sum->moment[d] += totals.moment[d];
         }
       for (const auto &[node, entry, position] :
-           of_all_ranks(entries_of_rank, nodes->communicator()))
+           from_all_ranks(entries_of_rank, nodes->communicator()))
         if (Sums *const sum = sums_of(node))
         {
           std::copy_n(position, dim, node_positions[entry.node.source].begin_raw());

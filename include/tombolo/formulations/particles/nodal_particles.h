@@ -238,7 +238,7 @@ namespace tombolo
                   step < limit.time_step)
               {
                 limit.time_step = step;
-                std::copy_n(x, dim, &limit.place[0]);
+                std::copy_n(x, dim, &limit.position[0]);
               }
           });
       return limit;

@@ -164,7 +164,7 @@ namespace tombolo
     {}
 
     /** Whether its particles are neighbours of those of other bodies of the mesh, too. */
-    virtual bool sees_other_bodies() const
+    virtual bool reaches_other_bodies() const
     {
       return false;
     }

@@ -260,9 +260,9 @@ namespace tombolo
     {
       return true;
     }
-    bool sees_other_bodies() const override
+    bool reaches_other_bodies() const override
     {
-      return rows->sees_other_bodies();
+      return rows->reaches_other_bodies();
     }
     void set_before_change(const std::function<void()> &before_change) override
     {
@@ -359,7 +359,7 @@ namespace tombolo
                                                      &nodes.dof_handler()),
                            inner);
           const unsigned int across = cell->neighbor_of_neighbor(opposite) / 2;
-          for (const unsigned int corner : nodes.face_places(face))
+          for (const unsigned int corner : nodes.face_node_indices(face))
           {
             const unsigned int next = corner ^ (1u << (face / 2));
             const auto in_neighbour = static_cast<unsigned int>(

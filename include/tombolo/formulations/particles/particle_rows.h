@@ -78,7 +78,7 @@ namespace tombolo
     }
     /** Whether particles are neighbours of those of other bodies: the entry `Kernels across gaps`.
      */
-    bool sees_other_bodies() const
+    bool reaches_other_bodies() const
     {
       return crosses_gaps;
     }

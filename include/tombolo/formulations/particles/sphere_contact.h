@@ -60,7 +60,7 @@ namespace tombolo
     }
 
     /** After elements were removed: fragments and pairs must be found again. */
-    void forget_pairs()
+    void reset_pairs()
     {
       pairing.forget();
     }

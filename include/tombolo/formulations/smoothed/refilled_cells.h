@@ -66,7 +66,7 @@ namespace tombolo
     }
 
     /** Of the owned cells of the part, in the order of active cells. */
-    const std::vector<bool> &of_cells() const
+    const std::vector<bool> &is_void_by_cell() const
     {
       return owned_flags;
     }
@@ -182,7 +182,7 @@ namespace tombolo
                         " are void; allowed are void cells beside full ones of their own "
                         "size, or of half of it.",
                     "Refill void cells");
-    const auto &flags = voids.of_cells();
+    const auto &flags = voids.is_void_by_cell();
     const bool has_full = std::find(flags.begin(), flags.end(), false) != flags.end();
     if (dealii::Utilities::MPI::max(has_full ? 1 : 0, setup.communicator) == 0)
       refill.refuse("all cells of the part are void; allowed is a predicate that is false "

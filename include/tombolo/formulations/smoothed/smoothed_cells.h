@@ -74,7 +74,7 @@ namespace tombolo
                                                             : cells.n_batches());
       if (void_cells().is_on())
       {
-        cell_points.remove(void_cells().of_cells(), this->points());
+        cell_points.remove(void_cells().is_void_by_cell(), this->points());
         remove_masses_of_void_cells();
       }
       integration.create_points();
@@ -140,7 +140,7 @@ namespace tombolo
     }
     bool is_removed(const unsigned int cell) const override
     {
-      return void_cells().is_on() && void_cells().of_cells()[cell];
+      return void_cells().is_on() && void_cells().is_void_by_cell()[cell];
     }
     bool can_lose_cells() const override
     {
@@ -168,9 +168,9 @@ namespace tombolo
     }
     void deactivate_cells(const std::vector<unsigned int> &converted) override
     {
-      take_converted_cells(converted);
+      set_converted_cells(converted);
     }
-    void take_converted_cells(const std::vector<unsigned int> &converted) override
+    void set_converted_cells(const std::vector<unsigned int> &converted) override
     {
       lost_cells.convert(converted, this->n_cells());
       set_void_cells(lost_cells.flags());

@@ -98,7 +98,7 @@ namespace tombolo
 
     /** Sets the temperature of points to the present @p temperature of the nodes (slot 0), raised
      * by the plastic heat that they hold, without expansion. */
-    void settle_temperature(const NodalVector &temperature)
+    void set_point_temperature(const NodalVector &temperature)
     {
       if (!heating.is_on())
         return;

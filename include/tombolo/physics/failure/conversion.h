@@ -57,8 +57,8 @@ namespace tombolo
       const double before = internal_power(model, clock.previous_step);
       convert(model);
       model.bridge->smooth_velocity(model.state);
-      lost += taken_by_change(before, internal_power(model, clock.previous_step),
-                              clock.previous_step, communicator);
+      lost += energy_of_change(before, internal_power(model, clock.previous_step),
+                               clock.previous_step, communicator);
       change.cells = change.stencils = true;
       return change;
     }
@@ -259,7 +259,7 @@ namespace tombolo
             cells.push_back(cell);
         if (!is_on_any_rank(cells, communicator))
           continue;
-        pair.cells->take_converted_cells(cells);
+        pair.cells->set_converted_cells(cells);
         note_conversion(model, pair.source, cells);
         update_particles(model, pair, nullptr, pair.cells->masses_move() ? &volumes : nullptr);
         has_read = true;

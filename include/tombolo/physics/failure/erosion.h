@@ -139,7 +139,7 @@ namespace tombolo
       if (smooths)
       {
         model.bridge->smooth_velocity(model.state);
-        lost.energy += taken_by_change(power, internal_power(model, step), step, communicator);
+        lost.energy += energy_of_change(power, internal_power(model, step), step, communicator);
       }
       return true;
     }

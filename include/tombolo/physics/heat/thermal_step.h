@@ -114,8 +114,8 @@ namespace tombolo
      * than a thousand steps, @p must_stop is called now and then and must return the same on all
      * ranks: where it is true, returns false, with the temperature still before @p time.
      * Collective. */
-    bool bring_to(const Model<dim> &model, double time, double target,
-                  const std::function<bool()> &must_stop = {})
+    bool advance_to(const Model<dim> &model, double time, double target,
+                    const std::function<bool()> &must_stop = {})
     {
       constexpr unsigned long patience = 1000, interval = 16;
       const unsigned long first = count;
@@ -135,7 +135,7 @@ namespace tombolo
       }
       present_time = time;
       if (model.has_mechanics)
-        model.heat->forget_field_of_state(); // bodies move, and processes change temperatures
+        model.heat->discard_field_of_state(); // bodies move, and processes change temperatures
       ThermalState &state = model.heat->state;
       const double s = fraction();
       const std::size_t n =
@@ -188,7 +188,7 @@ namespace tombolo
       scheme->mesh_has_changed();
     }
 
-    /** At the time of the last bring_to(). Collective. */
+    /** At the time of the last advance_to(). Collective. */
     HeatBalance balance(const Model<dim> &model)
     {
       HeatBalance result;
@@ -289,7 +289,7 @@ namespace tombolo
       heat.add_plastic_heat(state.enthalpy);
       bool is_given = false;
       for (const auto &process : model.processes)
-        is_given = process->give_heat(model, begin_of_step, time_of_state) || is_given;
+        is_given = process->supply_heat(model, begin_of_step, time_of_state) || is_given;
       if (is_given)
         heat.add_pending_heat();
       heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);

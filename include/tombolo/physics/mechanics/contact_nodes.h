@@ -85,7 +85,7 @@ namespace tombolo
       const auto is_void = void_cells();
       for (const auto &contact : contacts)
         if (is_void && contact->faces() != nullptr)
-          contact->faces()->take_faces(*model.nodes, is_void);
+          contact->faces()->select_faces(*model.nodes, is_void);
     }
 
     /** Throws the InputError of a contact by faces, where refills fill and empty cells. */

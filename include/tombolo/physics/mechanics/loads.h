@@ -58,15 +58,15 @@ namespace tombolo
     {
       const bool has_particles = model.bridge->has_particles();
       if (has_particles)
-        model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.position,
-                                                      load_positions);
+        model.bridge->load_transfer().field_at_loads(loaded_nodes, model.state.position,
+                                                     load_positions);
       std::function<void(unsigned int, const NodalVector &)> store_alone;
       if (!single.empty())
         store_alone = [this](const unsigned int condition, const NodalVector &alone)
         {
           for (SingleLoad &load : single)
             if (load.condition == condition)
-              take_forces(alone, loaded_nodes, load.at_positions);
+              extract_forces(alone, loaded_nodes, load.at_positions);
         };
       for (SingleLoad &load : single)
         load.at_positions.clear();
@@ -138,8 +138,8 @@ namespace tombolo
       if (!model.bridge->has_particles())
         return model.state.velocity;
       load_velocities.fit_to(model.state.partition());
-      model.bridge->load_transfer().places_of_loads(loaded_nodes, model.state.velocity,
-                                                    load_velocities);
+      model.bridge->load_transfer().field_at_loads(loaded_nodes, model.state.velocity,
+                                                   load_velocities);
       return load_velocities;
     }
 

@@ -64,7 +64,7 @@ namespace tombolo
 
     /** The next step needs a new estimate: cells have been removed, and the rest of a body can move
      * faster than the whole. */
-    void forget_limit()
+    void discard_limit()
     {
       has_limit = false;
     }

@@ -262,13 +262,13 @@ namespace tombolo
 
       CellDivisions all = divided_cells(model.mesh);
       const CellDivisions present = all;
-      CellDivisions removed = of_all_ranks(joined, model.communicator);
+      CellDivisions removed = from_all_ranks(joined, model.communicator);
       std::sort(removed.begin(), removed.end());
       all.erase(std::remove_if(all.begin(), all.end(),
                                [&](const std::uint64_t id)
                                { return std::binary_search(removed.begin(), removed.end(), id); }),
                 all.end());
-      const CellDivisions all_divided = of_all_ranks(divided, model.communicator);
+      const CellDivisions all_divided = from_all_ranks(divided, model.communicator);
       const std::size_t n_divided = all_divided.size();
       all.insert(all.end(), all_divided.begin(), all_divided.end());
       std::sort(all.begin(), all.end());

@@ -100,7 +100,7 @@ namespace tombolo
                may_change[c] ? shares[c] < (is_void[c] ? filled_from : emptied_below) : is_void[c],
                may_change[c]});
       std::size_t first_of_rank = 0;
-      const auto rank_cells = items_of_ranks(own, communicator);
+      const auto rank_cells = items_by_rank(own, communicator);
       for (unsigned int rank = 0; rank < rank_cells.size(); ++rank)
       {
         if (rank == dealii::Utilities::MPI::this_mpi_process(communicator))
@@ -123,7 +123,7 @@ namespace tombolo
       /** Collective. */
       FullBody(const std::vector<Corners> &own_cells, const MPI_Comm communicator)
       {
-        for (const auto &one_rank : items_of_ranks(own_cells, communicator))
+        for (const auto &one_rank : items_by_rank(own_cells, communicator))
           for (const Corners &corners : one_rank)
             add(corners);
         tree.emplace(dealii::pack_rtree_of_indices(boxes));

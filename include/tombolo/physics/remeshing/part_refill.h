@@ -8,7 +8,7 @@
 #include <tombolo/mesh/bodies.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/nodal_content.h>
-#include <tombolo/physics/remeshing/refill_places.h>
+#include <tombolo/physics/remeshing/refill_positions.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/nodal_projection.h>
@@ -129,7 +129,7 @@ namespace tombolo
         if (archive.is_reading())
           refilled_position.reinit_like(reference);
         archive.nodal("settled position", dim, refilled_position);
-        const std::vector<bool> &is_void = cells.void_cells().of_cells();
+        const std::vector<bool> &is_void = cells.void_cells().is_void_by_cell();
         std::vector<double> flags(is_void.begin(), is_void.end());
         archive.rows("is void", 1, flags);
         if (archive.is_reading())
@@ -217,7 +217,7 @@ namespace tombolo
      * whether that is possible; nothing has changed otherwise. Collective. */
     bool renew_reference(const NodalVector &after)
     {
-      const std::vector<bool> void_before = cells.void_cells().of_cells();
+      const std::vector<bool> void_before = cells.void_cells().is_void_by_cell();
       try
       {
         if (settings.fills_cells)
@@ -354,7 +354,7 @@ namespace tombolo
         return;
       positions.set_partition(*state.partition());
       nodal.set_enthalpies(model, own_mass(state.partition()));
-      cells.point_state().settle_temperature(model.heat->state.present_temperature);
+      cells.point_state().set_point_temperature(model.heat->state.present_temperature);
     }
 
     /** Integrals over the overlap of cells. Collective. */

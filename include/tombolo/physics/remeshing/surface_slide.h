@@ -144,7 +144,7 @@ namespace tombolo
               return;
             const auto found = surface.nearest(vector_of<dim>(position.node(i)));
             const dealii::Tensor<1, dim> &nearest =
-                surface.node_near(found.place, surface.tree.facet_of(found));
+                surface.node_near(found.point, surface.tree.facet_of(found));
             for (unsigned int d = 0; d < dim; ++d)
               coordinates[d] = nearest[d];
           });
@@ -195,7 +195,7 @@ namespace tombolo
       std::vector<unsigned int> numbers(points.size());
       std::iota(numbers.begin(), numbers.end(), 0u);
       std::vector<double> depths;
-      find_depths(places_as_nodes<dim>(points), numbers, depths);
+      find_depths(positions_as_nodes<dim>(points), numbers, depths);
       bool any = false;
       NodalVector marks = marked_nodes(
           before.partition(),
@@ -317,7 +317,7 @@ namespace tombolo
         }
       }
       CurvedSurface<dim> surface;
-      for (const auto &rank_pieces : items_of_ranks(own, communicator))
+      for (const auto &rank_pieces : items_by_rank(own, communicator))
         surface.add(rank_pieces);
       if (!surface.facets.facets.empty())
         surface.complete();
@@ -363,7 +363,7 @@ namespace tombolo
               if (!found && otherwise == nullptr)
                 return;
               const dealii::Tensor<1, dim> on_surface =
-                  found ? surface.raise(found->place, surface.tree.facet_of(*found))
+                  found ? surface.raise(found->point, surface.tree.facet_of(*found))
                         : vector_of<dim>(otherwise->node(i));
               for (unsigned int d = 0; d < dim; ++d)
                 coordinates[d] = on_surface[d];

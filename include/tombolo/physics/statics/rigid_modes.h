@@ -51,10 +51,10 @@ namespace tombolo
       Value value;
     };
     std::vector<Answer> answers;
-    for (const Node node : of_all_ranks(far, partition.communicator()))
+    for (const Node node : from_all_ranks(far, partition.communicator()))
       if (partition.owned().is_element(node))
         answers.push_back({node, owned_value(partition.local_index(node))});
-    for (const auto &[node, value] : of_all_ranks(answers, partition.communicator()))
+    for (const auto &[node, value] : from_all_ranks(answers, partition.communicator()))
       if (const auto found = result.find(node); found != result.end())
         found->second = value;
     return result;

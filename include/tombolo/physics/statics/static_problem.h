@@ -51,7 +51,7 @@ namespace tombolo
           for (unsigned int d = 0; d < dim; ++d)
             frame.axes[k * dim + d] = oblique.axes[k][d];
       }
-      for (const auto &[node, axes] : of_all_ranks(rank_frames, model.communicator))
+      for (const auto &[node, axes] : from_all_ranks(rank_frames, model.communicator))
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int d = 0; d < dim; ++d)
             frames[node][k][d] = axes[k * dim + d];

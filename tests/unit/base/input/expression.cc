@@ -80,7 +80,7 @@ namespace
     Expression<3> function(entry.section(), "Function", 3, true);
     const Expression<3> moved(std::move(function));
     EXPECT_EQ(moved.n_components(), 3u);
-    EXPECT_FALSE(moved.depends_on_place());
+    EXPECT_FALSE(moved.depends_on_position());
     EXPECT_TRUE(moved.depends_on_time());
     EXPECT_FALSE(moved.is_free(0));
     EXPECT_TRUE(moved.is_free(1));
@@ -88,7 +88,7 @@ namespace
     EXPECT_EQ(moved.value(Point<3>(), 3., 2), 7.);
     const Entry steady("tan(x)");
     EXPECT_FALSE(Expression<2>(steady.section(), "Function", 1).depends_on_time());
-    EXPECT_TRUE(Expression<2>(steady.section(), "Function", 1).depends_on_place());
+    EXPECT_TRUE(Expression<2>(steady.section(), "Function", 1).depends_on_position());
   }
 
   TEST(Expression, wrong_number_of_components_says_how_many_are_needed)

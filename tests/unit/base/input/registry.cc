@@ -122,11 +122,11 @@ namespace tombolo
 
     TEST(Registry, second_plugin_of_a_name_is_reported_and_the_first_stays)
     {
-      EXPECT_EQ(internal::take_registration_problems(), "");
+      EXPECT_EQ(internal::release_registration_problems(), "");
       const internal::Registration<Shape, Dot> again("square", "another");
-      EXPECT_EQ(internal::take_registration_problems(),
+      EXPECT_EQ(internal::release_registration_problems(),
                 "Two plug-ins of kind shape of the registry test are called \"square\".");
-      EXPECT_EQ(internal::take_registration_problems(), "");
+      EXPECT_EQ(internal::release_registration_problems(), "");
     }
 
     TEST(NearestName, is_the_one_with_the_fewest_changes)

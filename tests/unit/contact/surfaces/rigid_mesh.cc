@@ -22,7 +22,7 @@ namespace tombolo
     namespace
     {
       using dealii::Tensor;
-      using Place = RigidProfile::Place;
+      using Place = RigidProfile::Point;
 
       /** A friction drill of 36 degrees. */
       const std::vector<Place> drill = {

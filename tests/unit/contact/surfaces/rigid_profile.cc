@@ -17,7 +17,7 @@ namespace tombolo
   {
     namespace
     {
-      using Place = RigidProfile::Place;
+      using Place = RigidProfile::Point;
 
       double distance(const Place &a, const Place &b)
       {

@@ -594,7 +594,7 @@ namespace tombolo
             EXPECT_EQ(limit.entity, "cell");
             if (limit.time_step < 1.001 * smallest)
             {
-              EXPECT_NEAR(limit.place[0], 0.125, 1e-12);
+              EXPECT_NEAR(limit.position[0], 0.125, 1e-12);
             }
           },
           regular);

@@ -136,7 +136,7 @@ namespace renumbered_cells
       values.insert(values.end(), model.state.position.node(i), model.state.position.node(i) + 3);
       values.insert(values.end(), force.node(i), force.node(i) + 3);
     }
-    values = of_all_ranks(values, MPI_COMM_WORLD);
+    values = from_all_ranks(values, MPI_COMM_WORLD);
     for (std::size_t i = 0; i < values.size(); i += 6)
     {
       const double *const v = &values[i];

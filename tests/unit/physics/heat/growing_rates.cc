@@ -123,7 +123,7 @@ TEST(GrowingRates, shorten_steps_of_the_spectrum_before_a_film_that_comes_does_h
       for (unsigned int n = 1; n <= 40; ++n)
       {
         const double time = n < 20 ? 0.005 * n : 0.1 + 5e-5 * (n - 20);
-        body.step->bring_to(*body.model, time, time);
+        body.step->advance_to(*body.model, time, time);
         largest = std::max(largest, largest_difference(body, 5.));
       }
       // At 0.9 of the limit the surface may go beyond the ambient, four below, by 0.8 of it.

@@ -260,10 +260,10 @@ TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)
     HeatedBody<2> body(method, held_ever_hotter + sky + flux + source);
     body.step->start(*body.model, 0.);
     body.step->balance(*body.model);
-    body.step->bring_to(*body.model, 0.06, 0.1); // amid a step
+    body.step->advance_to(*body.model, 0.06, 0.1); // amid a step
     const HeatBalance amid = body.step->balance(*body.model);
     EXPECT_LT(std::abs(amid.error), 1e-13) << integration;
-    body.step->bring_to(*body.model, 0.1, 0.1);
+    body.step->advance_to(*body.model, 0.1, 0.1);
     const HeatBalance end = body.step->balance(*body.model);
     EXPECT_LT(std::abs(end.error), 1e-13) << integration;
     EXPECT_GT(std::abs(end.heat["heat through held_ever_hotter"]), 0.05) << integration;

@@ -119,12 +119,13 @@ TEST(SpectralEstimator, follows_the_limit_from_one_end_of_the_body_to_the_other)
   {
     squeeze(body, squeezes_the_left);
     const StepLimit estimate = body.estimator->estimate(*body.model);
-    EXPECT_EQ(estimate.place[0] < 3., squeezes_the_left);
+    EXPECT_EQ(estimate.position[0] < 3., squeezes_the_left);
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
     {
       squeeze(alone, squeezes_the_left);
       const StepLimit of_alone = alone.estimator->estimate(*alone.model);
-      EXPECT_NEAR(estimate.place[0], of_alone.place[0], 1e-12); // corners at one end are alike
+      EXPECT_NEAR(estimate.position[0], of_alone.position[0],
+                  1e-12); // corners at one end are alike
       EXPECT_NEAR(estimate.time_step / of_alone.time_step, 1., 1e-5);
       continue;
     }
@@ -144,7 +145,7 @@ TEST(SpectralEstimator, names_the_same_entity_and_place_on_any_number_of_ranks)
     const StepLimit of_shared = shared.estimator->estimate(*shared.model);
     const StepLimit of_alone = alone.estimator->estimate(*alone.model);
     EXPECT_EQ(of_shared.entity, of_alone.entity);
-    EXPECT_LT(of_shared.place.distance(of_alone.place), 1e-12);
+    EXPECT_LT(of_shared.position.distance(of_alone.position), 1e-12);
     EXPECT_NEAR(of_shared.time_step, of_alone.time_step, 1e-9);
   }
 }

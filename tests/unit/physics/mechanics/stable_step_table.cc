@@ -49,7 +49,7 @@ namespace
     out << "| " << label << " | " << std::fixed << std::setprecision(2) << gamma << " | "
         << block.poisson << " | " << std::setprecision(3) << limit << " | "
         << spectral.time_step / limit << " | " << mark(0.9) << " | " << mark(1.) << " | "
-        << spectral.entity << ", " << place_in_block(spectral.place, block.cells) << " |"
+        << spectral.entity << ", " << place_in_block(spectral.position, block.cells) << " |"
         << std::endl;
     return spectral.time_step / limit;
   }

@@ -6,11 +6,11 @@
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
-#include <tombolo/physics/remeshing/filled_places.h>
+#include <tombolo/physics/remeshing/filled_positions.h>
 #include <tombolo/physics/remeshing/lattice_motion.h>
 #include <tombolo/physics/remeshing/surface_slide.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/inner_places.h>
+#include <tombolo/remesh/inner_positions.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -11,7 +11,7 @@
 #include <tombolo/physics/remeshing/lattice_motion.h>
 #include <tombolo/physics/remeshing/surface_slide.h>
 #include <tombolo/remesh/cell_simplices.h>
-#include <tombolo/remesh/inner_places.h>
+#include <tombolo/remesh/inner_positions.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -98,7 +98,7 @@ namespace tombolo
       {
         const dealii::Tensor<1, dim> sizes = sizes_of(cells[c]);
         bool is_displaced = false;
-        const bool counts = !voids.of_cells()[c] && !cells[c].has_further_nodes();
+        const bool counts = !voids.is_void_by_cell()[c] && !cells[c].has_further_nodes();
         for (unsigned int k = 0; k < local_nodes[c].size() && counts; ++k)
           for (unsigned int d = 0; d < dim; ++d)
             is_displaced = is_displaced ||
@@ -125,7 +125,7 @@ namespace tombolo
           return result;
         relax_thin_cells(*is_thin, search);
       }
-      void_after = voids.of_cells();
+      void_after = voids.is_void_by_cell();
       return position.copy();
     }
 
@@ -146,7 +146,7 @@ namespace tombolo
       for (const unsigned int c : end_of_void)
         if (reached.empty() && filling->is_measured() && filling->share(c) >= from_share)
           reached.push_back(cells[c].centre());
-      reached = of_all_ranks(reached, communicator);
+      reached = from_all_ranks(reached, communicator);
       return reached.empty() ? std::nullopt : std::make_optional(reached.front());
     }
 
@@ -205,7 +205,7 @@ namespace tombolo
                 (surface->is_on_boundary(i) && !surface->is_smooth(i)))
               *is_held = 1.;
           });
-      filling->measure(voids.of_cells(), corners_at<dim>(local_nodes, position), search.near,
+      filling->measure(voids.is_void_by_cell(), corners_at<dim>(local_nodes, position), search.near,
                        search.mesh, search.at_surface);
       for (std::size_t c = 0; c < cells.size(); ++c)
         search.volume += search.near[c] ? volumes[c] : 0.;
@@ -291,7 +291,7 @@ namespace tombolo
     NodalVector try_positions(const Model<dim> &model, const Clock &clock, Search &search)
     {
       const NodalVector &position = model.state.position;
-      void_after = filling->choose(voids.of_cells(), search.near, changeable_cells(search));
+      void_after = filling->choose(voids.is_void_by_cell(), search.near, changeable_cells(search));
       const SurfaceSlide<dim> next(model, cells_with(model, void_after), local_nodes);
       classify_nodes(next, search);
       NodalVector result = nodal_field(position.partition(), position.quantity(),
@@ -352,7 +352,7 @@ namespace tombolo
       {
         const Corners corners = corners_at<dim>(local_nodes[c], after);
         const bool stays =
-            !voids.of_cells()[c] && corners == corners_at<dim>(local_nodes[c], before);
+            !voids.is_void_by_cell()[c] && corners == corners_at<dim>(local_nodes[c], before);
         result[c] = !void_after[c] && !stays && is_thin(c, corners, search.at_surface[c]);
         any = any || result[c];
       }
