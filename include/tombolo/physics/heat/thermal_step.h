@@ -100,12 +100,23 @@ namespace tombolo
       entered.assign(model.heat->conditions.n_conditions(), 0.);
       entering = entered;
       time_of_state = next_time = present_time = time;
+      // Bodies are free of stress at the temperatures before conditions prescribe others, and
+      // expand from there in the first step.
+      if (model.has_mechanics)
+      {
+        for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+          *state.unsmoothed_temperature.node(i) =
+              model.heat->nodal_enthalpy.temperature(i, *state.enthalpy.node(i));
+        model.heat->find_field(state.unsmoothed_temperature, state.temperature);
+        state.present_temperature.copy_from(state.temperature);
+      }
       // The first effect of prescribed temperatures belongs to the beginning, not to the balance.
       std::vector<double> condition_heats(entered.size(), 0.);
       model.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature,
                                    condition_heats);
       model.heat->find_field_of_state();
-      state.present_temperature.copy_from(state.temperature);
+      if (!model.has_mechanics)
+        state.present_temperature.copy_from(state.temperature);
     }
 
     /** Completes the step in progress when its end is not later than @p time, and begins another
@@ -136,6 +147,8 @@ namespace tombolo
       present_time = time;
       if (model.has_mechanics)
         model.heat->discard_field_of_state(); // bodies move, and processes change temperatures
+      if (!is_in_progress && count == 0)
+        return true; // at the beginning
       ThermalState &state = model.heat->state;
       const double s = fraction();
       const std::size_t n =
