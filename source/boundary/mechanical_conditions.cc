@@ -75,9 +75,9 @@ namespace tombolo
         [&](const unsigned int c, const types::global_dof_index node, const Point<dim> &point)
     {
       const MechanicalCondition<dim> &condition = conditions[c];
+      refuse_axis(c, point);
       if (!prescribes(condition.type) || !nodes.owned().is_element(node))
         return;
-      refuse_axis(c, point);
       if (has_rows)
         add_rows(condition, c, point, rows[node]);
       Constraint &constraint = Base::constraint_of(node, constraints_by_node);
