@@ -171,14 +171,6 @@ namespace tombolo
       probes.push_back(probe);
     }
 
-    static std::string text_of(const dealii::Point<dim> &point)
-    {
-      std::string result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result += (d == 0 ? "(" : ", ") + format_number(point[d]);
-      return result + ")";
-    }
-
     /** The numbers that an entry lists. Throws InputError. */
     std::vector<std::uint64_t> read_numbers(const std::string &entry, const std::string &list) const
     {
@@ -350,12 +342,8 @@ namespace tombolo
           location[d] = initial_coordinates[dim * p + d];
         node.find(*view.nodes, *view.state, location, largest_cell,
                   p < n_locations ? std::nullopt : std::make_optional(chosen[p - n_locations]));
-        if (const double nearest = node.distance_at_start(); nearest > largest_cell)
-          this->section.fail("Locations", "the nearest node is " + format_number(nearest) +
-                                              " away from " + text_of(probes[p].location) +
-                                              ", more than the largest cell measures (" +
-                                              format_number(largest_cell) +
-                                              "): this place is outside of the body");
+        if (const std::string why = node.why_outside(); !why.empty())
+          this->section.fail("Locations", why);
         std::copy_n(node.initial_position().begin_raw(), dim, initial_coordinates.data() + dim * p);
       }
     }

@@ -4,6 +4,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/tensor.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/state/nodal_state.h>
@@ -47,6 +48,8 @@ namespace tombolo
         return result;
       };
       communicator = nodes.communicator();
+      requested_position = target;
+      largest_distance = largest_cell;
       distance = std::numeric_limits<double>::max();
       for (unsigned int i = 0; i < n_owned; ++i)
         distance = std::min(distance, (position_of(i) - target).norm());
@@ -114,10 +117,15 @@ namespace tombolo
       return initial_coordinates;
     }
 
-    /** How far the node was from the requested position [L]. */
-    double distance_at_start() const
+    /** Why the requested position is outside of the body, the node being farther from it than a
+     * cell is large; empty where it is inside. */
+    std::string why_outside() const
     {
-      return distance;
+      if (!(distance > largest_distance))
+        return "";
+      return "the nearest node is " + format_number(distance) + " away from " +
+             position_text(requested_position) + ", more than the largest cell measures (" +
+             format_number(largest_distance) + "): this place is outside of the body";
     }
 
     /** The values of a @p field at the node on all ranks, such as its position. Collective. */
@@ -131,7 +139,8 @@ namespace tombolo
 
   private:
     MPI_Comm communicator = MPI_COMM_SELF;
-    double distance = 0;
+    double distance = 0, largest_distance = 0;
+    Vector requested_position;
     std::uint64_t id = 0;
     Vector initial_coordinates;
     unsigned int number = 0;

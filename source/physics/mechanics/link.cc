@@ -116,12 +116,18 @@ namespace tombolo
         return end ? action.comes_from_outside() : action;
       };
       first.pull = &add_pull("link ");
-      first.node.find(*model.nodes, model.state, point, this->records.group("point of " + name));
+      const auto find = [&](BodyPoint<dim> &node, const Vector &place, const std::string &entry,
+                            const std::string &records_name)
+      {
+        node.find(*model.nodes, model.state, place, this->records.group(records_name + name));
+        if (const std::string why = node.why_outside(); !why.empty())
+          entries->fail(entry, why + ".");
+      };
+      find(first.node, point, "Point", "point of ");
       if (other_point)
       {
         second.pull = &add_pull("other end of link ");
-        second.node.find(*model.nodes, model.state, *other_point,
-                         this->records.group("other point of " + name));
+        find(second.node, *other_point, "Other point", "other point of ");
         if (first.node.persistent_id() == second.node.persistent_id())
           entries->fail("Other point",
                         "the same node is next to \"Point\"; allowed is another one.");
