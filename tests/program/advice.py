@@ -160,6 +160,12 @@ class Warnings(command_line.Case):
         for function in ("free; 0", "free; free", "0; 0"):
             self.assertNotIn("prescribe different", self.dry_run(names, [wall[0], wall[1] % function]))
 
+    def test_a_condition_that_begins_when_the_run_has_ended(self):
+        for start, count in (("0.5", 1), ("0.49", 0)):
+            printed = self.dry_run(["  set Type     = traction", "  set Type = traction\n  set Start = " + start])
+            self.assertEqual(printed.count('Warning: The condition "pulse" does nothing: it begins at 0.5, and the run ends at 0.5.'),
+                             count, printed)
+
     def test_a_body_that_does_not_reach_a_wall(self):
         piece = 'Warning: The surface of the contact "wall" will hardly touch anything: until the end it comes no nearer than 0.05'
         for velocity, count in (("-0.1", 1), ("-0.3", 0)):

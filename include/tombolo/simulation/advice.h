@@ -185,6 +185,17 @@ namespace tombolo
     }
   }
 
+  /** Warns of conditions that begin to act when the run has ended. */
+  template <int dim>
+  void warn_of_late_conditions(const Model<dim> &model, const double end_time, Log &log)
+  {
+    for (const MechanicalCondition<dim> &condition : model.conditions->all())
+      if (condition.start >= end_time)
+        log.warn("The condition \"" + condition.name + "\" does nothing: it begins at " +
+                 format_number(condition.start) + ", and the run ends at " +
+                 format_number(end_time) + ".");
+  }
+
   /** A moment of the run when a contact is nearest to the body. */
   struct Approach
   {
@@ -532,6 +543,7 @@ namespace tombolo
       warn_of_wave_speeds(model, UnitLabels(parameters.section("")), log);
     warn_of_yield_stresses(model, UnitLabels(parameters.section("")), log);
     warn_of_conflicts(model, end_time, log);
+    warn_of_late_conditions(model, end_time, log);
     warn_of_idle_contacts(model, end_time, log);
     if (!at_rest)
       judge_step(model, step_size, parameters, n_steps, log);
