@@ -80,21 +80,19 @@ namespace tombolo
            "smaller `Statics/Largest step` makes the error smaller.";
   }
 
-  /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
-   * largest energy put in (zero: no limit) and by more than the round-off of the energies, or of
-   * the smallest numbers. That of a body at rest is all round-off. The message has the remedy:
-   * @p step_size has chosen the steps, and none where bodies are at rest. Collective. */
+  /** Whether the energy balance is off by more than @p limit of the largest energy put in (zero: no
+   * limit) and by more than the round-off of the energies, or of the smallest numbers. That of a
+   * body at rest is all round-off. The same on all ranks. Collective. */
   template <int dim>
-  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
-                            const Clock &clock, const double limit, const StepSize<dim> &step_size)
+  bool is_off_balance(const Model<dim> &model, const EnergyBalance &balance, const double limit)
   {
     if (limit == 0. || std::abs(balance.error) <= limit)
-      return;
+      return false;
+    const double put_in = balance.initial_total + balance.external;
     // Energies near the smallest numbers have no digits that could balance.
     constexpr double smallest = 1e-280;
-    if (std::abs(balance.total) < smallest &&
-        std::abs(balance.initial_total + balance.external) < smallest)
-      return;
+    if (std::abs(balance.total) < smallest && std::abs(put_in) < smallest)
+      return false;
     // The balance of a body at rest is all round-off.
     double speed = 0, mass = 0;
     for (const Part<dim> &part : model.parts)
@@ -102,11 +100,20 @@ namespace tombolo
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       mass += *model.bridge->mass().node(i);
     mass = dealii::Utilities::MPI::sum(mass, model.communicator);
-    const double put_in = balance.initial_total + balance.external;
     constexpr double round_off = 1e-20;
-    if (std::isfinite(balance.total) &&
-        std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
+    return !std::isfinite(balance.total) ||
+           !(std::abs(balance.total - put_in) <= round_off * mass * speed * speed);
+  }
+
+  /** Throws RunError on all ranks where is_off_balance(). The message says what helps: @p step_size
+   * has chosen the steps, and none where bodies are at rest. Collective. */
+  template <int dim>
+  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
+                            const Clock &clock, const double limit, const StepSize<dim> &step_size)
+  {
+    if (!is_off_balance(model, balance, limit))
       return;
+    const double put_in = balance.initial_total + balance.external;
     std::vector<std::string> sentences;
     for (const auto &process : model.processes)
       process->observed.warnings(clock, Process<dim>::Occasion::energy_lost, sentences);

@@ -7,6 +7,7 @@
 #include <tombolo/materials/melting.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
+#include <tombolo/simulation/energy_check.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>
@@ -29,7 +30,8 @@ namespace tombolo
    * - a material point that is hotter than the melting temperature of its material, if it has one;
    * - a kinetic energy that is nearly all in the lattice mode, with velocities that alternate from
    *   particle to particle, where it is not negligible;
-   * - an angular momentum that drifts though nothing acts on the body from outside.
+   * - an angular momentum that drifts though nothing acts on the body from outside;
+   * - an energy balance that is off, though not by so much that the run stops.
    */
   class Plausibility
   {
@@ -44,6 +46,7 @@ namespace tombolo
       add("melt", melt);
       add("lattice mode", lattice_mode);
       add("angular momentum", angular_momentum);
+      add("energy error", energy_error);
     }
 
     /** Checks a row. Collective. */
@@ -53,13 +56,14 @@ namespace tombolo
       check_melt(model, time);
       check_lattice_mode(model, balance, time);
       check_drift(balance, time);
+      check_energy(model, balance, time);
     }
 
     /** The sentences; the same on all ranks. */
     std::vector<std::string> findings() const
     {
       std::vector<std::string> result;
-      for (const Worst *const worst : {&melt, &lattice_mode, &angular_momentum})
+      for (const Worst *const worst : {&melt, &lattice_mode, &angular_momentum, &energy_error})
         if (worst->value > 0.)
           result.push_back(worst->sentence);
       return result;
@@ -156,6 +160,21 @@ namespace tombolo
                   balance.angular_momentum_scale, ".")};
     }
 
+    template <int dim>
+    void check_energy(const Model<dim> &model, const EnergyBalance &balance,
+                              const double time)
+    {
+      constexpr double largest_error = 0.02;
+      if (!is_off_balance(model, balance, std::max(largest_error, energy_error.value)))
+        return;
+      energy_error = {
+          std::abs(balance.error),
+          as_text(
+              std::setprecision(3), "At t = ", time, " the energy balance is off by ",
+              100. * balance.error,
+              " % of the largest energy so far that was there at the start and came in since.")};
+    }
+
     /** The text of the rank that has the largest @p value, on all of them. Collective. */
     static std::string text_at_largest(const double value, const MPI_Comm communicator,
                                        const std::function<std::string()> &text)
@@ -173,6 +192,6 @@ namespace tombolo
                          [](const double component) { return component == 0.; });
     }
 
-    Worst melt, lattice_mode, angular_momentum;
+    Worst melt, lattice_mode, angular_momentum, energy_error;
   };
 } // namespace tombolo
