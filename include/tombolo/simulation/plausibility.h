@@ -161,8 +161,7 @@ namespace tombolo
     }
 
     template <int dim>
-    void check_energy(const Model<dim> &model, const EnergyBalance &balance,
-                              const double time)
+    void check_energy(const Model<dim> &model, const EnergyBalance &balance, const double time)
     {
       constexpr double largest_error = 0.02;
       if (!is_off_balance(model, balance, std::max(largest_error, energy_error.value)))

@@ -297,7 +297,7 @@ namespace
     together.set_neighbours(cloud.size(), cloud.position.data(), cloud.support.data(),
                             present.data());
     constexpr unsigned int n = 5;
-    MovedConvexValues<3>::Places x, present_x;
+    MovedConvexValues<3>::Points x, present_x;
     for (unsigned int place = 0; place < n; ++place)
     {
       x[place] = Point<3>(1.6 + 0.4 * place, 2.9 - 0.3 * place, 2.1 + 0.2 * place);
