@@ -55,7 +55,7 @@ namespace tombolo
     const auto add = [&](const unsigned int node, const Tensor<1, 3> &force, Tensor<1, 3> impulse)
     {
       const Tensor<1, 3> step_impulse =
-          impulse_of_step(clock.velocity_step() * force, impulse, clock.step == 0);
+          impulse_of_step(clock.velocity_step() * force, impulse, clock);
       for (unsigned int d = 0; d < 3; ++d)
         work += velocity.node(node)[d] * step_impulse[d];
       if (impulse.norm_square() == 0.)

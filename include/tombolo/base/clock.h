@@ -11,12 +11,26 @@ namespace tombolo
     double previous_step = 0; ///< t_n - t_{n-1}; zero at the start
     double next_step = 0;     ///< t_{n+1} - t_n
     double stable_step = 0;   ///< the limit of the step at this configuration
+    /** t_0 less the time of the velocities at the start: zero where they are given at t_0, half of
+     * the last step of the run that this one continues. */
+    double start_lag = 0;
 
-    /** Δt_n = t_{n+1/2} - t_{n-1/2}; at the start, where velocities are given at t_0, half a step.
-     */
+    /** The time of the velocities, t_{n-1/2}. */
+    double velocity_time() const
+    {
+      return time - (step == 0 ? start_lag : 0.5 * previous_step);
+    }
+
+    /** Δt_n = t_{n+1/2} - t_{n-1/2}; half a step where velocities are given at t_0. */
     double velocity_step() const
     {
-      return 0.5 * (previous_step + next_step);
+      return 0.5 * (previous_step + next_step) + (step == 0 ? start_lag : 0.);
+    }
+
+    /** Whether velocities are those of t_n, and not those of t_{n-1/2}. */
+    bool has_present_velocities() const
+    {
+      return step == 0 && start_lag == 0.;
     }
 
     void advance()

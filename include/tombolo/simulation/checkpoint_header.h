@@ -58,6 +58,7 @@ namespace tombolo
     records.value("previous step", clock.previous_step);
     records.value("next step", clock.next_step);
     records.value("stable step", clock.stable_step);
+    records.value("start lag", clock.start_lag).optional();
   }
 
   /** Whether the checkpoint @p file is in the output directory @p directory. Collective. */

@@ -61,7 +61,7 @@ namespace tombolo
           formulations.push_back(part.formulation.get());
         const ExactSolutionErrors mechanical =
             exact->errors(formulations, model.state.initial_position, model.state.velocity,
-                          model.state.mass, clock.time, clock.time - 0.5 * clock.previous_step);
+                          model.state.mass, clock.time, clock.velocity_time());
         errors.axial_stress = mechanical.axial_stress;
         errors.stress = mechanical.stress;
         errors.velocity = mechanical.velocity;

@@ -55,7 +55,8 @@ namespace tombolo
     }
 
     /** Sets the model, as it was built, and its processes to the state that the entry names, and
-     * the clock to the stable step there, which springs of contacts need from the first forces on.
+     * the clock to the stable step there, which springs of contacts need from the first forces on,
+     * and to the time of its velocities.
      * Returns false where it names none. Throws InputError where there is no such state, or where
      * it is of another mesh or of other parts. Collective. */
     static bool read(const Parameters &parameters, Model<dim> &model, Clock &clock, Log &log)
@@ -79,6 +80,8 @@ namespace tombolo
         list(earlier_records.group("clock"), earlier);
         earlier_records.serialize(archive);
         clock.stable_step = earlier.stable_step > 0. ? earlier.stable_step : courant;
+        if (!was_at_rest(archive) && !StaticSteps<dim>::are_chosen(parameters))
+          clock.start_lag = 0.5 * earlier.previous_step;
         for (const auto &process : model.processes)
           process->records.continue_from(archive);
         const double interval = 1e-3 * courant; // short against a step
@@ -88,6 +91,14 @@ namespace tombolo
       }
       log.print("Initial state: " + file);
       return true;
+    }
+
+  private:
+    /** Whether the state is of a run with static steps. */
+    static bool was_at_rest(StateArchive &archive)
+    {
+      const auto statics = archive.group("statics");
+      return archive.has("step");
     }
   };
 

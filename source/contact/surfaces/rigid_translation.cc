@@ -128,14 +128,12 @@ namespace tombolo
   void RigidTranslation<dim>::accelerate(const Clock &clock, const Tensor<1, dim> &reaction)
   {
     const double step = clock.velocity_step();
-    const bool is_start = clock.step == 0;
     const Tensor<1, dim> impulse = given_impulse(clock);
-    free->work_of_force +=
-        free->velocity * impulse_of_step(impulse, free->previous_impulse, is_start);
+    free->work_of_force += free->velocity * impulse_of_step(impulse, free->previous_impulse, clock);
     free->next_velocity =
         free->velocity + free->free_directions * (impulse + step * reaction) / free->mass;
-    free->kinetic_energy =
-        0.5 * free->mass * free->velocity * (is_start ? free->velocity : free->next_velocity);
+    free->kinetic_energy = 0.5 * free->mass * free->velocity *
+                           (clock.has_present_velocities() ? free->velocity : free->next_velocity);
   }
 
   template <int dim>

@@ -97,14 +97,15 @@ namespace tombolo
                                       const double unresolved)
   {
     EnergyBalance result;
-    // At t_0 v̂ is given, in the middle of its interval.
-    const double after = clock.velocity_step(), before = clock.step == 0 ? after : 0.;
+    // Where v̂ is given at t_0, it is in the middle of its interval.
+    const double after = clock.velocity_step(),
+                 before = clock.has_present_velocities() ? after : 0.;
     NodalVector increment(model.state.partition());
     model.bridge->apply_adjoint(model.state.acceleration, increment);
     // Reactions at prescribed components are booked with the motion that follows; at t_0 there was
     // one before.
     for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
-      for (unsigned int d = 0; clock.step == 0 && d < 3; ++d)
+      for (unsigned int d = 0; clock.has_present_velocities() && d < 3; ++d)
         if ((particle.components >> d) & 1u)
           increment.node(particle.node)[d] = model.state.acceleration.node(particle.node)[d];
     const Momenta momenta = sum_over_nodes(model, before, after, increment);

@@ -197,8 +197,7 @@ namespace tombolo
       const NodalState &state = model.state;
       const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
       const double velocity_step = clock.velocity_step();
-      const bool is_start = clock.step == 0;
-      supports.begin_step(clock.time - 0.5 * clock.previous_step);
+      supports.begin_step(clock.velocity_time());
       if (previous_inertia.size() != nodes.size())
       {
         previous_inertia.assign(nodes.size(), {});
@@ -214,8 +213,8 @@ namespace tombolo
             const unsigned int condition = condition_of(conditions, axis.k, axis.d);
             const double step_work =
                 inertial_velocity *
-                    impulse_of_step(inertia, previous_inertia[axis.k][axis.d], is_start) -
-                velocity * impulse_of_step(force, previous_force[axis.k][axis.d], is_start);
+                    impulse_of_step(inertia, previous_inertia[axis.k][axis.d], clock) -
+                velocity * impulse_of_step(force, previous_force[axis.k][axis.d], clock);
             work += step_work;
             supports[condition].work += step_work;
             const Vector reaction = axis.times(inertia - force);

@@ -254,10 +254,10 @@ namespace tombolo
     // ½ Σ m v_{n-1/2} · v_{n+1/2} of nodes that go straight, in the body's own axes at t_n.
     const Matrix after = rigid_rotation::exponential_less_one(next.increment) / clock.next_step;
     const Matrix before =
-        clock.step == 0
+        clock.has_present_velocities()
             ? 2. * rigid_rotation::cross_matrix(transpose(orientation(present)) * present.spin) -
                   after
-            : -1. / clock.previous_step *
+            : -0.5 / (clock.time - clock.velocity_time()) *
                   rigid_rotation::exponential_less_one(-1. * present.increment);
     return 0.5 * trace(before * second_moment * transpose(after));
   }
@@ -266,11 +266,10 @@ namespace tombolo
   void RigidBody<dim>::complete_step(const Clock &clock, ImpulseAccount *const impulses)
   {
     const double interval = clock.velocity_step();
-    const bool is_start = clock.step == 0;
     const auto account = [&](const Wrench &now, Wrench &previous, double &work)
     {
-      const Vector force = impulse_of_step(interval * now.force, previous.force, is_start);
-      const Vector moment = impulse_of_step(interval * now.moment, previous.moment, is_start);
+      const Vector force = impulse_of_step(interval * now.force, previous.force, clock);
+      const Vector moment = impulse_of_step(interval * now.moment, previous.moment, clock);
       work += present.reference_velocity * force + present.spin * moment;
     };
     account(reaction, previous_reaction, drive_work);
@@ -280,7 +279,8 @@ namespace tombolo
 
     beyond_nodes_energy = kinetic_energy_of_rotation(clock, initial.second - initial.nodal_second);
     rotation_energy = kinetic_energy_of_rotation(clock, initial.second);
-    const Vector before = is_start ? 2. * present.momentum - next.momentum : present.momentum;
+    const Vector before =
+        clock.has_present_velocities() ? 2. * present.momentum - next.momentum : present.momentum;
     kinetic_energy = 0.5 / initial.mass * (before * next.momentum) + rotation_energy;
 
     if (impulses == nullptr)

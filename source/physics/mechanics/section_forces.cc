@@ -356,7 +356,7 @@ namespace tombolo
 
     void after_acceleration(const Model<dim> &, const Clock &clock) override
     {
-      time_of_impulse = clock.time - 0.5 * clock.previous_step;
+      time_of_impulse = clock.velocity_time();
       for (std::size_t k = 0; k < members.size(); ++k)
       {
         impulses[k].begin_step();

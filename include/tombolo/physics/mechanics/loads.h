@@ -78,7 +78,7 @@ namespace tombolo
 
     void after_acceleration(const Model<dim> &model, const Clock &clock) override
     {
-      accounts.begin_step(clock.time - 0.5 * clock.previous_step);
+      accounts.begin_step(clock.velocity_time());
       accounts.add_loads(resultants, clock.velocity_step());
       add_works(model, [&](SingleLoad &load, const NodalVector &velocity, double &work)
                 { load.work.complete_step(load.at_positions, velocity, clock, work); });
