@@ -66,9 +66,10 @@ namespace tombolo
       PointSweep<block_size> sweep(part_points, input.time_increment);
       double *const volume = part_points.points().component(MaterialPoints::volume, 0);
       const double *const ratio = part_points.points().component(MaterialPoints::volume_ratio, 0);
-      alignas(64) double spin[3][block_size];
+      alignas(64) double spin[3][block_size], couple[3][block_size];
       alignas(64) BlockVectors residual;
       const double *const spins[3] = {spin[0], spin[1], spin[2]};
+      double *const couples[3] = {couple[0], couple[1], couple[2]};
       if (dilatation != nullptr)
         dilatation->find(*input.position);
       for (unsigned int first = 0; first < n_particles; first += block_size)
@@ -105,6 +106,9 @@ namespace tombolo
         for (unsigned int p = first; p < last; ++p)
           volume[p] = initial_volume[p] * ratio[p];
         sweep.update_viscosity();
+        const bool has_couples =
+            control != nullptr &&
+            control->advance(part_points.points(), first, last, spins, residual[0], couples);
         // K = V σ F⁻ᵀ turns gradients of the reference into forces.
         for (unsigned int p = 0; p < n; p += n_lanes)
         {
@@ -113,12 +117,12 @@ namespace tombolo
           if (dilatation != nullptr)
             dilatation->collect(
                 first + p, 1. / determinant(load_columns(inverse_f + 3 * node_stride * p)), stress);
-          store_columns(
-              multiply(symmetric_matrix(stress), load_columns(inverse_f + 3 * node_stride * p)),
-              h.columns[p][0]);
+          Matrix3<Lanes> stress_matrix = symmetric_matrix(stress);
+          if (has_couples)
+            ZeroEnergyControl::add_couples(couples, p, stress_matrix);
+          store_columns(multiply(stress_matrix, load_columns(inverse_f + 3 * node_stride * p)),
+                        h.columns[p][0]);
         }
-        if (control != nullptr)
-          control->advance(part_points.points(), first, last, spins, residual[0]);
         scatter_force(shape, first, last, h, control != nullptr ? &residual : nullptr,
                       force.data());
       }

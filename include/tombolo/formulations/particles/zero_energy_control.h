@@ -34,7 +34,8 @@ namespace tombolo
    * particle, in the mean. Where the particle flows, what is above the energy l V σ²/(6 G), with
    * the equivalent stress σ, the larger of those at the ends of the step, decays with the plastic
    * strain of the step over σ/(10 G): it goes to the slip s_I, which turns with the particle, and
-   * the loss is artificial.
+   * the loss is artificial. The energy thus depends on the spin, too: to it belongs the couple
+   * -s_I x k_I (r_I - s_I), without which the forces would change the angular momentum.
    */
   class ZeroEnergyControl
   {
@@ -124,10 +125,13 @@ namespace tombolo
         store_lanes(squared_equivalent_stress(points, first + p), &squared_stress_before[p]);
     }
     /** Advances their slip, with the spins of the step by component and particle, and turns their
-     * r_I, node_stride doubles each, into k_I (r_I - s_I). */
-    void advance(MaterialPoints &points, const unsigned int first, const unsigned int last,
-                 const double *const spin[3], double *const residuals) const
+     * r_I, node_stride doubles each, into k_I (r_I - s_I). Returns whether there are slips, for
+     * which it sets the @p couples s_I x k_I (r_I - s_I) by component and particle [M L^2/T^2]. */
+    bool advance(MaterialPoints &points, const unsigned int first, const unsigned int last,
+                 const double *const spin[3], double *const residuals,
+                 double *const couples[3]) const
     {
+      bool has_slips = false;
       double *const energy_density = points.component(energy_field, 0) + first;
       for (unsigned int p = 0; p < last - first; p += n_lanes)
       {
@@ -136,21 +140,41 @@ namespace tombolo
           node_residuals[lane] = first + p + lane < last
                                      ? load_node(residuals + node_stride * (p + lane))
                                      : NodeLanes(0.);
-        Lanes elastic[3];
+        Lanes elastic[3], slip[3] = {0., 0., 0.};
         nodes_to_lanes(node_residuals, elastic);
         const Lanes area = load_lanes(&squared_length[first + p]);
         const Lanes modulus = factor / area;
         if (can_flow)
-          apply_slip(points, first, p, spin, elastic);
+          has_slips = apply_slip(points, first, p, spin, elastic, slip) || has_slips;
         store_lanes(
             0.5 * modulus *
                 (elastic[0] * elastic[0] + elastic[1] * elastic[1] + elastic[2] * elastic[2]),
             energy_density + p);
         for (Lanes &component : elastic)
           component *= modulus * load_lanes(&volume[first + p]);
+        for (unsigned int d = 0; can_flow && d < 3; ++d)
+        {
+          const unsigned int e = (d + 1) % 3, f = (d + 2) % 3;
+          store_lanes(slip[e] * elastic[f] - slip[f] * elastic[e], couples[d] + p);
+        }
         lanes_to_nodes(elastic, node_residuals);
         for (unsigned int lane = 0; lane < n_lanes && first + p + lane < last; ++lane)
           store_node(node_residuals[lane], residuals + node_stride * (p + lane));
+      }
+      return has_slips;
+    }
+
+    /** Adds to the stress times the volume of n_lanes particles from @p p on what has the power of
+     * their couples with the opposite of the spin. */
+    TOMBOLO_ALWAYS_INLINE static void add_couples(const double *const couples[3],
+                                                  const unsigned int p, Matrix3<Lanes> &stress)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        const unsigned int e = (d + 1) % 3, f = (d + 2) % 3;
+        const Lanes half = 0.5 * load_lanes(couples[d] + p);
+        stress(e, f) += half;
+        stress(f, e) -= half;
       }
     }
 
@@ -303,12 +327,12 @@ namespace tombolo
       return result;
     }
     /** Turns the slip of these particles by @p spin, subtracts it from their residuals, and adds to
-     * it what is beyond their range. */
-    void apply_slip(MaterialPoints &points, const unsigned int first, const unsigned int p,
-                    const double *const spin[3], Lanes (&elastic)[3]) const
+     * it what is beyond their range. Returns whether any slips. */
+    bool apply_slip(MaterialPoints &points, const unsigned int first, const unsigned int p,
+                    const double *const spin[3], Lanes (&elastic)[3], Lanes (&slip_values)[3]) const
     {
       double *slip[3];
-      Lanes slip_values[3], squared = 0.;
+      Lanes squared = 0.;
       for (unsigned int d = 0; d < 3; ++d)
       {
         slip[d] = points.component(slip_field, d) + first + p;
@@ -352,9 +376,10 @@ namespace tombolo
                     loss);
       }
       else if (!has_slip)
-        return;
+        return false;
       for (unsigned int d = 0; d < 3; ++d)
         store_lanes(slip_values[d], slip[d]);
+      return true;
     }
 
     static constexpr double default_coefficient = 0.9, default_limit = 0.001;
