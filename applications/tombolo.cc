@@ -301,6 +301,8 @@ namespace
           std::cout << plugin.kind << ": " << plugin.name << " - " << plugin.description << "\n";
       return 0;
     }
+    for (const std::string &assignment : command_line.overrides())
+      Stages::refuse_stages(assignment);
     if (!parameters.raw("Stages").empty())
       return run_stages(Stages(command_line.file(), MPI_COMM_WORLD), command_line);
     return run_of_dimension(parameters, command_line, command_line.has("--resume"));

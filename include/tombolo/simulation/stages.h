@@ -121,6 +121,16 @@ namespace tombolo
       return result;
     }
 
+    /** Throws InputError where an override of the command line is one of stages. */
+    static void refuse_stages(const std::string &assignment)
+    {
+      const std::string path = path_of(assignment);
+      if (path == "Stages" || path.rfind(stage_prefix, 0) == 0)
+        throw InputError("--set " + in_quotes(assignment) +
+                         ": stages and what they set stand in the file; allowed are entries of all "
+                         "stages.");
+    }
+
     /** The output directory of a stage with these overrides. */
     std::string output_directory(const std::size_t stage,
                                  const std::vector<std::string> &overrides) const
