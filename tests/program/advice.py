@@ -166,6 +166,13 @@ class Warnings(command_line.Case):
             self.assertEqual(printed.count('Warning: The condition "pulse" does nothing: it begins at 0.5, and the run ends at 0.5.'),
                              count, printed)
 
+    def test_initial_velocities_of_a_body_at_rest(self):
+        for integration, count in (("quasi-static", 1), ("explicit", 0)):
+            printed = self.dry_run(["set Conditions       = pulse", "set Initial conditions = motion"], self.NO_PULSE,
+                                   ["subsection Output", "subsection Initial condition: motion\n  set Velocity = 0.1; 0\n"
+                                    "end\nsubsection Output"], options=("--set", "Time integration = " + integration))
+            self.assertEqual(printed.count("Warning: The initial velocities do nothing"), count, printed)
+
     def test_a_body_that_does_not_reach_a_wall(self):
         piece = 'Warning: The surface of the contact "wall" will hardly touch anything: until the end it comes no nearer than 0.05'
         for velocity, count in (("-0.1", 1), ("-0.3", 0)):

@@ -135,7 +135,7 @@ namespace tombolo
     public:
       ParallelGroup(const hid_t file, const std::string &file_name, const std::string &name,
                     MPI_Comm communicator)
-          : place(file_name + ":/" + name + "/"), communicator(communicator),
+          : group_path(file_name + ":/" + name + "/"), communicator(communicator),
             group(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose),
             transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose)
       {
@@ -172,7 +172,7 @@ namespace tombolo
                (std::is_floating_point_v<Number> ? "Float" : "Int") + "\" Precision=\"" +
                std::to_string(sizeof(Number)) + "\" Dimensions=\"" + std::to_string(n_rows) +
                (n_columns == 1 ? "" : " " + std::to_string(n_columns)) + "\">" +
-               xml_escaped(place + name) + "</DataItem>";
+               xml_escaped(group_path + name) + "</DataItem>";
       }
 
       /** Real numbers in double precision or in single. Collective. */
@@ -227,7 +227,7 @@ namespace tombolo
       bool is_written = true; ///< by this rank, so far
 
     private:
-      std::string place;
+      std::string group_path;
       MPI_Comm communicator;
       Hdf5Handle group, transfer;
     };

@@ -130,10 +130,10 @@ namespace tombolo
     for (unsigned int k = 0; k < n_times; ++k)
     {
       const double time = end_time * (k + 0.5) / n_times, interval = 1e-4 * end_time;
-      const double of_a = prescribed_rate(a, point, component, time, interval);
-      const double of_b = prescribed_rate(b, point, component, time, interval);
-      difference = std::max(difference, std::abs(of_a - of_b));
-      scale = std::max({scale, std::abs(of_a), std::abs(of_b)});
+      const double rate_a = prescribed_rate(a, point, component, time, interval);
+      const double rate_b = prescribed_rate(b, point, component, time, interval);
+      difference = std::max(difference, std::abs(rate_a - rate_b));
+      scale = std::max({scale, std::abs(rate_a), std::abs(rate_b)});
     }
     return difference > 1e-6 * scale;
   }
@@ -143,7 +143,7 @@ namespace tombolo
   void warn_of_conflicts(const Model<dim> &model, const double end_time, Log &log)
   {
     using Pair = std::pair<unsigned int, unsigned int>;
-    std::map<Pair, std::pair<unsigned int, std::vector<double>>> found; // components and a place
+    std::map<Pair, std::pair<unsigned int, std::vector<double>>> found; // components, a position
     const auto &conditions = model.conditions->all();
     for (const auto &overlap : model.conditions->overlaps())
       try
@@ -151,35 +151,35 @@ namespace tombolo
         if (!prescribe_differently(conditions[overlap.earlier], conditions[overlap.later],
                                    overlap.point, overlap.component, end_time))
           continue;
-        auto &[components, place] = found[{overlap.earlier, overlap.later}];
+        auto &[components, position] = found[{overlap.earlier, overlap.later}];
         components |= 1u << overlap.component;
         std::vector<double> point(&overlap.point[0], &overlap.point[0] + dim);
-        place = place.empty() ? point : std::min(place, point);
+        position = position.empty() ? point : std::min(position, point);
       }
       catch (const RunError &)
       {
         // A function without a value stops the run with its own message.
       }
-    std::map<Pair, std::pair<unsigned int, std::vector<double>>> of_all;
-    for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, found))
-      for (const auto &[pair, what] : of_rank)
+    std::map<Pair, std::pair<unsigned int, std::vector<double>>> conflicts;
+    for (const auto &rank_conflicts : Utilities::MPI::all_gather(model.communicator, found))
+      for (const auto &[pair, what] : rank_conflicts)
       {
-        auto &[components, place] = of_all[pair];
+        auto &[components, position] = conflicts[pair];
         components |= what.first;
-        place = place.empty() ? what.second : std::min(place, what.second);
+        position = position.empty() ? what.second : std::min(position, what.second);
       }
-    for (const auto &[pair, what] : of_all)
+    for (const auto &[pair, what] : conflicts)
     {
-      std::string components, place;
+      std::string components, position;
       for (unsigned int d = 0; d < dim; ++d)
       {
         if (what.first & (1u << d))
           components += (components.empty() ? "" : ", ") + std::string(1, "xyz"[d]);
-        place += (d > 0 ? ", " : "") + short_number(what.second[d]);
+        position += (d > 0 ? ", " : "") + short_number(what.second[d]);
       }
       log.warn("The conditions \"" + conditions[pair.first].name + "\" and \"" +
                conditions[pair.second].name + "\" prescribe different motions (" + components +
-               ") of the same nodes, for example at (" + place + "): \"" +
+               ") of the same nodes, for example at (" + position + "): \"" +
                conditions[pair.second].name +
                "\" acts there, since it comes later in `Conditions`.");
     }
@@ -447,16 +447,16 @@ namespace tombolo
       if (part.particles == nullptr)
         continue;
       const Section section = parameters.section("Part: " + part.name);
-      const std::string of_part = " in the section of part \"" + part.name + "\": ";
+      const std::string part_section = " in the section of part \"" + part.name + "\": ";
       const PatchTest test = part.particles->patch_test(model.state.initial_position);
       if (test.is_known && test.defect > large_defect && !test.cure.empty())
-        log.print("Advice: `" + test.cure + "`" + of_part +
+        log.print("Advice: `" + test.cure + "`" + part_section +
                   "a constant stress makes false forces there, " + percent(test.defect) +
                   " of those of its boundary. On disordered nodes the error of a rod's stress fell "
                   "from 0.216 to 0.028 (doc/choosing.md, Shape functions).");
       if (part.material->has_mechanics() && !part.particles->follows_positions() &&
           part.material->bulk_modulus() > nearly_incompressible * part.material->shear_modulus())
-        log.print("Advice: `Dilatation = of cells`" + of_part +
+        log.print("Advice: `Dilatation = of cells`" + part_section +
                   "nearly incompressible particles with a dilatation of their own lock. The "
                   "stress in a tube with eight cells through its wall erred by 14 % with Poisson's "
                   "ratio 0.49 and by 140 % with 0.499, `of cells` by 0.6 % (doc/choosing.md, "
@@ -545,6 +545,9 @@ namespace tombolo
     warn_of_conflicts(model, end_time, log);
     warn_of_late_conditions(model, end_time, log);
     warn_of_idle_contacts(model, end_time, log);
+    if (at_rest && parameters.raw("Initial state").empty() && moves_at_start(model))
+      log.warn("The initial velocities do nothing: `Time integration = " +
+               parameters.raw("Time integration", "") + "` finds bodies at rest.");
     if (!at_rest)
       judge_step(model, step_size, parameters, n_steps, log);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
