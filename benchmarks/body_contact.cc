@@ -134,20 +134,21 @@ namespace tombolo
         bodies.contacts->act(*bodies.model, bodies.clock, bodies.force);
         return double(std::clock() - start) / CLOCKS_PER_SEC;
       };
-      std::vector<double> of_steps, of_searches;
+      std::vector<double> step_seconds, search_seconds;
       for (auto _ : state)
       {
         bodies.contacts->model_changed(*bodies.model);
-        of_searches.push_back(seconds_of_forces());
-        of_steps.push_back(seconds_of_forces());
-        state.SetIterationTime(of_steps.back());
+        search_seconds.push_back(seconds_of_forces());
+        step_seconds.push_back(seconds_of_forces());
+        state.SetIterationTime(step_seconds.back());
       }
       // Lines of n and of n - 1 cells have 2 n - 2 pieces in common.
       const double n_pairs = (2. * n - 2.) * (2. * n - 2.);
       state.counters["faces"] = n * n + (n - 1.) * (n - 1.);
       state.counters["pairs"] = n_pairs;
-      state.counters["step ns/pair"] = median(of_steps) / n_pairs * 1e9;
-      state.counters["search ns/pair"] = (median(of_searches) - median(of_steps)) / n_pairs * 1e9;
+      state.counters["step ns/pair"] = median(step_seconds) / n_pairs * 1e9;
+      state.counters["search ns/pair"] =
+          (median(search_seconds) - median(step_seconds)) / n_pairs * 1e9;
       state.counters["nodes pressed"] = bodies.contact->balance().n_nodes;
     }
 

@@ -21,7 +21,7 @@
 /** Nanoseconds per surface node to find its gap to a tool, by the number of triangles and of nodes:
  * a block of nodes below a sphere, as a surface of triangles and as an exact one. "far": no node is
  * in the box around the tool; "near": all are, a part in contact; "rounded": near, with an edge
- * radius, so that nodes in contact look for the centre of a ball. */
+ * radius, so that nodes in contact search for the centre of a ball. */
 namespace tombolo
 {
   namespace
@@ -126,7 +126,7 @@ namespace tombolo
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
         state.SetIterationTime(seconds.back());
       }
-      // The median does not see what other processes took.
+      // The median leaves out what other processes used.
       const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
       std::nth_element(seconds.begin(), middle, seconds.end());
       const auto n = static_cast<double>(nodes.numbers.size());

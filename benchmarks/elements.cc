@@ -39,7 +39,7 @@ namespace tombolo
         material = std::make_shared<LinearElastic>(parameters.section("elastic"));
         formulation = registry.create(element, parameters.section("formulation/" + element));
 
-        // Refined as the box source does it, which gives the cells a local order.
+        // Refined as the box source does it, so that the cells have a local order.
         unsigned int coarse = n_cells, refinements = 0;
         for (; coarse % 2 == 0; coarse /= 2)
           ++refinements;

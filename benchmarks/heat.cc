@@ -15,8 +15,8 @@
 #include <vector>
 
 /** Nanoseconds per cell or particle of the thermal stage (the smoothed temperature field and the
- * heat that comes to the nodes, eqs 28-39), and of the mechanical step of the same scene, taken in
- * turn: medians. Their ratio is what one explicit step of heat costs in mechanical ones. */
+ * heat that comes to the nodes, eqs 28-39), and of the mechanical step of the same scene, measured
+ * in turn: medians. Their ratio is what one explicit step of heat costs in mechanical ones. */
 namespace tombolo
 {
   namespace
@@ -62,7 +62,7 @@ namespace tombolo
         const auto &partition = model->state.partition();
         smoothed.reinit(partition, Quantity::scalars);
         rate.reinit(partition, Quantity::scalar);
-        of_condition.assign(model->heat->conditions.n_conditions(), 0.);
+        condition_heat.assign(model->heat->conditions.n_conditions(), 0.);
         model->bridge->apply_smoothing(model->state.unsmoothed_velocity, model->state.velocity);
         clock.next_step =
             0.5 * model->parts[0].formulation->courant_limit(model->state.position).time_step;
@@ -81,7 +81,7 @@ namespace tombolo
         ThermalModel<3> &heat = *model->heat;
         const NodalVector &position = model->state.position;
         heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
-        heat.heat_rate(position, heat.state.temperature, clock.time, rate, of_condition);
+        heat.heat_rate(position, heat.state.temperature, clock.time, rate, condition_heat);
       }
 
       Parameters parameters;
@@ -90,7 +90,7 @@ namespace tombolo
       std::unique_ptr<MechanicalStep<3>> step;
       std::unique_ptr<ThermalStep<3>> thermal_step;
       NodalVector smoothed, rate;
-      std::vector<double> of_condition;
+      std::vector<double> condition_heat;
       Clock clock;
     };
 
@@ -102,7 +102,7 @@ namespace tombolo
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
-    /** The median does not see what other processes took. */
+    /** The median leaves out what other processes used. */
     double median(std::vector<double> values)
     {
       const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -118,19 +118,19 @@ namespace tombolo
         body.advance_mechanics();
         body.find_heat_rate();
       }
-      std::vector<double> of_mechanics, of_heat;
+      std::vector<double> mechanics_seconds, heat_seconds;
       for (auto _ : state)
       {
-        of_mechanics.push_back(seconds_of([&]() { body.advance_mechanics(); }));
-        of_heat.push_back(seconds_of([&]() { body.find_heat_rate(); }));
-        state.SetIterationTime(of_heat.back());
+        mechanics_seconds.push_back(seconds_of([&]() { body.advance_mechanics(); }));
+        heat_seconds.push_back(seconds_of([&]() { body.find_heat_rate(); }));
+        state.SetIterationTime(heat_seconds.back());
       }
       const Formulation<3> &formulation = *body.model->parts[0].formulation;
       const bool has_cells = formulation.n_cells() > 0;
       const double n = has_cells ? formulation.n_cells() : formulation.points().size();
       const std::string each = has_cells ? "ns/cell" : "ns/particle";
       const double n_nodes = static_cast<double>(body.model->state.partition()->n_global());
-      const double heat = median(of_heat), mechanics = median(of_mechanics);
+      const double heat = median(heat_seconds), mechanics = median(mechanics_seconds);
       state.counters["heat " + each] = heat / n * 1e9;
       state.counters["mechanics " + each] = mechanics / n * 1e9;
       state.counters["heat/mechanics"] = heat / mechanics;

@@ -25,7 +25,7 @@ namespace
   constexpr unsigned int n_chains = 10;
   constexpr unsigned int n_repetitions = 1000000;
 
-  /** Starts on all ranks together and gives the time that the slowest takes. The number of
+  /** Starts on all ranks together and returns the time of the slowest. The number of
    * iterations must be fixed, so that all ranks take part in each. */
   template <typename Work>
   void time_on_all_ranks(benchmark::State &state, const Work &work)

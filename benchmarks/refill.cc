@@ -119,9 +119,9 @@ namespace tombolo
         NodalVector result(model->state.partition(), Quantity::scalar);
         for (const RemapCell<3> &cell : before)
         {
-          const auto of_corners = masses_of_corners<3>(cell.before, cell.mass.data());
-          for (unsigned int k = 0; k < of_corners.size(); ++k)
-            *result.node(cell.nodes[k]) += of_corners[k];
+          const auto corner_masses = masses_of_corners<3>(cell.before, cell.mass.data());
+          for (unsigned int k = 0; k < corner_masses.size(); ++k)
+            *result.node(cell.nodes[k]) += corner_masses[k];
         }
         return result;
       }
@@ -161,7 +161,7 @@ namespace tombolo
       set_time_per_cell(state, cells);
     }
 
-    void look(benchmark::State &state)
+    void find_distorted(benchmark::State &state)
     {
       Block block;
       const Cells cells = block.moved_cells();
@@ -290,7 +290,7 @@ int main(int argc, char **argv)
       add(std::string("whole_refill_of_") + std::to_string(n_along_axis) + "_along_an_axis" +
               (slides ? "_with_sliding_surface" : ""),
           [=](benchmark::State &state) { whole_refill(state, slides, n_along_axis); });
-  add("look_for_distorted_cells", look);
+  add("look_for_distorted_cells", find_distorted);
   add("new_rows", new_rows);
   add("overlap", [](benchmark::State &state) { overlap(state, false); });
   add("overlap_with_moving_surface", [](benchmark::State &state) { overlap(state, true); });
