@@ -27,7 +27,7 @@ namespace tombolo
     public:
       static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
       static constexpr unsigned int n_sub_cells = SubCells<dim>::n_sub_cells;
-      using Place = std::function<Point<dim>(const Point<dim> &)>;
+      using Motion = std::function<Point<dim>(const Point<dim> &)>;
 
       explicit RemapBody(const std::vector<unsigned int> &n) : n(n)
       {
@@ -47,16 +47,16 @@ namespace tombolo
           vector->reinit(partition);
         field.reinit(partition, Quantity::scalars);
         std::vector<types::global_dof_index> numbers;
-        std::vector<Point<dim>> places;
+        std::vector<Point<dim>> corner_positions;
         for (const auto &cell : nodes->dof_handler().active_cell_iterators())
         {
           if (!cell->is_locally_owned())
             continue;
           nodes->cell_nodes(cell, numbers);
-          nodes->cell_points(cell, places);
+          nodes->cell_points(cell, corner_positions);
           for (unsigned int k = 0; k < n_corners; ++k)
             for (unsigned int d = 0; d < dim; ++d)
-              lattice.node(partition->local_index(numbers[k]))[d] = places[k][d];
+              lattice.node(partition->local_index(numbers[k]))[d] = corner_positions[k][d];
           cell_nodes.emplace_back();
           for (unsigned int k = 0; k < n_corners; ++k)
             cell_nodes.back()[k] = partition->local_index(numbers[k]);
@@ -64,11 +64,11 @@ namespace tombolo
         lattice.update_ghosts();
       }
 
-      /** Puts nodes to places and makes the state there, of density @p density of the cell's
+      /** Moves nodes by @p motion and makes the state there, of density @p density of the cell's
        * centre; masses are the integrals. */
-      void start(const Place &place, const std::function<double(const Point<dim> &)> &density)
+      void start(const Motion &motion, const std::function<double(const Point<dim> &)> &density)
       {
-        put(place, position);
+        put(motion, position);
         points.n_components = 8;
         points.stress = 0;
         points.mass.clear();
@@ -88,11 +88,12 @@ namespace tombolo
           {
             const double volume =
                 CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, all[c].before));
-            const double of_simplex = points.mass[c * n_sub_cells + simplex.sub_cell] * volume /
-                                      CellSimplices<dim>::volumes(all[c].before)[simplex.sub_cell];
+            const double simplex_mass =
+                points.mass[c * n_sub_cells + simplex.sub_cell] * volume /
+                CellSimplices<dim>::volumes(all[c].before)[simplex.sub_cell];
             for (unsigned int v = 0; v <= dim; ++v)
               for (unsigned int k = 0; k < n_corners; ++k)
-                corner_mass[c * n_corners + k] += of_simplex / (dim + 1) * simplex.vertices[v][k];
+                corner_mass[c * n_corners + k] += simplex_mass / (dim + 1) * simplex.vertices[v][k];
           }
       }
 
@@ -100,13 +101,13 @@ namespace tombolo
       {
         for (unsigned int i = 0; i < partition->n_owned(); ++i)
           for (unsigned int slot = 0; slot < node_stride; ++slot)
-            field.node(i)[slot] = value(place_of(i), slot);
+            field.node(i)[slot] = value(position_of(i), slot);
         field.update_ghosts();
       }
 
       void set_points(const std::function<double(const Point<dim> &, unsigned int)> &value)
       {
-        const auto centres = point_places();
+        const auto centres = point_centres();
         for (std::size_t i = 0; i < centres.size(); ++i)
           for (unsigned int f = 0; f < points.n_components; ++f)
             points.values[i * points.n_components + f] = value(centres[i], f);
@@ -120,28 +121,28 @@ namespace tombolo
         remap_points(overlap, partition, points);
         for (std::size_t c = 0; c < moved.size(); ++c)
         {
-          double *const of_cell = corner_mass.data() + c * n_corners;
+          double *const cell_corner_mass = corner_mass.data() + c * n_corners;
           if (moved[c].is_void_after)
-            std::fill_n(of_cell, n_corners, 0.);
+            std::fill_n(cell_corner_mass, n_corners, 0.);
           else if (moved[c].has_moved())
-            std::copy_n(overlap.integrals[c].mass.begin(), n_corners, of_cell);
+            std::copy_n(overlap.integrals[c].mass.begin(), n_corners, cell_corner_mass);
         }
         project_nodal_field(overlap, 0, before, nodal_mass(), field);
         return overlap;
       }
 
-      void move(const Place &place)
+      void move(const Motion &motion)
       {
         NodalVector next(partition);
-        put(place, next);
+        put(motion, next);
         const std::vector<RemapCell<dim>> moved = cells(position, next);
         remap(moved);
         position.copy_from(next);
       }
 
-      /** One value a cell in place of one a sub-cell, at these places. */
+      /** One value a cell instead of one a sub-cell, at these centres. */
       void set_cells(const std::function<double(const Point<dim> &, unsigned int)> &value,
-                     const std::vector<Point<dim>> &places)
+                     const std::vector<Point<dim>> &centres)
       {
         points.mass.resize(cell_nodes.size());
         points.values.resize(cell_nodes.size() * points.n_components);
@@ -151,16 +152,16 @@ namespace tombolo
           const auto volumes = CellSimplices<dim>::volumes(cell.before);
           points.mass[c] = std::accumulate(volumes.begin(), volumes.end(), 0.);
           for (unsigned int f = 0; f < points.n_components; ++f)
-            points.values[c * points.n_components + f] = value(places[c], f);
+            points.values[c * points.n_components + f] = value(centres[c], f);
           ++c;
         }
       }
 
       /** The conservative remap of one value a cell, without nodal fields. */
-      void move_cells(const Place &place)
+      void move_cells(const Motion &motion)
       {
         NodalVector next(partition);
-        put(place, next);
+        put(motion, next);
         std::vector<RemapCell<dim>> moved = cells(position, next);
         for (std::size_t c = 0; c < moved.size(); ++c)
         {
@@ -170,9 +171,9 @@ namespace tombolo
             moved[c].mass[q] = points.mass[c] * volumes[q] / total;
         }
         const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
-        PointValues of_sub_cells = values_of_sub_cells(moved, partition, points);
-        remap_points(overlap, partition, of_sub_cells);
-        set_means_of_cells(moved, of_sub_cells, points);
+        PointValues sub_cell_values = values_of_sub_cells(moved, partition, points);
+        remap_points(overlap, partition, sub_cell_values);
+        set_means_of_cells(moved, sub_cell_values, points);
         position.copy_from(next);
       }
 
@@ -192,7 +193,7 @@ namespace tombolo
       /** The centres of mass of all cells, which are uniform. */
       std::vector<Point<dim>> centres_of_mass() const
       {
-        const std::vector<Point<dim>> of_sub_cells = point_places();
+        const std::vector<Point<dim>> sub_cell_centres = point_centres();
         std::vector<Point<dim>> result;
         for (const RemapCell<dim> &cell : cells(position, position))
         {
@@ -200,18 +201,18 @@ namespace tombolo
           const double total = std::accumulate(volumes.begin(), volumes.end(), 0.);
           Point<dim> centre;
           for (unsigned int q = 0; q < n_sub_cells; ++q)
-            centre += volumes[q] / total * of_sub_cells[result.size() * n_sub_cells + q];
+            centre += volumes[q] / total * sub_cell_centres[result.size() * n_sub_cells + q];
           result.push_back(centre);
         }
         return result;
       }
 
       /** The remap by interpolation. Masses stay. */
-      void interpolate(const Place &place,
+      void interpolate(const Motion &motion,
                        const SmoothedIntegrationRule rule = SmoothedIntegrationRule::smoothed)
       {
         NodalVector next(partition);
-        put(place, next);
+        put(motion, next);
         const std::vector<RemapCell<dim>> moved = cells(position, next);
         interpolate_nodal_fields<dim>(moved, position, next, {&field});
         interpolate_points<dim>(moved, partition, corner_shares_of_points<dim>(rule), points);
@@ -219,10 +220,10 @@ namespace tombolo
       }
 
       /** The same where boundary nodes may leave the surface. */
-      void move_surface(const Place &place)
+      void move_surface(const Motion &motion)
       {
         NodalVector next(partition);
-        put(place, next);
+        put(motion, next);
         std::vector<RemapCell<dim>> moved = cells(position, next);
         for (RemapCell<dim> &cell : moved)
           for (unsigned int k = 0; k < n_corners; ++k)
@@ -238,7 +239,7 @@ namespace tombolo
 
       using IsVoid = std::function<bool(const Point<dim> &)>;
 
-      /** Takes what cells have whose middle in the lattice is void. */
+      /** Empties the cells whose middle in the lattice is void. */
       void empty(const IsVoid &is_void)
       {
         const auto middle = middles_of_lattice();
@@ -251,10 +252,10 @@ namespace tombolo
       }
 
       /** The remap where cells are filled and emptied. */
-      void fill(const Place &place, const IsVoid &was_void, const IsVoid &is_void)
+      void fill(const Motion &motion, const IsVoid &was_void, const IsVoid &is_void)
       {
         NodalVector next(partition);
-        put(place, next);
+        put(motion, next);
         std::vector<RemapCell<dim>> moved = cells(position, next);
         const auto middle = middles_of_lattice();
         for (std::size_t c = 0; c < moved.size(); ++c)
@@ -280,12 +281,12 @@ namespace tombolo
       }
 
       /** The remap of the field within its former bounds. */
-      void move_within_bounds(const Place &place)
+      void move_within_bounds(const Motion &motion)
       {
         NodalVector next, before;
         next.reinit(partition);
         before.reinit(partition);
-        put(place, next);
+        put(motion, next);
         before.copy_from(field);
         before.update_ghosts();
         const std::vector<RemapCell<dim>> moved = cells(position, next);
@@ -362,7 +363,7 @@ namespace tombolo
         return ordered_sum(result, MPI_COMM_WORLD);
       }
 
-      Point<dim> place_of(const unsigned int node) const
+      Point<dim> position_of(const unsigned int node) const
       {
         Point<dim> result;
         for (unsigned int d = 0; d < dim; ++d)
@@ -371,7 +372,7 @@ namespace tombolo
       }
 
       /** The centres of the sub-cells. */
-      std::vector<Point<dim>> point_places() const
+      std::vector<Point<dim>> point_centres() const
       {
         std::vector<Point<dim>> result;
         for (const RemapCell<dim> &cell : cells(position, position))
@@ -390,9 +391,9 @@ namespace tombolo
         return result;
       }
 
-      double largest(const std::function<double()> &of_rank) const
+      double largest(const std::function<double()> &rank_value) const
       {
-        return Utilities::MPI::max(of_rank(), MPI_COMM_WORLD);
+        return Utilities::MPI::max(rank_value(), MPI_COMM_WORLD);
       }
 
       double largest_of_field() const
@@ -411,10 +412,10 @@ namespace tombolo
         return Utilities::MPI::max(result, MPI_COMM_WORLD);
       }
 
-      /** Random places, others in each @p round: inner nodes are moved by up to @p amount of the
+      /** Random positions, others in each @p round: inner nodes are moved by up to @p amount of the
        * spacing, nodes of faces along these; all at the same x alike with @p is_strip. */
-      Place disorder(const double amount, const unsigned int round,
-                     const bool is_strip = false) const
+      Motion disorder(const double amount, const unsigned int round,
+                      const bool is_strip = false) const
       {
         return [=](const Point<dim> &x)
         {
@@ -443,14 +444,14 @@ namespace tombolo
       std::shared_ptr<NodePartition> partition;
 
     private:
-      void put(const Place &place, NodalVector &result) const
+      void put(const Motion &motion, NodalVector &result) const
       {
         for (unsigned int i = 0; i < partition->n_owned(); ++i)
         {
           Point<dim> x;
           for (unsigned int d = 0; d < dim; ++d)
             x[d] = lattice.node(i)[d];
-          const Point<dim> to = place(x);
+          const Point<dim> to = motion(x);
           for (unsigned int d = 0; d < dim; ++d)
             result.node(i)[d] = to[d];
         }

@@ -119,12 +119,12 @@ private:
   {
     for (unsigned int d = 0; d < dim; ++d)
     {
-      Lanes of_component[n_nodes];
+      Lanes component_values[n_nodes];
       for (unsigned int k = 0; k < n_nodes; ++k)
-        of_component[k] = values[k][d] / n_nodes;
-      sum_to_modes(of_component);
+        component_values[k] = values[k][d] / n_nodes;
+      sum_to_modes(component_values);
       for (unsigned int m = 0; m < n_nodes; ++m)
-        modes[m][d] = of_component[m];
+        modes[m][d] = component_values[m];
     }
   }
 

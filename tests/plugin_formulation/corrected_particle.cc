@@ -105,19 +105,19 @@ private:
       }
       const dealii::SymmetricTensor<2, dim> correction = sum * dealii::invert(moment);
       double *own = nullptr;
-      dealii::Tensor<1, dim> of_others;
+      dealii::Tensor<1, dim> other_sum;
       for (std::size_t k = begin; k < end; ++k)
       {
         double *const gradient = rows.gradient.data() + Stencils::n_gradient * k;
         if (rows.neighbour[k] == rows.particle_node[i])
           own = gradient;
-        const dealii::Tensor<1, dim> of_neighbour = correction * offset(i, k) * rows.value[k];
-        of_others += of_neighbour;
+        const dealii::Tensor<1, dim> neighbour_gradient = correction * offset(i, k) * rows.value[k];
+        other_sum += neighbour_gradient;
         for (unsigned int a = 0; a < dim; ++a)
-          gradient[a] = of_neighbour[a];
+          gradient[a] = neighbour_gradient[a];
       }
       for (unsigned int a = 0; a < dim; ++a)
-        own[a] = -of_others[a];
+        own[a] = -other_sum[a];
     }
   }
 

@@ -129,13 +129,13 @@ namespace tombolo
     Sums sums;
     minimize_convex(
         most, [this](const Tensor<1, dim> &trial) { return sums_at(trial); },
-        [](const Sums &of_trial)
+        [](const Sums &trial_sums)
         {
-          const Tensor<1, dim> step = newton_step(of_trial.hessian, of_trial.gradient);
+          const Tensor<1, dim> step = newton_step(trial_sums.hessian, trial_sums.gradient);
           return std::min(1., longest_step / step.norm()) * step;
         },
-        [](const Sums &of_trial)
-        { return of_trial.size() <= (of_trial.is_bounded ? tolerance_at_bound : tolerance); },
+        [](const Sums &trial_sums)
+        { return trial_sums.size() <= (trial_sums.is_bounded ? tolerance_at_bound : tolerance); },
         multiplier, sums);
     sums_at(multiplier);
     values.assign(positions.size(), 0.);

@@ -11,7 +11,7 @@
 namespace tombolo
 {
   /**
-   * Convex functions through a cloud of points that exist at every place: those of
+   * Convex functions through a cloud of points that exist everywhere: those of
    * ConvexApproximation with the exponential basis and the cubic spline, with a bounded multiplier,
    *
    * @verbatim
@@ -21,14 +21,14 @@ namespace tombolo
    *
    * w_j is the product of the kernel at the components of W_j (x_j - x): supports can have the
    * shape of sheared cells. Inside of the hull of the neighbours they reproduce linear fields.
-   * Outside, where functions that are positive cannot, they are those of a place near the nearest
-   * face of the hull, and depend continuously on the place.
+   * Outside, where functions that are positive cannot, they are those of a point near the nearest
+   * face of the hull, and depend continuously on the position.
    */
   template <int dim>
   class CloudFunctions
   {
   public:
-    /** φ_j at @p x for neighbours with these positions, and W_j as @p metrics, goes to @p values.
+    /** Sets @p values to φ_j at @p x for neighbours with these positions, and W_j as @p metrics.
      * Returns false, without values, where no support reaches x. */
     bool evaluate(const dealii::Point<dim> &x, const std::vector<dealii::Point<dim>> &positions,
                   const std::vector<dealii::Tensor<2, dim>> &metrics, std::vector<double> &values);

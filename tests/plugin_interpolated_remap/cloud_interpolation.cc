@@ -21,8 +21,8 @@ namespace tombolo
 
   namespace
   {
-    /** Points are known as far as so many of their supports: where none reaches a place, those
-     * that are widened so do. */
+    /** The factor on supports where none reaches a point; points are sent to all ranks that
+     * the widened ones reach. */
     constexpr double largest_widening = 2.;
 
     /** Position, metric and body of a point in a message. */
@@ -33,7 +33,7 @@ namespace tombolo
     BoundingBox<dim> support_of(const Cloud<dim> &cloud, const std::size_t i)
     {
       const Tensor<2, dim> axes = largest_widening * invert(cloud.metrics[i]);
-      Point<dim> lower = cloud.places[i], upper = cloud.places[i];
+      Point<dim> lower = cloud.positions[i], upper = cloud.positions[i];
       for (unsigned int d = 0; d < dim; ++d)
         for (unsigned int k = 0; k < dim; ++k)
         {
@@ -47,7 +47,7 @@ namespace tombolo
     std::vector<BoundingBox<dim>> supports_of(const Cloud<dim> &cloud)
     {
       std::vector<BoundingBox<dim>> result;
-      for (std::size_t i = 0; i < cloud.places.size(); ++i)
+      for (std::size_t i = 0; i < cloud.positions.size(); ++i)
         result.push_back(support_of(cloud, i));
       return result;
     }
@@ -72,11 +72,11 @@ namespace tombolo
       /** Collective. */
       std::vector<double> largest(const std::vector<double> &numbers) const
       {
-        std::vector<double> result(n, 0.), of_all(n);
+        std::vector<double> result(n, 0.), rank_maxima(n);
         for (std::size_t i = 0; i < numbers.size(); ++i)
           result[i % n] = std::max(result[i % n], std::abs(numbers[i]));
-        Utilities::MPI::max(result, communicator, of_all);
-        return of_all;
+        Utilities::MPI::max(result, communicator, rank_maxima);
+        return rank_maxima;
       }
 
       /** Zero where there is nothing left. */
@@ -104,7 +104,7 @@ namespace tombolo
     template <int dim>
     void append(const Cloud<dim> &from, Cloud<dim> &to)
     {
-      to.places.insert(to.places.end(), from.places.begin(), from.places.end());
+      to.positions.insert(to.positions.end(), from.positions.begin(), from.positions.end());
       to.bodies.insert(to.bodies.end(), from.bodies.begin(), from.bodies.end());
       to.metrics.insert(to.metrics.end(), from.metrics.begin(), from.metrics.end());
     }
@@ -130,7 +130,7 @@ namespace tombolo
         metrics.clear();
         for (const std::size_t i : hits)
         {
-          positions.push_back(points.places[i]);
+          positions.push_back(points.positions[i]);
           metrics.push_back(points.metrics[i] / widening);
         }
         is_found = functions.evaluate(x, positions, metrics, values);
@@ -148,13 +148,13 @@ namespace tombolo
     }
 
   private:
-    /** In the order of their places, which is the same on any number of ranks. */
+    /** In the order of their positions, which is the same on any number of ranks. */
     void find_neighbours(const Point<dim> &x, const double body, const double widening)
     {
       const auto reaches = [&](const std::size_t i)
       {
         bool result = points.bodies[i] == body;
-        const Tensor<1, dim> scaled = points.metrics[i] * (points.places[i] - x);
+        const Tensor<1, dim> scaled = points.metrics[i] * (points.positions[i] - x);
         for (unsigned int d = 0; d < dim && result; ++d)
           result = std::abs(scaled[d]) < widening;
         return result;
@@ -167,7 +167,7 @@ namespace tombolo
       std::sort(hits.begin(), hits.end(),
                 [&](const std::size_t i, const std::size_t j)
                 {
-                  const auto &a = points.places[i], &b = points.places[j];
+                  const auto &a = points.positions[i], &b = points.positions[j];
                   for (unsigned int d = 0; d < dim; ++d)
                     if (a[d] != b[d])
                       return a[d] < b[d];
@@ -188,19 +188,19 @@ namespace tombolo
   template <int dim>
   CloudInterpolation<dim>::CloudInterpolation(const Cloud<dim> &cloud, const Cloud<dim> &targets,
                                               const MPI_Comm communicator)
-      : n_points(cloud.places.size()), communicator(communicator)
+      : n_points(cloud.positions.size()), communicator(communicator)
   {
     Cloud<dim> all = cloud;
     append(exchange(cloud, targets), all);
     Builder builder(all);
     std::string failure;
     for (std::size_t i = 0; i < n_points; ++i)
-      builder.add_row(cloud.places[i], cloud.bodies[i], of_points);
-    for (std::size_t i = 0; i < targets.places.size(); ++i)
-      if (!builder.add_row(targets.places[i], targets.bodies[i], of_targets) && failure.empty())
+      builder.add_row(cloud.positions[i], cloud.bodies[i], point_rows);
+    for (std::size_t i = 0; i < targets.positions.size(); ++i)
+      if (!builder.add_row(targets.positions[i], targets.bodies[i], target_rows) && failure.empty())
       {
         std::ostringstream text;
-        text << "A refill by interpolation finds no point near (" << targets.places[i] << ").";
+        text << "A refill by interpolation finds no point near (" << targets.positions[i] << ").";
         failure = text.str();
       }
     throw_on_all_ranks<RunError>(failure, communicator);
@@ -209,12 +209,12 @@ namespace tombolo
   template <int dim>
   Cloud<dim> CloudInterpolation<dim>::exchange(const Cloud<dim> &cloud, const Cloud<dim> &targets)
   {
-    std::vector<Point<dim>> places = cloud.places;
-    places.insert(places.end(), targets.places.begin(), targets.places.end());
+    std::vector<Point<dim>> positions = cloud.positions;
+    positions.insert(positions.end(), targets.positions.begin(), targets.positions.end());
     std::vector<double> own_box;
-    if (!places.empty())
+    if (!positions.empty())
     {
-      const auto corners = BoundingBox<dim>(places).get_boundary_points();
+      const auto corners = BoundingBox<dim>(positions).get_boundary_points();
       own_box.insert(own_box.end(), &corners.first[0], &corners.first[0] + dim);
       own_box.insert(own_box.end(), &corners.second[0], &corners.second[0] + dim);
     }
@@ -233,7 +233,7 @@ namespace tombolo
           continue;
         sent[rank].push_back(static_cast<unsigned int>(i));
         std::vector<double> &message = messages[rank];
-        message.insert(message.end(), &cloud.places[i][0], &cloud.places[i][0] + dim);
+        message.insert(message.end(), &cloud.positions[i][0], &cloud.positions[i][0] + dim);
         message.push_back(cloud.bodies[i]);
         for (unsigned int d = 0; d < dim; ++d)
           message.insert(message.end(), &cloud.metrics[i][d][0], &cloud.metrics[i][d][0] + dim);
@@ -244,11 +244,11 @@ namespace tombolo
       for (std::size_t first = 0; first < message.second.size(); first += size_of_point<dim>)
       {
         const double *const data = message.second.data() + first;
-        result.places.emplace_back();
+        result.positions.emplace_back();
         result.metrics.emplace_back();
         for (unsigned int d = 0; d < dim; ++d)
         {
-          result.places.back()[d] = data[d];
+          result.positions.back()[d] = data[d];
           for (unsigned int k = 0; k < dim; ++k)
             result.metrics.back()[d][k] = data[dim + 1 + d * dim + k];
         }
@@ -275,15 +275,15 @@ namespace tombolo
 
   template <int dim>
   std::vector<double> CloudInterpolation<dim>::apply(const Rows &rows,
-                                                     const std::vector<double> &of_own,
+                                                     const std::vector<double> &own_coefficients,
                                                      const unsigned int n) const
   {
-    const std::vector<double> of_all = with_others(of_own, n);
+    const std::vector<double> all_values = with_others(own_coefficients, n);
     std::vector<double> result((rows.start.size() - 1) * n, 0.);
     for (std::size_t i = 0; i + 1 < rows.start.size(); ++i)
       for (std::size_t k = rows.start[i]; k < rows.start[i + 1]; ++k)
         for (unsigned int f = 0; f < n; ++f)
-          result[i * n + f] += rows.value[k] * of_all[std::size_t(rows.neighbour[k]) * n + f];
+          result[i * n + f] += rows.value[k] * all_values[std::size_t(rows.neighbour[k]) * n + f];
     return result;
   }
 
@@ -292,7 +292,7 @@ namespace tombolo
                                                            const std::vector<double> &values,
                                                            const unsigned int n) const
   {
-    std::vector<double> result = apply(of_points, coefficients, n);
+    std::vector<double> result = apply(point_rows, coefficients, n);
     for (std::size_t i = 0; i < result.size(); ++i)
       result[i] = values[i] - result[i];
     return result;
@@ -325,15 +325,15 @@ namespace tombolo
       std::vector<double> direction = residual, square = sums.dot(shadow, residual);
       for (unsigned int iteration = 0; iteration < most_iterations; ++iteration)
       {
-        const std::vector<double> product = apply(of_points, direction, n);
+        const std::vector<double> product = apply(point_rows, direction, n);
         const std::vector<double> step = sums.ratio(square, sums.dot(shadow, product));
         sums.add(step, direction, result);
         sums.add(step, product, residual, -1.);
-        const std::vector<double> of_residual = apply(of_points, residual, n);
-        const std::vector<double> damping =
-            sums.ratio(sums.dot(of_residual, residual), sums.dot(of_residual, of_residual));
+        const std::vector<double> residual_product = apply(point_rows, residual, n);
+        const std::vector<double> damping = sums.ratio(
+            sums.dot(residual_product, residual), sums.dot(residual_product, residual_product));
         sums.add(damping, residual, result);
-        sums.add(damping, of_residual, residual, -1.);
+        sums.add(damping, residual_product, residual, -1.);
         if (is_solved(residual, 0.3))
           break;
         const std::vector<double> next = sums.dot(shadow, residual);
@@ -355,7 +355,7 @@ namespace tombolo
   std::vector<double> CloudInterpolation<dim>::interpolate(const std::vector<double> &values,
                                                            const unsigned int n) const
   {
-    return apply(of_targets, coefficients_of(values, n), n);
+    return apply(target_rows, coefficients_of(values, n), n);
   }
 
   template <int dim>
@@ -363,15 +363,15 @@ namespace tombolo
                                       const std::optional<unsigned int> &stress,
                                       std::vector<double> &at_targets) const
   {
-    const std::vector<double> of_all = with_others(values, n);
-    for (std::size_t i = 0; i + 1 < of_targets.start.size(); ++i)
+    const std::vector<double> all_values = with_others(values, n);
+    for (std::size_t i = 0; i + 1 < target_rows.start.size(); ++i)
     {
       double *const target = at_targets.data() + i * n;
       double largest_invariant = 0;
       std::vector<double> lower(n, 1e300), upper(n, -1e300);
-      for (std::size_t k = of_targets.start[i]; k < of_targets.start[i + 1]; ++k)
+      for (std::size_t k = target_rows.start[i]; k < target_rows.start[i + 1]; ++k)
       {
-        const double *const point = of_all.data() + std::size_t(of_targets.neighbour[k]) * n;
+        const double *const point = all_values.data() + std::size_t(target_rows.neighbour[k]) * n;
         for (unsigned int f = 0; f < n; ++f)
         {
           lower[f] = std::min(lower[f], point[f]);

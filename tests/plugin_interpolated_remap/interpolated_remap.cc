@@ -111,13 +111,13 @@ namespace tombolo
           row.reinit(partition, Quantity::scalars);
         for (const RemapCell<dim> &cell : cells)
         {
-          const Tensor<2, dim> of_cell = shape_of(cell);
+          const Tensor<2, dim> cell_shape = shape_of(cell);
           for (const unsigned int node : cell.nodes)
             for (unsigned int i = 0; i < dim; ++i)
             {
               shapes[i].node(node)[node_stride - 1] += 1.;
               for (unsigned int j = 0; j < dim; ++j)
-                shapes[i].node(node)[j] += of_cell[i][j];
+                shapes[i].node(node)[j] += cell_shape[i][j];
             }
         }
         for (NodalVector &row : shapes)
@@ -141,7 +141,7 @@ namespace tombolo
     };
 
     template <int dim>
-    Point<dim> place_of_node(const NodalVector &position, const unsigned int node)
+    Point<dim> node_position(const NodalVector &position, const unsigned int node)
     {
       Point<dim> result;
       for (unsigned int d = 0; d < dim; ++d)
@@ -150,7 +150,7 @@ namespace tombolo
     }
 
     template <int dim>
-    Point<dim> place_of_point(const std::vector<double> &shares,
+    Point<dim> point_position(const std::vector<double> &shares,
                               const typename SubCells<dim>::Corners &corners)
     {
       Point<dim> result;
@@ -184,16 +184,16 @@ namespace tombolo
     {
       if (!supports.is_known(i))
         continue;
-      cloud.places.push_back(place_of_node<dim>(before, i));
+      cloud.positions.push_back(node_position<dim>(before, i));
       cloud.bodies.push_back(supports.body_of(i));
       cloud.metrics.push_back(supports.metric(i));
       for (const NodalVector *const field : fields)
         values.insert(values.end(), field->node(i), field->node(i) + node_stride);
-      const Point<dim> place = place_of_node<dim>(after, i);
-      if (place == cloud.places.back())
+      const Point<dim> new_position = node_position<dim>(after, i);
+      if (new_position == cloud.positions.back())
         continue;
       moved.push_back(i);
-      targets.places.push_back(place);
+      targets.positions.push_back(new_position);
       targets.bodies.push_back(cloud.bodies.back());
     }
     const CloudInterpolation<dim> interpolation(cloud, targets, partition.communicator());
@@ -224,13 +224,14 @@ namespace tombolo
     for (std::size_t c = 0; c < cells.size(); ++c)
     {
       const RemapCell<dim> &cell = cells[c];
-      cloud.places.emplace_back();
+      cloud.positions.emplace_back();
       means.resize((c + 1) * n, 0.);
       const double *const mass = points.mass.data() + c * n_points;
       const double total = std::accumulate(mass, mass + n_points, 0.);
       for (std::size_t q = 0; q < n_points; ++q)
       {
-        cloud.places.back() += mass[q] / total * place_of_point<dim>(corner_shares[q], cell.before);
+        cloud.positions.back() +=
+            mass[q] / total * point_position<dim>(corner_shares[q], cell.before);
         for (unsigned int f = 0; f < n; ++f)
           means[c * n + f] += mass[q] / total * points.values[(c * n_points + q) * n + f];
       }
@@ -238,7 +239,7 @@ namespace tombolo
       cloud.metrics.push_back(supports.metric_of_cell(cell));
       for (std::size_t q = 0; q < n_points && cell.has_moved(); ++q)
       {
-        targets.places.push_back(place_of_point<dim>(corner_shares[q], cell.after));
+        targets.positions.push_back(point_position<dim>(corner_shares[q], cell.after));
         targets.bodies.push_back(cell.body);
       }
     }

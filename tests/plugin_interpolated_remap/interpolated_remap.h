@@ -10,8 +10,8 @@ namespace tombolo
 {
   /**
    * The remap of nodal fields by interpolation (CloudInterpolation), as in Wu et al. 2015, eqs (65)
-   * to (72): a node that has moved gets the value of before at its new place, where the numbers at
-   * the nodes are taken for values. Linear fields are exact; sums do not stay.
+   * to (72): a node that has moved gets the value of before at its new position, where the numbers
+   * at the nodes stand for values. Linear fields are exact; sums do not stay.
    *
    * @p before and @p after are the positions, owned ones; nodes of other parts may be among them.
    * All @p fields have node_stride slots, and get current ghosts. Supports are as sheared as the
@@ -24,15 +24,15 @@ namespace tombolo
 
   /**
    * The same of the state of points, eqs (73) and (74): the points of cells that have moved get
-   * the values of before at their new places. What is interpolated has one point a cell, as in the
-   * paper: the mean of its points, by mass. Several points of distorted cells would lie too
+   * the values of before at their new positions. What is interpolated has one point a cell, as in
+   * the paper: the mean of its points, by mass. Several points of distorted cells would lie too
    * irregularly to solve for coefficients. New values are put within those of the points around
    * (CloudInterpolation::limit()), since negative lobes would make plastic strains negative and
    * stresses larger than the yield stress. Points beyond the outermost old ones get the values of
    * the nearest face of the hull of these.
    *
-   * @p corner_shares: the shares of the corners of its cell in the place of each point. @p points
-   * has the values by cell, point and component; masses stay. Collective.
+   * @p corner_shares: the shares of the corners of a cell in the position of each of its points.
+   * @p points has the values by cell, point and component; masses stay. Collective.
    */
   template <int dim>
   void interpolate_points(const std::vector<RemapCell<dim>> &cells,

@@ -115,7 +115,7 @@ namespace tombolo
       for (NodalVector *const vector : {&change, &image})
         if (vector->partition() != v_hat.partition())
           vector->reinit(v_hat.partition());
-      // With lumped rows one application takes less than all of the shortest waves.
+      // With lumped rows one application removes less than all of the shortest waves.
       const auto n_passes =
           static_cast<unsigned int>(std::ceil(bridge.mass_split().largest_mass_ratio()));
       double work = 0;

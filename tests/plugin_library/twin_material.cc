@@ -4,7 +4,7 @@
 
 namespace tombolo
 {
-  /** An elastic material with twice the density that the parameter file says. */
+  /** An elastic material with twice the density of the parameter file. */
   class TwinMaterial : public LinearElastic
   {
   public:

@@ -79,8 +79,8 @@ namespace tombolo
           const double s_0 = batch.stress[c][i] - (is_normal ? old_mean : 0.);
           const double strain = batch.strain_increment[c][i] - (is_normal ? volumetric / 3. : 0.);
           const double s_1 = decay * s_0 + gain * strain;
-          const double of_dashpot = strain - (s_1 - s_0) / twice_shear;
-          dissipated += (is_normal ? 0.5 : 1.) * (s_0 + s_1) * of_dashpot;
+          const double dashpot_strain = strain - (s_1 - s_0) / twice_shear;
+          dissipated += (is_normal ? 0.5 : 1.) * (s_0 + s_1) * dashpot_strain;
           batch.stress[c][i] = s_1 + (is_normal ? mean : 0.);
         }
         // Per initial volume, with the volume in the middle of the step.

@@ -9,7 +9,7 @@ namespace tombolo
 {
   /**
    * Balls around the corners of slave faces against master faces: each ball touches the nearest
-   * place on any of these, on a face, an edge or a corner, along the line to its centre, with its
+   * point of any of these, on a face, an edge or a corner, along the line to its centre, with its
    * share of the area of the slave face across that line. doc/add_a_process.md has what it shows.
    */
   template <int dim>
@@ -45,7 +45,7 @@ namespace tombolo
         bool touches = false;
         for (unsigned int i = 0; i < n_corners; ++i)
         {
-          // What looks away from the place does not touch.
+          // What is turned away from the point does not touch.
           const double area = -(slave.area * feet[i].normal) / n_corners;
           if (below[i] != &master || !(area > 0.))
             continue;
@@ -64,7 +64,7 @@ namespace tombolo
     using Vector = dealii::Tensor<1, dim>;
     static constexpr unsigned int n_corners = FacePair<dim>::n_corners;
 
-    /** The place on a face that is nearest to a centre. */
+    /** The point of a face that is nearest to a centre. */
     struct Foot
     {
       std::array<double, n_corners> shares; ///< N of the corners of the face
@@ -80,8 +80,8 @@ namespace tombolo
       }
     };
 
-    static Vector place_at(const FaceCorners<dim> &corners,
-                           const std::array<double, n_corners> &shares)
+    static Vector position_at(const FaceCorners<dim> &corners,
+                              const std::array<double, n_corners> &shares)
     {
       Vector result;
       for (unsigned int k = 0; k < n_corners; ++k)
@@ -91,7 +91,7 @@ namespace tombolo
 
     static Foot foot_on(const PairedFace<dim> &face, const Vector &centre)
     {
-      // The nearest place in one direction after the other, each a line: on plane faces whose
+      // The nearest point in one direction after the other, each a line: on plane faces whose
       // edges are at right angles this ends at once.
       constexpr unsigned int most_turns = 50;
       std::array<double, dim - 1> at;
@@ -107,7 +107,7 @@ namespace tombolo
           {
             auto there = at;
             there[d] = end;
-            ends[end] = place_at(face.corners, shares_at(there));
+            ends[end] = position_at(face.corners, shares_at(there));
           }
           const Vector line = ends[1] - ends[0];
           const double now = std::clamp((centre - ends[0]) * line / line.norm_square(), 0., 1.);
@@ -118,7 +118,7 @@ namespace tombolo
           break;
       }
       foot.shares = shares_at(at);
-      const Vector way = centre - place_at(face.corners, foot.shares);
+      const Vector way = centre - position_at(face.corners, foot.shares);
       const Vector normal = face.area / face.area.norm();
       const bool is_behind = way * normal <= 1e-12 * way.norm();
       foot.distance = is_behind ? -way.norm() : way.norm();

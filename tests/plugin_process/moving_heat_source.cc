@@ -23,7 +23,7 @@ namespace tombolo
    * @endverbatim
    *
    * with its capacity C_i and its present position x_i, and x_c in the middle of the step. The sum
-   * over the nodes is E, whatever the mesh is. Simpson's rule gives E: exact for a cubic P.
+   * over the nodes is E, whatever the mesh is. E is by Simpson's rule: exact for a cubic P.
    * doc/add_a_process.md walks through it.
    */
   template <int dim>

@@ -81,7 +81,7 @@ namespace tombolo
                 std::min(fraction, 1. / std::sqrt(1. + 0.25 * step * step * stiffness / lightest));
           });
       end_of_spring.find(*model.nodes, model.state, point, this->records.group("point of " + name));
-      // A node between others gives its force to them; none is lighter than the lightest.
+      // A node between others passes its force to them; none is lighter than the lightest.
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (const double mass = *model.bridge->mass().node(i); mass > 0.)
           lightest = std::min(lightest, mass);

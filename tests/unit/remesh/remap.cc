@@ -20,17 +20,17 @@ namespace
   void expect_no_bit_of_an_identity(const bool by_interpolation)
   {
     RemapBody<dim> body(block<dim>());
-    const auto place = body.disorder(0.25, 1);
-    body.start(place, uniform<dim>);
+    const auto motion = body.disorder(0.25, 1);
+    body.start(motion, uniform<dim>);
     body.set_field(rough<dim>);
     body.set_points(rough<dim>);
     const PointValues before = body.points;
     NodalVector field(body.partition, Quantity::scalars);
     field.copy_from(body.field);
     if (by_interpolation)
-      body.interpolate(place);
+      body.interpolate(motion);
     else
-      body.move(place);
+      body.move(motion);
     EXPECT_EQ(before.values, body.points.values);
     EXPECT_EQ(before.mass, body.points.mass);
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
@@ -62,7 +62,7 @@ namespace
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
       for (unsigned int slot = 0; slot < node_stride; ++slot)
         error =
-            std::max(error, std::abs(body.field.node(i)[slot] - linear(body.place_of(i), slot)));
+            std::max(error, std::abs(body.field.node(i)[slot] - linear(body.position_of(i), slot)));
     EXPECT_LE(body.largest([&] { return error; }), 1e-12);
   }
 
@@ -81,27 +81,27 @@ namespace
     RemapBody<dim> body(block<dim>());
     body.start(body.disorder(0.2, 1), uniform<dim>);
     const auto shares = corner_shares_of_points<dim>(SmoothedIntegrationRule::smoothed);
-    const auto places = [&]()
+    const auto point_positions = [&]()
     {
       std::vector<Point<dim>> result;
       for (const auto &nodes : body.nodes_of_cells())
-        for (const auto &of_point : shares)
+        for (const auto &corner_weights : shares)
         {
           Point<dim> x;
           for (unsigned int k = 0; k < nodes.size(); ++k)
-            x += of_point[k] * body.place_of(nodes[k]);
+            x += corner_weights[k] * body.position_of(nodes[k]);
           result.push_back(x);
         }
       return result;
     };
-    const auto before = places();
+    const auto before = point_positions();
     for (std::size_t i = 0; i < before.size(); ++i)
       for (unsigned int f = 0; f < 8; ++f)
         body.points.values[i * 8 + f] = linear(before[i], f);
     body.points.stress.reset(); // its bound is not that of linear fields
     body.interpolate(body.disorder(0.2, 2));
     double error = 0;
-    const auto after = places();
+    const auto after = point_positions();
     const double top = block<dim>()[0];
     for (std::size_t i = 0; i < after.size(); ++i)
     {
@@ -181,7 +181,7 @@ namespace
     double error = 0, lowest = 0;
     for (unsigned int i = 0; i < limited.partition->n_owned(); ++i)
     {
-      error = std::max(error, std::abs(limited.field.node(i)[3] - limited.place_of(i)[0]));
+      error = std::max(error, std::abs(limited.field.node(i)[3] - limited.position_of(i)[0]));
       lowest = std::min(lowest, limited.field.node(i)[0]);
     }
     EXPECT_LE(limited.largest([&] { return error; }), 1e-12);
@@ -196,7 +196,7 @@ namespace
 
   /** The disorder, and a surface that is raised and lowered by up to a tenth of the spacing. */
   template <int dim>
-  typename RemapBody<dim>::Place waves(const RemapBody<dim> &body, const unsigned int round)
+  typename RemapBody<dim>::Motion waves(const RemapBody<dim> &body, const unsigned int round)
   {
     const auto inside = body.disorder(0.2, round);
     const double top = block<dim>()[0];
@@ -242,7 +242,7 @@ namespace
 
   /** A cavity in the top of a block, four fifths deep. */
   template <int dim>
-  typename RemapBody<dim>::Place cavity()
+  typename RemapBody<dim>::Motion cavity()
   {
     const double top = block<dim>()[0];
     return [=](const Point<dim> &x)
@@ -350,13 +350,14 @@ namespace
     for (unsigned int i = 0; i < 12 && rank == 0; ++i)
       for (unsigned int j = 0; j < 12; ++j)
       {
-        cloud.places.emplace_back(i + 0.2 * std::sin(3. * i + j), j + 0.2 * std::cos(i + 2. * j));
+        cloud.positions.emplace_back(i + 0.2 * std::sin(3. * i + j),
+                                     j + 0.2 * std::cos(i + 2. * j));
         cloud.bodies.push_back(0.);
         Tensor<2, 2> metric;
         metric[0][0] = metric[1][1] = 1. / 1.5;
         cloud.metrics.push_back(metric);
         values.push_back(i < 6 ? 0. : 1.);
-        targets.places.emplace_back(i - 0.5, j + 0.3);
+        targets.positions.emplace_back(i - 0.5, j + 0.3);
         targets.bodies.push_back(0.);
       }
     const CloudInterpolation<2> interpolation(cloud, targets, MPI_COMM_WORLD);
@@ -425,24 +426,24 @@ namespace
     const auto found = [&](const Point<2> &x)
     {
       EXPECT_TRUE(functions.evaluate(x, points, metrics, values));
-      Point<2> place;
+      Point<2> reproduced;
       double sum = 0;
       for (std::size_t j = 0; j < points.size(); ++j)
       {
         EXPECT_GE(values[j], 0.);
         sum += values[j];
-        place += values[j] * points[j];
+        reproduced += values[j] * points[j];
       }
       EXPECT_NEAR(sum, 1., 1e-14);
-      return place;
+      return reproduced;
     };
     EXPECT_LE(found(Point<2>(1.4, 1.7)).distance(Point<2>(1.4, 1.7)), 1e-13);
-    // A point on the hull; a place outside of a face; and one nearby.
+    // A point on the hull; a point outside of a face; and one nearby.
     EXPECT_LE(found(points[0]).distance(points[0]), 1e-12);
     const Point<2> outside(1.3, -0.8), near(1.3 + 1e-9, -0.8);
-    const Point<2> place = found(outside);
-    EXPECT_LE(found(near).distance(place), 1e-7);
-    EXPECT_LE(place[1], 0.25);
+    const Point<2> reproduced = found(outside);
+    EXPECT_LE(found(near).distance(reproduced), 1e-7);
+    EXPECT_LE(reproduced[1], 0.25);
     EXPECT_FALSE(functions.evaluate(Point<2>(9., 9.), points, metrics, values));
   }
 

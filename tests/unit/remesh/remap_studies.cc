@@ -77,16 +77,16 @@ namespace
     const auto wave = [n](const Point<2> &x, unsigned int)
     { return std::cos(4. * M_PI * x[0] / n); };
     body.start(body.disorder(0.2, 1), uniform<2>);
-    const auto places = [&]()
+    const auto centres = [&]()
     { return by_interpolation ? body.middles() : body.centres_of_mass(); };
-    body.set_cells(wave, places());
+    body.set_cells(wave, centres());
     for (unsigned int round = 2; round < 6; ++round)
       if (by_interpolation)
         body.interpolate(body.disorder(0.2, round), SmoothedIntegrationRule::one_point);
       else
         body.move_cells(body.disorder(0.2, round));
     std::array<double, 2> sums{};
-    const auto now = places();
+    const auto now = centres();
     for (std::size_t i = 0; i < now.size(); ++i)
     {
       sums[0] += std::pow(body.points.values[i * 8 + 7] - wave(now[i], 0), 2);
@@ -97,7 +97,7 @@ namespace
   }
 
   /** Of a wave in n cells, after four remaps, in the mean square. It has no slope at the ends:
-   * there the limit of points has values on one side alone, and takes the slope away. */
+   * there the limit of points has values on one side alone, and removes the slope. */
   Errors errors_of_wave(const unsigned int n)
   {
     RemapBody<2> body({n, 2});
@@ -110,11 +110,11 @@ namespace
       body.move(body.disorder(0.2, round));
     std::array<double, 3> sums{};
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
-      sums[0] += std::pow(body.field.node(i)[0] - wave(body.place_of(i), 0), 2);
-    const auto places = body.point_places();
-    for (std::size_t i = 0; i < places.size(); ++i)
+      sums[0] += std::pow(body.field.node(i)[0] - wave(body.position_of(i), 0), 2);
+    const auto centres = body.point_centres();
+    for (std::size_t i = 0; i < centres.size(); ++i)
     {
-      sums[1] += std::pow(body.points.values[i * 8 + 7] - wave(places[i], 0), 2);
+      sums[1] += std::pow(body.points.values[i * 8 + 7] - wave(centres[i], 0), 2);
       sums[2] += 1.;
     }
     sums = ordered_sum(sums, MPI_COMM_WORLD);
@@ -124,7 +124,7 @@ namespace
 
   TEST(RemapStudy, is_of_second_order)
   {
-    // Over five octaves, since places are random.
+    // Over five octaves, since positions are random.
     const Errors coarse = errors_of_wave(20), fine = errors_of_wave(640);
     EXPECT_GE(std::log2(coarse.nodes / fine.nodes) / 5., 1.95);
     EXPECT_GE(std::log2(coarse.points / fine.points) / 5., 1.8);

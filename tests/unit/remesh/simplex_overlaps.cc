@@ -25,7 +25,8 @@ namespace
       for (unsigned int j = 0; j <= dim; ++j)
         piece[k].in_new[j] = points[j][k];
     OverlapMoments<dim> result;
-    SimplexOverlap::clip<dim>(piece, 0, [&](const auto &of_piece) { result.add(of_piece); });
+    SimplexOverlap::clip<dim>(piece, 0,
+                              [&](const auto &piece_moments) { result.add(piece_moments); });
     return result;
   }
 
@@ -39,7 +40,7 @@ namespace
     return result;
   }
 
-  /** Lets the first simplex have a positive volume. */
+  /** Orients the first simplex to a positive volume. */
   template <int dim>
   void orient(double (&points)[dim + 1][16])
   {
@@ -48,8 +49,8 @@ namespace
       for (unsigned int j = 0; j < dim; ++j)
         edges[k][j] = points[j + 1][k + 1] - points[j + 1][0];
     if (determinant(edges) < 0.)
-      for (auto &of_points : points)
-        std::swap(of_points[0], of_points[1]);
+      for (auto &coordinate : points)
+        std::swap(coordinate[0], coordinate[1]);
   }
 
   /** Old simplices whose vertices have coordinates from @p value, the sum of which is 1. Returns
@@ -142,7 +143,7 @@ namespace
       for (unsigned int d = 0; d < dim; ++d)
         corners[k][d] = 100. + ((k >> d) & 1u) + 0.2 * std::sin(3. * k + d);
     const SimplexCell<dim> cell(corners);
-    // Of nine cells, more than are looked at together, the last one is here.
+    // Of nine cells, more than are processed together, the last one is here.
     const typename SubCells<dim>::Corners at_origin{};
     const SimplexCell<dim> elsewhere(at_origin);
     SimplexPairs<dim> pairs;
@@ -154,11 +155,11 @@ namespace
       pairs.add_cell(cell);
     }
     // A field that has the corners' numbers as values.
-    double of_corners[SubCells<dim>::n_corners][node_stride] = {};
+    double corner_values[SubCells<dim>::n_corners][node_stride] = {};
     for (unsigned int k = 0; k < SubCells<dim>::n_corners; ++k)
-      of_corners[k][0] = k;
-    std::vector<EightDoubles> of_old;
-    values_at_points<dim>(&of_corners[0][0], 1, of_old);
+      corner_values[k][0] = k;
+    std::vector<EightDoubles> old_values;
+    values_at_points<dim>(&corner_values[0][0], 1, old_values);
     const auto &points = SimplexPoints<dim>::instance();
     double volume = 0;
     for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
@@ -171,13 +172,13 @@ namespace
           {
             EXPECT_EQ(pair.cell, 8u);
             volume += moments.volume() * cell.volume[s];
-            integrals.add(moments, 1., pair.old_at_new, of_old,
+            integrals.add(moments, 1., pair.old_at_new, old_values,
                           points.vertices[pair.simplex].data());
             n_own += pair.simplex == s ? 1 : 0;
           });
       EXPECT_EQ(n_own, 1u);
       integrals.use_barycentric_functions();
-      expected.add_whole(1., of_old, points.vertices[s].data());
+      expected.add_whole(1., old_values, points.vertices[s].data());
       expected.use_barycentric_functions();
       for (unsigned int j = 0; j <= dim; ++j)
       {
@@ -186,15 +187,16 @@ namespace
         {
           EXPECT_NEAR(integrals.products[j][k], (j == k ? 2. : 1.) / ((dim + 1) * (dim + 2)),
                       1e-12);
-          sum += (j == k ? 2. : 1.) / ((dim + 1) * (dim + 2)) * of_old[points.vertices[s][k]][0];
+          sum +=
+              (j == k ? 2. : 1.) / ((dim + 1) * (dim + 2)) * old_values[points.vertices[s][k]][0];
         }
-        for (const SimplexIntegrals<dim> *const of_whole : {&integrals, &expected})
-          EXPECT_NEAR(of_whole->values[j][0], sum, 1e-11);
+        for (const SimplexIntegrals<dim> *const tested : {&integrals, &expected})
+          EXPECT_NEAR(tested->values[j][0], sum, 1e-11);
       }
     }
     double expected = 0;
-    for (const double of_sub_cell : CellSimplices<dim>::volumes(corners))
-      expected += of_sub_cell;
+    for (const double sub_cell_volume : CellSimplices<dim>::volumes(corners))
+      expected += sub_cell_volume;
     EXPECT_NEAR(volume, expected, 1e-12);
   }
 
@@ -228,10 +230,10 @@ namespace
           store_eight(edges.cofactor[k][d], cofactor);
           store_eight(edges.determinant, determinant);
           double here[dim + 1], there[dim + 1]; // they are linear
-          dealii::Point<dim> place = corners.front();
-          coordinates.evaluate(place, here);
-          place[d] += 1.;
-          coordinates.evaluate(place, there);
+          dealii::Point<dim> point = corners.front();
+          coordinates.evaluate(point, here);
+          point[d] += 1.;
+          coordinates.evaluate(point, there);
           EXPECT_NEAR(cofactor[s % 8] / determinant[s % 8], there[k] - here[k], 1e-12);
         }
     }
