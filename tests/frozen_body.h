@@ -28,7 +28,7 @@ namespace tombolo
       return dealii::Utilities::MPI::sum(value, MPI_COMM_WORLD);
     }
 
-    /** Words of a parameter file: a block of one kind, or of two that share the nodes at its
+    /** Entries of a parameter file: a block of one kind, or of two that share the nodes at its
      * middle, with spacing 1 and longitudinal wave speed 1. */
     struct Block
     {
@@ -93,7 +93,7 @@ namespace tombolo
 
     /**
      * A body whose geometry stays as it is, because it moves by too little: MechanicalStep is then
-     * linear in v̂ and in what the material points remember. The true limit of the time step is
+     * linear in v̂ and in what the material points have stored. The true limit of the time step is
      * found from it in two ways that share nothing with the estimators.
      */
     template <int dim>
@@ -120,8 +120,8 @@ namespace tombolo
           : FrozenBody(parameters_of(block), communicator)
       {}
 
-      /** Lets the material take the present positions as they are, and frees it of stress. */
-      void take_positions()
+      /** Makes the present positions those of the material without stress. */
+      void reset_reference()
       {
         Clock clock;
         clock.previous_step = clock.next_step = 1e-3;
@@ -134,7 +134,7 @@ namespace tombolo
         }
       }
 
-      /** The present configuration becomes the one that the limits are asked for. */
+      /** The present configuration becomes the one that the limits are computed for. */
       void keep_configuration()
       {
         for (Part<dim> &part : model->parts)
@@ -155,7 +155,7 @@ namespace tombolo
 
       /**
        * The step at which the update matrix of v̂ gets the eigenvalue -1. Its columns are probed
-       * through MechanicalStep, at two sizes of the step behind, which tells the elastic part K
+       * through MechanicalStep, at two sizes of the step behind, which separates the elastic part K
        * from the viscous part C; limit: largest eigenvalue of Δt² K + 2 Δt C equal to 4.
        */
       double limit_by_eigenvalues()
@@ -272,7 +272,7 @@ namespace tombolo
       }
 
       /** Steps from a random small motion. @p ends(step, kinetic energy over that at the start) is
-       * asked after each step. */
+       * evaluated after each step. */
       template <typename Ends>
       void vibrate(const double time_step, const unsigned int n_steps, const Ends &ends)
       {

@@ -115,7 +115,7 @@ namespace tombolo
           points.component(MaterialPoints::stress, c)[point] = stress[c];
       }
 
-      /** The increment that advance() takes. */
+      /** The increment that advance() applies. */
       void set_increment(const unsigned int point, const Tensor6 &increment)
       {
         for (unsigned int c = 0; c < 6; ++c)
@@ -129,7 +129,7 @@ namespace tombolo
         temperature_increment.assign(points.padded_size(), 0.);
       }
 
-      /** A change of the temperature that the next advance() sees. */
+      /** A change of the temperature that the next advance() uses. */
       void add_temperature(const unsigned int point, const double change)
       {
         temperature[point] += change;

@@ -117,7 +117,7 @@ namespace tombolo
       return text.str();
     }
 
-    /** Calls @p use(number, place) of the owned nodes of all cells that this rank knows, of a node
+    /** Calls @p use(number, point) of the owned nodes of all cells that this rank has, of a node
      * as often as it has such cells. */
     template <int dim, typename Use>
     void for_owned_nodes(const Nodes<dim> &nodes, const Use &use)
@@ -142,17 +142,17 @@ namespace tombolo
       std::vector<std::pair<std::uint64_t, std::vector<double>>> local;
       std::vector<bool> seen(nodes.owned().n_elements(), false);
       for_owned_nodes(nodes,
-                      [&](const auto number, const dealii::Point<dim> &place)
+                      [&](const auto number, const dealii::Point<dim> &point)
                       {
                         const auto i = nodes.owned().index_within_set(number);
                         if (!seen[i])
                           local.emplace_back(nodes.persistent_ids()[i],
-                                             std::vector<double>(&place[0], &place[0] + dim));
+                                             std::vector<double>(&point[0], &point[0] + dim));
                         seen[i] = true;
                       });
       std::map<std::uint64_t, std::vector<double>> result;
-      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(nodes.communicator(), local))
-        for (const auto &node : of_rank)
+      for (const auto &rank_nodes : dealii::Utilities::MPI::all_gather(nodes.communicator(), local))
+        for (const auto &node : rank_nodes)
           EXPECT_TRUE(result.insert(node).second) << "the id " << node.first << " stands twice";
       return result;
     }
@@ -165,11 +165,11 @@ namespace tombolo
       state.reinit(std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
                                                          nodes.communicator()));
       for_owned_nodes(nodes,
-                      [&](const auto number, const dealii::Point<dim> &place)
+                      [&](const auto number, const dealii::Point<dim> &point)
                       {
                         const unsigned int i = state.partition()->local_index(number);
-                        std::copy_n(&place[0], dim, state.initial_position.node(i));
-                        *state.mass.node(i) = 1. + place[0];
+                        std::copy_n(&point[0], dim, state.initial_position.node(i));
+                        *state.mass.node(i) = 1. + point[0];
                       });
       state.initial_position.update_ghosts();
       state.position.copy_from(state.initial_position);

@@ -40,7 +40,7 @@ namespace tombolo
         NodalVector vector(model.state.partition(), Quantity::scalars);
         return vector;
       };
-      const auto place = [&](const unsigned int i)
+      const auto position_of = [&](const unsigned int i)
       {
         dealii::Point<dim> x;
         for (unsigned int d = 0; d < dim; ++d)
@@ -63,22 +63,23 @@ namespace tombolo
         for_components(
             [&](const unsigned int i, const unsigned int c)
             {
-              if (problem.is_prescribed(place(i), c))
+              if (problem.is_prescribed(position_of(i), c))
                 image.node(i)[c] = 0.;
             });
       };
       for_components(
           [&](const unsigned int i, const unsigned int c)
           {
-            if (problem.is_prescribed(place(i), c))
-              solution.node(i)[c] = problem.exact(place(i))[c];
+            if (problem.is_prescribed(position_of(i), c))
+              solution.node(i)[c] = problem.exact(position_of(i))[c];
           });
       apply(solution);
       for_components(
           [&](const unsigned int i, const unsigned int c)
           {
-            if (!problem.is_prescribed(place(i), c))
-              residual.node(i)[c] = *mass.node(i) * problem.load(place(i))[c] - image.node(i)[c];
+            if (!problem.is_prescribed(position_of(i), c))
+              residual.node(i)[c] =
+                  *mass.node(i) * problem.load(position_of(i))[c] - image.node(i)[c];
           });
       direction.copy_from(residual);
       double square = residual.dot(residual);
@@ -104,7 +105,7 @@ namespace tombolo
       for_components(
           [&](const unsigned int i, const unsigned int c)
           {
-            const double exact = problem.exact(place(i))[c];
+            const double exact = problem.exact(position_of(i))[c];
             error += *mass.node(i) * std::pow(solution.node(i)[c] - exact, 2);
             scale += *mass.node(i) * std::pow(exact, 2);
           });

@@ -36,8 +36,8 @@ namespace tombolo
       bool is_loaded = false;     ///< pulled at one end, clamped at the other
       const char *rebuild = "17"; ///< interval, or "never": then shape functions are cell averages
       unsigned int n_steps = 300;
-      /** Entries of smoothed particles of metal, in place of the others; null: those. */
-      const char *of_smoothed = nullptr;
+      /** Entries of smoothed particles of metal, instead of the others; null: those. */
+      const char *smoothed_entries = nullptr;
     };
 
     inline std::ostream &operator<<(std::ostream &out, const Method &method)
@@ -46,9 +46,9 @@ namespace tombolo
                  << method.bridge << ", filter " << method.filter
                  << (method.is_loaded ? ", pulled and clamped" : "") << ", rows renewed "
                  << method.rebuild
-                 << (method.of_smoothed == nullptr
+                 << (method.smoothed_entries == nullptr
                          ? ""
-                         : std::string(", smoothed particles: ") + method.of_smoothed);
+                         : std::string(", smoothed particles: ") + method.smoothed_entries);
     }
 
     inline std::string material_of(const Method &method)
@@ -56,7 +56,7 @@ namespace tombolo
       const std::string elastic =
           "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\n";
       return "subsection Material: m\n" +
-             (method.of_smoothed == nullptr
+             (method.smoothed_entries == nullptr
                   ? "set Model = elastic\nsubsection elastic\n" + elastic
                   : "set Model = j2 plasticity\nsubsection j2 plasticity\n" + elastic +
                         "set Flow stress = linear hardening\nsubsection linear hardening\n"
@@ -66,10 +66,10 @@ namespace tombolo
 
     inline std::string particles_of(const Method &method)
     {
-      const bool is_smoothed = method.of_smoothed != nullptr;
+      const bool is_smoothed = method.smoothed_entries != nullptr;
       const std::string name = is_smoothed ? "smoothed particle" : "momentum consistent particle";
-      std::string entries =
-          is_smoothed ? method.of_smoothed : std::string("set Smoothing = ") + method.smoothing;
+      std::string entries = is_smoothed ? method.smoothed_entries
+                                        : std::string("set Smoothing = ") + method.smoothing;
       if (!is_smoothed && method.rebuild != std::string("never"))
         entries += "\nset Configuration = updated Lagrangian\nset Rebuild interval = " +
                    std::string(method.rebuild);
@@ -186,10 +186,10 @@ namespace tombolo
         return dealii::Utilities::MPI::max(result ? 1 : 0, MPI_COMM_WORLD) == 1;
       }
 
-      using Place = std::array<long, 3>;
-      using Records = std::map<Place, std::vector<double>>;
+      using PositionKey = std::array<long, 3>;
+      using Records = std::map<PositionKey, std::vector<double>>;
 
-      static Place place_of(const double *x)
+      static PositionKey key_of(const double *x)
       {
         return {{std::lround(1e6 * x[0]), std::lround(1e6 * x[1]),
                  dim == 3 ? std::lround(1e6 * x[2]) : 0}};
@@ -198,10 +198,10 @@ namespace tombolo
       /** Of all nodes, by their initial position; the same on all ranks. */
       Records values_at_nodes(const std::vector<const NodalVector *> &fields) const
       {
-        std::map<Place, std::vector<double>> local;
+        std::map<PositionKey, std::vector<double>> local;
         for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
         {
-          std::vector<double> &record = local[place_of(model->state.initial_position.node(i))];
+          std::vector<double> &record = local[key_of(model->state.initial_position.node(i))];
           for (const NodalVector *field : fields)
             record.insert(record.end(), field->node(i),
                           field->node(i) + (field->n_slots_per_node() == 1 ? 1 : dim));
@@ -211,17 +211,17 @@ namespace tombolo
 
       Records stresses() const
       {
-        std::map<Place, std::vector<double>> local;
+        std::map<PositionKey, std::vector<double>> local;
         for (const Part<dim> &part : model->parts)
         {
-          const auto &places = part.formulation->initial_point_positions();
-          for (unsigned int i = 0; i < places.size(); ++i)
+          const auto &point_positions = part.formulation->initial_point_positions();
+          for (unsigned int i = 0; i < point_positions.size(); ++i)
           {
             double x[3] = {};
             for (unsigned int d = 0; d < dim; ++d)
-              x[d] = places[i][d];
+              x[d] = point_positions[i][d];
             // The padding of the last batch of cells repeats a point.
-            std::vector<double> &record = local[place_of(x)];
+            std::vector<double> &record = local[key_of(x)];
             if (!record.empty())
               continue;
             for (unsigned int c = 0; c < 6; ++c)
@@ -235,8 +235,8 @@ namespace tombolo
       {
         Records result;
         for (const auto &records : dealii::Utilities::MPI::all_gather(
-                 MPI_COMM_WORLD,
-                 std::vector<std::pair<Place, std::vector<double>>>(local.begin(), local.end())))
+                 MPI_COMM_WORLD, std::vector<std::pair<PositionKey, std::vector<double>>>(
+                                     local.begin(), local.end())))
           result.insert(records.begin(), records.end());
         return result;
       }
@@ -255,9 +255,9 @@ namespace tombolo
     double difference(const Records &piece, const Records &whole)
     {
       double largest = 0, scale = 0;
-      for (const auto &[place, values] : piece)
+      for (const auto &[key, values] : piece)
       {
-        const auto found = whole.find(place);
+        const auto found = whole.find(key);
         if (found == whole.end() || found->second.size() != values.size())
           return 1e300;
         for (std::size_t k = 0; k < values.size(); ++k)

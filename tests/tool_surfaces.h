@@ -51,14 +51,14 @@ namespace tombolo
     {
       FacetList<3> list;
       std::vector<unsigned int> first;
-      for (const RigidProfile::Point &place : outline)
+      for (const RigidProfile::Point &point : outline)
       {
         first.push_back(static_cast<unsigned int>(list.vertices.size()));
-        for (unsigned int j = 0; j < (place.r > 0. ? n : 1); ++j)
+        for (unsigned int j = 0; j < (point.r > 0. ? n : 1); ++j)
         {
           const double angle = 2. * dealii::numbers::PI * j / n;
           list.vertices.push_back(dealii::Tensor<1, 3>(
-              {place.r * std::cos(angle), place.r * std::sin(angle), place.z}));
+              {point.r * std::cos(angle), point.r * std::sin(angle), point.z}));
         }
       }
       for (std::size_t i = 0; i + 1 < outline.size(); ++i)

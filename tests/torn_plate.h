@@ -73,7 +73,7 @@ namespace tombolo
     class Body
     {
     public:
-      using Place = std::array<long, 2>;
+      using Site = std::array<long, 2>;
 
       explicit Body(const Plate &plate = {}) : parameters(MPI_COMM_WORLD)
       {
@@ -95,18 +95,18 @@ namespace tombolo
       }
 
       /** Where a local node, image or not, was at the start. */
-      Place place_of(const unsigned int node) const
+      Site site_of(const unsigned int node) const
       {
         const double *const x = model->state.initial_position.node(node);
         return {{std::lround(x[0]), std::lround(x[1])}};
       }
 
-      void set_stress(const std::function<double(const Place &)> &stress)
+      void set_stress(const std::function<double(const Site &)> &stress)
       {
         MaterialPoints &points = part().formulation->points();
         for (unsigned int i = 0; i < shape().n_particles(); ++i)
           points.component(MaterialPoints::stress, 0)[i] =
-              stress(place_of(shape().particle_node[i]));
+              stress(site_of(shape().particle_node[i]));
       }
 
       void move(const std::function<Point<2>(const Point<2> &)> &motion)
@@ -129,9 +129,9 @@ namespace tombolo
       }
 
       /** Pairs with φ or ∇φ ≠ 0, of all ranks: the first is the row. */
-      std::set<std::array<Place, 2>> pairs()
+      std::set<std::array<Site, 2>> pairs()
       {
-        std::vector<std::array<Place, 2>> own;
+        std::vector<std::array<Site, 2>> own;
         for (unsigned int i = 0; i < shape().n_particles(); ++i)
         {
           const Stencils::Row row = shape().row(i);
@@ -139,10 +139,10 @@ namespace tombolo
             if ((row.value[k] != 0. || row.gradient[3 * k] != 0. ||
                  row.gradient[3 * k + 1] != 0.) &&
                 row.neighbour[k] != shape().particle_node[i])
-              own.push_back({{place_of(shape().particle_node[i]), place_of(row.neighbour[k])}});
+              own.push_back({{site_of(shape().particle_node[i]), site_of(row.neighbour[k])}});
         }
         own = from_all_ranks(own, MPI_COMM_WORLD);
-        return std::set<std::array<Place, 2>>(own.begin(), own.end());
+        return std::set<std::array<Site, 2>>(own.begin(), own.end());
       }
 
       BondCounts counts()

@@ -12,7 +12,7 @@ enum
 
 /* What the caller sends first, together with its streams. Then `length` bytes follow: the working
  * directory, the arguments of main and the environment, each text with a zero byte behind it. After
- * that it sends the numbers of signals, a byte each; the answer is the status that waitpid gives,
+ * that it sends the numbers of signals, a byte each; the answer is the status that waitpid returns,
  * an int. The end of the connection ends the program. */
 struct request
 {

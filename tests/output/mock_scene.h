@@ -42,7 +42,7 @@ namespace mock
     }
   }
 
-  /** What no output asks for. */
+  /** What no output requests. */
   template <int dim, typename Base>
   class Inert : public Base
   {
@@ -139,10 +139,10 @@ namespace mock
       {
         shape.particle_node.push_back(node);
         shape.mass.push_back(0.25);
-        dealii::Point<dim> place;
+        dealii::Point<dim> point;
         for (unsigned int d = 0; d < dim; ++d)
-          place[d] = state.initial_position.node(node)[d];
-        this->positions.push_back(place);
+          point[d] = state.initial_position.node(node)[d];
+        this->positions.push_back(point);
       }
       shape.row_start.assign(own.size() + 1, 0);
       shape.coefficient_start.assign(own.size(), 0);
@@ -245,20 +245,20 @@ namespace mock
           std::make_shared<const NodePartition>(nodes->owned(), nodes->relevant(), MPI_COMM_WORLD);
       state.reinit(partition);
       std::vector<dealii::types::global_dof_index> cell_nodes;
-      std::vector<dealii::Point<dim>> places;
+      std::vector<dealii::Point<dim>> points;
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
         if (cell->is_locally_owned() || cell->is_ghost())
         {
           nodes->cell_nodes(cell, cell_nodes);
-          nodes->cell_points(cell, places);
-          for (std::size_t i = 0; i < places.size(); ++i)
+          nodes->cell_points(cell, points);
+          for (std::size_t i = 0; i < points.size(); ++i)
             if (partition->has(cell_nodes[i]))
             {
               const unsigned int node = partition->local_index(cell_nodes[i]);
-              const double velocity[3] = {places[i][0], 2., places[i][1]};
+              const double velocity[3] = {points[i][0], 2., points[i][1]};
               for (unsigned int d = 0; d < 3; ++d)
               {
-                const double x = d < dim ? places[i][d] : 0.;
+                const double x = d < dim ? points[i][d] : 0.;
                 state.initial_position.node(node)[d] = x;
                 state.position.node(node)[d] = 1.1 * x;
                 state.velocity.node(node)[d] = velocity[d];
@@ -282,15 +282,15 @@ namespace mock
       result.reaction = [this](const unsigned int node) {
         return std::array<double, 3>{{0., state.initial_position.node(node)[0], 0.}};
       };
-      result.exact_stress = [](const dealii::Point<dim> &place, double)
+      result.exact_stress = [](const dealii::Point<dim> &point, double)
       {
         dealii::SymmetricTensor<2, 3> exact;
-        exact[0][0] = stress(place[0], 0);
-        exact[1][1] = stress(place[0], 1);
-        exact[2][2] = stress(place[0], 2);
-        exact[1][2] = stress(place[0], 3);
-        exact[0][2] = stress(place[0], 4);
-        exact[0][1] = stress(place[0], 5);
+        exact[0][0] = stress(point[0], 0);
+        exact[1][1] = stress(point[0], 1);
+        exact[2][2] = stress(point[0], 2);
+        exact[1][2] = stress(point[0], 3);
+        exact[0][2] = stress(point[0], 4);
+        exact[0][1] = stress(point[0], 5);
         return exact;
       };
       return result;
@@ -305,7 +305,7 @@ namespace mock
     std::unique_ptr<Particles<dim>> particles;
   };
 
-  /** The outputs that the text of section Output asks for. */
+  /** The outputs that the text of section Output requests. */
   template <int dim>
   struct OutputsOf
   {

@@ -2,7 +2,7 @@
 /* Changes the fields of a checkpoint as a file of another version would have them: with the right
  * checksums. faults.py uses it.
  *
- *   edit_checkpoint FILE list               name, place and bytes of each field, separated by tabs
+ *   edit_checkpoint FILE list               name, offset and bytes of each field, separated by tabs
  *   edit_checkpoint FILE remove NAME
  *   edit_checkpoint FILE resize NAME ROWS COLUMNS   rows and columns more, or fewer (negative)
  *   edit_checkpoint FILE retype NAME        numbers become numbers of another kind

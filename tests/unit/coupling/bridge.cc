@@ -239,17 +239,17 @@ TEST(Bridge, short_wave_part_is_self_adjoint_and_between_zero_and_one)
 {
   const auto model = make_scene<3>(block("paper", "paper", 3));
   const NodalVector a = noise_field(*model, 2), b = noise_field(*model, 5);
-  NodalVector of_a, of_b;
-  of_a.reinit(model->state.partition());
-  of_b.reinit(model->state.partition());
-  model->bridge->apply_short_wave_part(a, of_a);
-  model->bridge->apply_short_wave_part(b, of_b);
+  NodalVector short_wave_a, short_wave_b;
+  short_wave_a.reinit(model->state.partition());
+  short_wave_b.reinit(model->state.partition());
+  model->bridge->apply_short_wave_part(a, short_wave_a);
+  model->bridge->apply_short_wave_part(b, short_wave_b);
   const NodalVector &mass = model->bridge->mass();
   const double scale = weighted_product<3>(mass, a, a);
-  EXPECT_NEAR(weighted_product<3>(mass, of_a, b) / scale,
-              weighted_product<3>(mass, a, of_b) / scale, 1e-13);
-  EXPECT_GT(weighted_product<3>(mass, of_a, a), 0.);
-  EXPECT_LT(weighted_product<3>(mass, of_a, a), scale);
+  EXPECT_NEAR(weighted_product<3>(mass, short_wave_a, b) / scale,
+              weighted_product<3>(mass, a, short_wave_b) / scale, 1e-13);
+  EXPECT_GT(weighted_product<3>(mass, short_wave_a, a), 0.);
+  EXPECT_LT(weighted_product<3>(mass, short_wave_a, a), scale);
 }
 
 TEST(Bridge, prescribed_components_keep_their_own_row)

@@ -77,10 +77,10 @@ namespace
   class PositionResponseTest : public testing::TestWithParam<std::string>
   {
   protected:
-    NodalVector respond(PositionResponse &of_positions, const NodalVector &loads)
+    NodalVector respond(PositionResponse &position_response, const NodalVector &loads)
     {
       NodalVector result(model->state.partition());
-      of_positions.respond(loads, {}, result);
+      position_response.respond(loads, {}, result);
       return result;
     }
 
@@ -91,15 +91,16 @@ namespace
 
   TEST_P(PositionResponseTest, is_symmetric_and_bounded_by_the_masses)
   {
-    PositionResponse of_positions(*model->bridge);
-    of_positions.begin_step(model->state.partition());
-    of_positions.set_nodes(nodes);
-    const NodalVector of_f = respond(of_positions, f), of_g = respond(of_positions, g);
-    const double energy = product(nodes, f, of_f);
+    PositionResponse position_response(*model->bridge);
+    position_response.begin_step(model->state.partition());
+    position_response.set_nodes(nodes);
+    const NodalVector response_f = respond(position_response, f),
+                      response_g = respond(position_response, g);
+    const double energy = product(nodes, f, response_f);
     EXPECT_GT(energy, 0.);
-    EXPECT_NEAR(product(nodes, g, of_f), product(nodes, f, of_g), 1e-12 * energy);
+    EXPECT_NEAR(product(nodes, g, response_f), product(nodes, f, response_g), 1e-12 * energy);
     double bound = 0;
-    const NodalVector &mass = of_positions.mass();
+    const NodalVector &mass = position_response.mass();
     for (const unsigned int node : nodes)
       for (unsigned int d = 0; d < 3; ++d)
         bound += f.node(node)[d] * f.node(node)[d] /
@@ -111,20 +112,20 @@ namespace
 
   TEST_P(PositionResponseTest, is_the_same_where_more_nodes_respond_and_where_these_are_kept)
   {
-    PositionResponse of_positions(*model->bridge);
-    of_positions.begin_step(model->state.partition());
-    of_positions.set_nodes(nodes);
-    const NodalVector expected = respond(of_positions, f);
+    PositionResponse position_response(*model->bridge);
+    position_response.begin_step(model->state.partition());
+    position_response.set_nodes(nodes);
+    const NodalVector expected = respond(position_response, f);
     const double size = std::sqrt(product(nodes, expected, expected));
-    of_positions.set_nodes(nodes_below(*model, 0.3));
+    position_response.set_nodes(nodes_below(*model, 0.3));
     for (unsigned int step = 0; step < 2; ++step)
     {
-      const NodalVector response = respond(of_positions, f);
+      const NodalVector response = respond(position_response, f);
       for (const unsigned int node : nodes)
         for (unsigned int d = 0; d < 3; ++d)
           EXPECT_NEAR(response.node(node)[d], expected.node(node)[d], 1e-13 * size);
-      of_positions.begin_step(model->state.partition());
-      of_positions.keep_nodes();
+      position_response.begin_step(model->state.partition());
+      position_response.keep_nodes();
     }
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-// Nodes that would have no smoothed mass: rows that take it from them stop to extrapolate.
+// Nodes that would have no smoothed mass: rows that reduce it stop to extrapolate.
 
 #include <tombolo/base/exceptions.h>
 
@@ -19,7 +19,7 @@ using namespace tombolo::testing;
 
 namespace
 {
-  const Body::Place light = {{4, 2}};
+  const Body::Site light = {{4, 2}};
 
   /** Not shared, so that a test can change them. */
   Plate plate_with_rows_of_their_own(const std::string &smoothing,
@@ -43,15 +43,15 @@ namespace
       const Stencils::Row row = shape.row(i);
       double *const value = shape.value.data() + shape.coefficient_start[i];
       const unsigned int own = shape.particle_node[i];
-      const auto place_of = [&](const unsigned int node)
+      const auto entry_of = [&](const unsigned int node)
       {
         return static_cast<std::size_t>(std::find(row.neighbour, row.neighbour + row.size, node) -
                                         row.neighbour);
       };
       for (unsigned int k = 0; k < row.size; ++k)
-        if (body.place_of(row.neighbour[k]) == light && row.neighbour[k] != own)
+        if (body.site_of(row.neighbour[k]) == light && row.neighbour[k] != own)
         {
-          value[place_of(own)] += value[k] - phi;
+          value[entry_of(own)] += value[k] - phi;
           value[k] = phi;
         }
     }
@@ -86,15 +86,16 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
       const Stencils::Row row = shape.row(i);
-      bool takes_mass = false;
+      bool reduces_mass = false;
       double sum = 0;
       for (unsigned int k = 0; k < row.size; ++k)
       {
-        takes_mass = takes_mass || (body.place_of(row.neighbour[k]) == light && before[i][k] < 0.);
+        reduces_mass =
+            reduces_mass || (body.site_of(row.neighbour[k]) == light && before[i][k] < 0.);
         sum += after[i][k];
       }
       EXPECT_NEAR(sum, 1., 1e-14);
-      if (!takes_mass)
+      if (!reduces_mass)
       {
         EXPECT_EQ(after[i], before[i]);
         continue;
@@ -138,7 +139,7 @@ TEST(SmoothedMass, the_smallest_share_can_be_chosen)
       model.bridge->update_nodal_mass();
       double share = 0;
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        if (body.place_of(i) == light)
+        if (body.site_of(i) == light)
           share = model.bridge->nodal_mass().node(i)[0] / *model.bridge->mass().node(i);
       return Utilities::MPI::sum(share, MPI_COMM_WORLD);
     };
@@ -146,7 +147,7 @@ TEST(SmoothedMass, the_smallest_share_can_be_chosen)
     const double own = share_of_light();
     ASSERT_GT(own, 0.1);
     EXPECT_FALSE(model.bridge->extract_change_of_rows());
-    // Eight neighbours leave half of what is asked for.
+    // Eight neighbours leave half of the required share.
     make_light(body, (0.05 - own) / 8.);
     const double left = share_of_light();
     EXPECT_EQ(model.bridge->extract_change_of_rows(), is_chosen);

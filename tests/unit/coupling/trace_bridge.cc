@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-// What the trace bridge does to velocities and forces, without what else happens in a step.
+// The effect of the trace bridge on velocities and forces, without the rest of a step.
 #include "frozen_body.h"
 
 #include <tombolo/approximation/nodal_smoothing.h>
@@ -87,23 +87,23 @@ namespace tombolo
         Model<3> &model = *body.model;
         const auto &partition = *model.state.partition();
         const NodalVector velocity = disordered_velocity(model);
-        NodalVector of_elements, force;
-        of_elements.reinit(model.state.partition());
+        NodalVector element_force, force;
+        element_force.reinit(model.state.partition());
         force.reinit(model.state.partition());
         std::vector<double> given(4, 0.), taken(4, 0.); // sum, power
         const NodalVector &seen = model.bridge->element_velocity(velocity);
-        for (unsigned int i = 0; i < partition.n_local(); ++i) // also what is of others' nodes
+        for (unsigned int i = 0; i < partition.n_local(); ++i) // also at nodes of other ranks
         {
           const double *const x = model.state.initial_position.node(i);
           for (unsigned int d = 0; d < 3; ++d)
           {
             const double value = 1. + d + std::cos(37.1 * x[0] - 23.3 * x[1] + 11.9 * x[2] + d);
-            of_elements.node(i)[d] = value;
+            element_force.node(i)[d] = value;
             given[d] += value;
             given[3] += value * seen.node(i)[d];
           }
         }
-        model.bridge->collect_element_force(of_elements, force);
+        model.bridge->collect_element_force(element_force, force);
         for (unsigned int i = 0; i < partition.n_owned(); ++i)
           for (unsigned int d = 0; d < 3; ++d)
           {

@@ -62,7 +62,7 @@ namespace tombolo
           const MaterialPoints &points = with.model->parts[0].formulation->points();
           const double *const volume = points.component(MaterialPoints::volume, 0);
           const double *const ratio = points.component(MaterialPoints::volume_ratio, 0);
-          // The increment in the middle of the step; the power takes the gradient at its end.
+          // The increment in the middle of the step; the power has the gradient at its end.
           const double increment = -3. * stretch / (1. + 0.5 * stretch);
           const double rate_at_end = -3. * stretch / (dt * (1. + stretch));
           double power = 0, dissipation = 0;

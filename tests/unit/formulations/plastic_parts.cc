@@ -32,12 +32,12 @@ namespace tombolo
             "hardening\nset Taylor-Quinney coefficient = 0.9\nset Specific heat capacity = 0.1\n"
             "set Initial temperature = 20\nsubsection linear hardening\nset Yield stress = " +
             yield + "\nset Hardening modulus = 0.02\nend\n";
-        const std::size_t place = text.find(model);
-        AssertThrow(place != std::string::npos, dealii::ExcMessage("no material"));
-        return text.replace(place, model.size(), plastic);
+        const std::size_t position = text.find(model);
+        AssertThrow(position != std::string::npos, dealii::ExcMessage("no material"));
+        return text.replace(position, model.size(), plastic);
       }
 
-      /** The one part of a scene under a motion that is given at all nodes. */
+      /** The one part of a scene under a motion that is prescribed at all nodes. */
       class DrivenPart
       {
       public:
@@ -160,15 +160,15 @@ namespace tombolo
           const double volume = 3. * 2. * 2.;
           part.move([](const double *x) { return dealii::Point<3>(1.1 * x[0], x[1], x[2]); }, 1.);
           const MaterialPoints &points = part.formulation().points();
-          const double of_one = points.size() > 0 ? part.values("plastic work")[0] : 0.;
-          const double work = dealii::Utilities::MPI::max(of_one, MPI_COMM_WORLD);
+          const double rank_work = points.size() > 0 ? part.values("plastic work")[0] : 0.;
+          const double work = dealii::Utilities::MPI::max(rank_work, MPI_COMM_WORLD);
           EXPECT_GT(work, 1e-5);
           EXPECT_NEAR(sum_over_ranks(part.formulation().energies()["plastic dissipation"]),
                       work * volume, 1e-12 * volume);
         }
       }
 
-      /** What the ledger says is wrong with the energy of a block that flows as it vibrates. */
+      /** The error of the energy, by the ledger, of a block that flows as it vibrates. */
       double energy_error(const std::string &text, const double time_step, const double end_time,
                           EnergyBalance &balance)
       {

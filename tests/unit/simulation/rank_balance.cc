@@ -62,14 +62,14 @@ namespace tombolo
           if (!cell->is_artificial())
           {
             const unsigned int part = model.part_cells->part_of(cell);
-            const StepCost of_part = cost_of_part(model, part);
+            const StepCost part_cost = cost_of_part(model, part);
             if (cell->is_locally_owned())
-              cost += of_part.per_cell;
+              cost += part_cost.per_cell;
             for (const unsigned int v : cell->vertex_indices())
             {
               const auto node = cell->vertex_dof_index(v, 0);
               if (model.nodes->owned().is_element(node) && nodes.emplace(part, node).second)
-                cost += of_part.per_node;
+                cost += part_cost.per_node;
             }
           }
         return cost;
@@ -77,8 +77,8 @@ namespace tombolo
 
       double cost(const std::string &element, const std::string &material, const unsigned int part)
       {
-        const StepCost of_part = cost_of_part(*make_scene(bar(element, material)), part);
-        return of_part.per_cell + of_part.per_node;
+        const StepCost part_cost = cost_of_part(*make_scene(bar(element, material)), part);
+        return part_cost.per_cell + part_cost.per_node;
       }
 
       TEST(RankBalance, all_ranks_have_the_same_cost)
@@ -95,14 +95,15 @@ namespace tombolo
       TEST(RankBalance, a_material_costs_the_same_at_each_point)
       {
         const std::string one_point = "hexahedron", eight_points = "fully integrated hexahedron";
-        const double of_one = cost(one_point, "j2 plasticity", 0) - cost(one_point, "elastic", 0);
-        const double of_eight =
+        const double one_point_cost =
+            cost(one_point, "j2 plasticity", 0) - cost(one_point, "elastic", 0);
+        const double eight_point_cost =
             cost(eight_points, "j2 plasticity", 0) - cost(eight_points, "elastic", 0);
-        const double of_particle =
+        const double particle_cost =
             cost(one_point, "j2 plasticity", 1) - cost(one_point, "elastic", 1);
-        EXPECT_GT(of_one, 0.);
-        EXPECT_NEAR(of_eight, 8. * of_one, 1e-9 * of_eight);
-        EXPECT_NEAR(of_particle, of_one, 1e-9 * of_one);
+        EXPECT_GT(one_point_cost, 0.);
+        EXPECT_NEAR(eight_point_cost, 8. * one_point_cost, 1e-9 * eight_point_cost);
+        EXPECT_NEAR(particle_cost, one_point_cost, 1e-9 * one_point_cost);
       }
 
       TEST(RankBalance, supports_around_a_turned_lattice_hold_more_particles)

@@ -201,8 +201,8 @@ namespace tombolo
             moved.values[k][d] += (side == 1 ? step : -step) * v.values[k][d];
         const Evaluation<dim, Element> evaluation(TypeParam::make(), x, moved, v, material);
         volume[side] = 0.;
-        for (const Lanes &of_point : evaluation.volume)
-          volume[side] += of_point;
+        for (const Lanes &point_volume : evaluation.volume)
+          volume[side] += point_volume;
       }
       const Evaluation<dim, Element> evaluation(TypeParam::make(), x, x, v, material);
       Lanes rate = 0.;
@@ -253,14 +253,14 @@ namespace tombolo
       const auto v = this->random_velocity();
       const auto w = this->random_velocity();
       const Moduli material(2., 1.);
-      const Evaluation<dim, Element> of_v(TypeParam::make(), initial, x, v, material);
-      const Evaluation<dim, Element> of_w(TypeParam::make(), initial, x, w, material);
+      const Evaluation<dim, Element> evaluation_v(TypeParam::make(), initial, x, v, material);
+      const Evaluation<dim, Element> evaluation_w(TypeParam::make(), initial, x, w, material);
       // With hourglass forces the power is larger than that of the stress.
-      const Lanes surplus = of_v.power(v) - of_v.stress_power();
-      const Lanes difference = of_v.power(w) - of_w.power(v);
+      const Lanes surplus = evaluation_v.power(v) - evaluation_v.stress_power();
+      const Lanes difference = evaluation_v.power(w) - evaluation_w.power(v);
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
-        const double scale = of_v.stress_power()[lane];
+        const double scale = evaluation_v.stress_power()[lane];
         if (Element::n_points == 1)
         {
           EXPECT_GT(surplus[lane], 1e-3 * scale);

@@ -107,12 +107,12 @@ namespace tombolo
             MotionIncrement<double> motion = motion_increment(h);
             if (block.is_logarithmic)
             {
-              Matrix3<Lanes> of_lanes;
+              Matrix3<Lanes> h_lanes;
               for (unsigned int k = 0; k < 9; ++k)
-                of_lanes.entry[k] = h.entry[k];
+                h_lanes.entry[k] = h.entry[k];
               Lanes unstressed[6] = {0., 0., 0., 0., 0., 0.};
               const MotionIncrement<Lanes> logarithmic =
-                  logarithmic_increment(of_lanes, {1., 1.}, unstressed);
+                  logarithmic_increment(h_lanes, {1., 1.}, unstressed);
               for (unsigned int c = 0; c < 6; ++c) // of the Kirchhoff stress
                 motion.strain[c] = logarithmic.strain[c][0] / motion.volume_factor;
             }
@@ -152,13 +152,13 @@ namespace tombolo
             const MaterialPoints &points = block.formulation->points();
             const std::vector<unsigned int> numbers = block.point_numbers();
             std::vector<Matrix3<double>> first_stress;
-            const unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+            const unsigned int voigt_index[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
             const auto stress_at = [&](const unsigned int i)
             {
               Matrix3<double> stress;
               for (unsigned int a = 0; a < 3; ++a)
                 for (unsigned int b = 0; b < 3; ++b)
-                  stress(a, b) = points.component(MaterialPoints::stress, place[a][b])[i];
+                  stress(a, b) = points.component(MaterialPoints::stress, voigt_index[a][b])[i];
               return stress;
             };
             double scale = 0;

@@ -15,14 +15,14 @@ namespace tombolo
     {
       TEST(LostCells, keep_what_cells_dissipate_and_no_account_that_particles_have_alone)
       {
-        EnergyAccounts of_both;
-        of_both.add("elastic energy", EnergyKind::stored, 1.);
-        of_both.add("plastic dissipation", EnergyKind::dissipated, 2.);
-        of_both.add("viscous dissipation", EnergyKind::artificial, 3.);
-        of_both.add("failure dissipation", EnergyKind::dissipated, 4.);
-        of_both.add("self-contact damping", EnergyKind::dissipated, 5.);
+        EnergyAccounts all_accounts;
+        all_accounts.add("elastic energy", EnergyKind::stored, 1.);
+        all_accounts.add("plastic dissipation", EnergyKind::dissipated, 2.);
+        all_accounts.add("viscous dissipation", EnergyKind::artificial, 3.);
+        all_accounts.add("failure dissipation", EnergyKind::dissipated, 4.);
+        all_accounts.add("self-contact damping", EnergyKind::dissipated, 5.);
         LostCells cells;
-        cells.keep_dissipated(of_both);
+        cells.keep_dissipated(all_accounts);
         std::vector<std::string> names;
         double sum = 0;
         for (const EnergyAccounts::Account &account : cells.dissipated().accounts())

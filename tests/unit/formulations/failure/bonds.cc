@@ -15,7 +15,7 @@ using namespace tombolo::testing;
 
 namespace
 {
-  bool crosses(const std::array<Body::Place, 2> &pair, const long left)
+  bool crosses(const std::array<Body::Site, 2> &pair, const long left)
   {
     return (pair[0][0] <= left) != (pair[1][0] <= left);
   }
@@ -23,8 +23,7 @@ namespace
   /** Breaks all bonds between the columns x = 3 and x = 4, and no other. */
   void tear(Body &body)
   {
-    body.set_stress([](const Body::Place &place)
-                    { return place[0] == 3 || place[0] == 4 ? 1. : 0.; });
+    body.set_stress([](const Body::Site &site) { return site[0] == 3 || site[0] == 4 ? 1. : 0.; });
     body.stretch(1.1, 1.);
     EXPECT_TRUE(body.model->update_stencils().stencils);
   }
@@ -69,9 +68,9 @@ TEST(Bonds, nothing_breaks_that_is_not_stretched_or_not_stressed)
 {
   Body body;
   const auto before = body.pairs();
-  body.set_stress([](const Body::Place &) { return 1.; });
+  body.set_stress([](const Body::Site &) { return 1.; });
   EXPECT_FALSE(body.model->update_stencils().stencils);
-  body.set_stress([](const Body::Place &) { return 0.89; });
+  body.set_stress([](const Body::Site &) { return 0.89; });
   body.stretch(1.1, 1.1);
   EXPECT_FALSE(body.model->update_stencils().stencils);
   EXPECT_EQ(body.pairs(), before);
@@ -100,8 +99,8 @@ TEST(Bonds, break_at_both_ends_and_separate_two_bodies)
   const double *const fraction = points.component(points.find_field("broken bonds"), 0);
   for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
   {
-    const Body::Place place = body.place_of(body.shape().particle_node[i]);
-    const bool is_torn = place[0] == 3 || place[0] == 4, is_edge = place[1] % 4 == 0;
+    const Body::Site site = body.site_of(body.shape().particle_node[i]);
+    const bool is_torn = site[0] == 3 || site[0] == 4, is_edge = site[1] % 4 == 0;
     EXPECT_NEAR(fraction[i], !is_torn ? 0. : is_edge ? 2. / 5. : 3. / 8., 1e-15);
   }
 }
@@ -115,8 +114,7 @@ TEST(Bonds, break_at_the_end_that_does_not_see_the_other_too)
   const auto before = body.pairs();
   EXPECT_EQ(before.count({{{{5, 2}}, {{2, 2}}}}), 1u);
   EXPECT_EQ(before.count({{{{2, 2}}, {{5, 2}}}}), 0u);
-  body.set_stress([](const Body::Place &place)
-                  { return place[0] == 2 || place[0] == 5 ? 1. : 0.; });
+  body.set_stress([](const Body::Site &site) { return site[0] == 2 || site[0] == 5 ? 1. : 0.; });
   body.stretch(1.1, 1.);
   EXPECT_TRUE(body.model->update_stencils().stencils);
   EXPECT_EQ(body.pairs().count({{{{5, 2}}, {{2, 2}}}}), 0u);
@@ -138,7 +136,7 @@ TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
         tear(body);
       else
       {
-        body.set_stress([](const Body::Place &place) { return place[0] <= 3 ? 1. : 0.; });
+        body.set_stress([](const Body::Site &site) { return site[0] <= 3 ? 1. : 0.; });
         body.stretch(1.1, 1.);
         EXPECT_TRUE(body.model->update_stencils().stencils);
         EXPECT_EQ(body.counts().n_broken, 13.);
@@ -173,8 +171,8 @@ TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
 TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
 {
   Body body;
-  const Body::Place alone{{5, 2}};
-  body.set_stress([&](const Body::Place &place) { return place == alone ? 2. : 0.; });
+  const Body::Site alone{{5, 2}};
+  body.set_stress([&](const Body::Site &site) { return site == alone ? 2. : 0.; });
   const double elastic = body.energies()["elastic energy"];
   // Of uniaxial stress.
   EXPECT_NEAR(elastic, 0.5 * 4. / young, 1e-14);
@@ -190,7 +188,7 @@ TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
 
   // It keeps its mass, and flies on without any force.
   NodalState &state = body.model->state;
-  const auto is_alone = [&](const unsigned int i) { return body.place_of(i) == alone; };
+  const auto is_alone = [&](const unsigned int i) { return body.site_of(i) == alone; };
   for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 2; ++d)
       state.unsmoothed_velocity.node(i)[d] = is_alone(i) ? 0.5 + d : 0.1 * std::sin(7. * i + d);
@@ -220,7 +218,7 @@ TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
 TEST(Bonds, a_line_of_particles_is_debris_that_hangs_together)
 {
   Body body;
-  body.set_stress([](const Body::Place &place) { return place[0] == 3 ? 2. : 0.; });
+  body.set_stress([](const Body::Site &site) { return site[0] == 3 ? 2. : 0.; });
   body.stretch(1.1, 1.);
   EXPECT_TRUE(body.model->update_stencils().stencils);
   EXPECT_EQ(body.counts().n_broken, 26.);
@@ -240,12 +238,12 @@ TEST(Bonds, a_particle_that_others_leave_or_turn_inside_out_loses_the_rest)
   {
     Body body;
     tear(body);
-    const std::array<double, 2> place{{3., 2.}};
-    body.set_stress([](const Body::Place &) { return 0.5; });
+    const std::array<double, 2> site{{3., 2.}};
+    body.set_stress([](const Body::Site &) { return 0.5; });
     body.move(
         [&](const Point<2> &from)
         {
-          return from[0] == place[0] && from[1] == place[1]
+          return from[0] == site[0] && from[1] == site[1]
                      ? Point<2>(from[0] - (is_crossed ? 1.5 : 0.3), from[1])
                      : from;
         });
@@ -254,8 +252,7 @@ TEST(Bonds, a_particle_that_others_leave_or_turn_inside_out_loses_the_rest)
     EXPECT_EQ(body.counts().n_debris, is_crossed ? 1u : 0u);
     EXPECT_EQ(body.counts().n_broken, is_crossed ? 13. + 5. : 13.);
     for (const auto &pair : body.pairs())
-      EXPECT_FALSE(is_crossed &&
-                   (pair[0] == Body::Place{{3, 2}} || pair[1] == Body::Place{{3, 2}}));
+      EXPECT_FALSE(is_crossed && (pair[0] == Body::Site{{3, 2}} || pair[1] == Body::Site{{3, 2}}));
     check_rows(body, body.model->state.initial_position);
     EXPECT_NEAR(body.energies()["failure dissipation"], is_crossed ? 0.5 * 0.25 / young : 0.,
                 1e-14);
@@ -270,7 +267,7 @@ TEST(Bonds, stay_broken_when_the_kernel_is_renewed_and_bodies_meet_again)
   tear(body); // the first step
   EXPECT_EQ(body.counts().n_broken, 13.);
   // Back, and into each other: the columns 3 and 5 come within the support of each other.
-  body.set_stress([](const Body::Place &) { return 0.; });
+  body.set_stress([](const Body::Site &) { return 0.; });
   body.move([](const Point<2> &from)
             { return Point<2>(from[0] > 3.5 ? from[0] - 0.7 : from[0], from[1]); });
   EXPECT_TRUE(body.model->update_stencils().stencils);
@@ -287,15 +284,15 @@ TEST(Bonds, stay_broken_when_the_kernel_is_renewed_and_bodies_meet_again)
 TEST(Bonds, do_not_form_across_a_crack_among_those_that_were_near_all_along)
 {
   Plate plate;
-  // Places two apart are not in the support, but within the skin that searches add to it.
+  // Sites two apart are not in the support, but within the skin that searches add to it.
   plate.options = "set Configuration = current\nset Dilation = 1.9";
   Body body(plate);
   tear(body);
   EXPECT_EQ(body.counts().n_broken, 13.);
-  body.set_stress([](const Body::Place &) { return 0.; });
+  body.set_stress([](const Body::Site &) { return 0.; });
   // The columns 3 and 5, and 2 and 4, were not within the support of each other, and come there by
   // steps so small that no search is needed.
-  const std::set<std::array<Body::Place, 2>> before = body.pairs();
+  const std::set<std::array<Body::Site, 2>> before = body.pairs();
   for (unsigned int n = 1; n <= 8; ++n)
   {
     body.move([&](const Point<2> &from)
@@ -326,18 +323,18 @@ TEST(Bonds, of_images_break_as_those_of_the_whole_body)
   for (Body *body : {&a, &b})
   {
     // No pair of x = 1 with x = 2 breaks: their mean is below the limit.
-    body->set_stress([](const Body::Place &place) { return std::abs(place[0]) <= 1 ? 1. : 0.; });
+    body->set_stress([](const Body::Site &site) { return std::abs(site[0]) <= 1 ? 1. : 0.; });
     body->stretch(1.1, 1.);
     EXPECT_TRUE(body->model->update_stencils().stencils);
   }
-  const auto of_half = a.pairs(), of_whole = b.pairs();
-  for (const auto &pair : of_whole)
+  const auto half_pairs = a.pairs(), whole_pairs = b.pairs();
+  for (const auto &pair : whole_pairs)
     if (pair[0][0] >= 0)
     {
-      EXPECT_EQ(of_half.count(pair), 1u);
+      EXPECT_EQ(half_pairs.count(pair), 1u);
     }
-  for (const auto &pair : of_half)
-    EXPECT_EQ(of_whole.count(pair), 1u);
+  for (const auto &pair : half_pairs)
+    EXPECT_EQ(whole_pairs.count(pair), 1u);
   EXPECT_GT(a.counts().n_broken, 0.);
 }
 
@@ -367,6 +364,6 @@ TEST(Bonds, of_any_particle_that_is_turned_inside_out_break_where_it_is_wanted)
       EXPECT_GE(body.counts().n_debris, 1u);
       EXPECT_LE(body.counts().n_debris, 4u);
       for (const auto &pair : body.pairs())
-        EXPECT_NE(pair[0], (Body::Place{{7, 4}}));
+        EXPECT_NE(pair[0], (Body::Site{{7, 4}}));
     }
 }

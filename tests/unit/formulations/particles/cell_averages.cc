@@ -50,7 +50,7 @@ namespace
     const FrozenBody<dim> body(disordered(dim, "particles", "affine", precision));
     const NodalVector &x = body.model->state.initial_position;
     const Stencils &shape = particles_of(*body.model).stencils();
-    double of_sums = 0, of_moments = 0;
+    double sum_error = 0, moment_error = 0;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
       const Stencils::Row row = shape.row(i);
@@ -69,18 +69,18 @@ namespace
             unit[a][b] += (other[a] - own[a]) * gradient[b];
         }
       }
-      of_sums = std::max(of_sums, std::abs(sum));
+      sum_error = std::max(sum_error, std::abs(sum));
       for (unsigned int a = 0; a < dim; ++a)
       {
-        of_sums = std::max(of_sums, std::abs(sum_gradient[a]));
-        of_moments = std::max(of_moments, std::abs(moment[a]));
+        sum_error = std::max(sum_error, std::abs(sum_gradient[a]));
+        moment_error = std::max(moment_error, std::abs(moment[a]));
         for (unsigned int b = 0; b < dim; ++b)
-          of_moments = std::max(of_moments, std::abs(unit[a][b] - (a == b ? 1. : 0.)));
+          moment_error = std::max(moment_error, std::abs(unit[a][b] - (a == b ? 1. : 0.)));
       }
     }
-    EXPECT_LT(largest(of_sums), 1e-13);
-    EXPECT_LT(largest(of_moments), tolerance);
-    EXPECT_GT(largest(of_moments), 1e-3 * tolerance);
+    EXPECT_LT(largest(sum_error), 1e-13);
+    EXPECT_LT(largest(moment_error), tolerance);
+    EXPECT_GT(largest(moment_error), 1e-3 * tolerance);
   }
 
   /** Σ_I V_I ∇φ_J(x_I) against the areas of the boundary. */
@@ -191,7 +191,7 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
     }
     EXPECT_LT(largest(error), 1e-13);
     EXPECT_GT(-largest(-smallest), 0.1);
-    EXPECT_GT(largest(difference), 0.1); // m̂ is another one than the lumped mass
+    EXPECT_GT(largest(difference), 0.1); // m̂ differs from the lumped mass
 
     const NodalVector v_hat = noise(model, 1.), v = noise(model, 5.);
     model.bridge->apply_smoothing(v_hat, smoothed);
@@ -240,11 +240,11 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   tangent.force = &force;
   tangent.velocity = &rotation;
   damping.linearize(model, Clock(), tangent);
-  double of_rotation = 0;
+  double rotation_force = 0;
   for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
-      of_rotation = std::max(of_rotation, std::abs(force.node(i)[d]));
-  EXPECT_LT(largest(of_rotation), 1e-13);
+      rotation_force = std::max(rotation_force, std::abs(force.node(i)[d]));
+  EXPECT_LT(largest(rotation_force), 1e-13);
 
   const NodalVector v = noise(model, 2.);
   force.set_zero();

@@ -53,12 +53,12 @@ namespace
   public:
     explicit Halves(const Plate &plate) : body(plate)
     {
-      body.set_stress([](const Body::Place &place)
-                      { return place[0] == 3 || place[0] == 4 ? 1. : 0.; });
+      body.set_stress([](const Body::Site &site)
+                      { return site[0] == 3 || site[0] == 4 ? 1. : 0.; });
       process = body.model->find_process<FragmentContact<2>>();
       place(1.1, 0.);
       evaluate();
-      body.set_stress([](const Body::Place &) { return 0.; });
+      body.set_stress([](const Body::Site &) { return 0.; });
     }
 
     /** Puts the right half @p gap from the left one and @p slide along it, all turned. */
@@ -82,12 +82,12 @@ namespace
     }
 
     /** Force and moment about the origin, of the right half or of all. */
-    std::array<double, 3> resultant(const bool of_all = false)
+    std::array<double, 3> resultant(const bool both_halves = false)
     {
       std::array<double, 3> sum{};
       const NodalState &state = body.model->state;
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-        if (of_all || state.initial_position.node(i)[0] > 3.5)
+        if (both_halves || state.initial_position.node(i)[0] > 3.5)
         {
           const double *const x = state.position.node(i), *const f = force.node(i);
           sum[0] += f[0];
@@ -104,15 +104,15 @@ namespace
       return sum_of_all(body.part().formulation->energies()[name]);
     }
 
-    /** Present temperatures by place. */
-    void heat_up(const std::function<double(const Body::Place &)> &temperature)
+    /** Present temperatures by site. */
+    void heat_up(const std::function<double(const Body::Site &)> &temperature)
     {
       for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
-        *body.model->heat->state.present_temperature.node(i) = temperature(body.place_of(i));
+        *body.model->heat->state.present_temperature.node(i) = temperature(body.site_of(i));
     }
 
     /** What has come to the nodes since the last call. */
-    NodalVector take_heat()
+    NodalVector extract_heat()
     {
       NodalVector heat;
       heat.reinit_like(body.model->heat->state.pending);
@@ -251,7 +251,7 @@ TEST(FragmentFriction, turns_with_the_body_and_sees_no_rotation)
 TEST(FragmentFriction, gives_all_its_heat_and_ends_where_the_hotter_one_melts)
 {
   Halves halves(rubbing_plate("set Self-contact friction = 300: 0.1, 400: 0", true));
-  halves.heat_up([](const Body::Place &) { return 350.; });
+  halves.heat_up([](const Body::Site &) { return 350.; });
   halves.place(0.6, 0.);
   halves.evaluate();
   const auto slide = [&](const double from, const double to)
@@ -265,25 +265,25 @@ TEST(FragmentFriction, gives_all_its_heat_and_ends_where_the_hotter_one_melts)
   slide(0., 0.1);
   const double first = halves.energy("self-contact friction");
   EXPECT_GT(first, 5e-4);
-  NodalVector heat = halves.take_heat();
+  NodalVector heat = halves.extract_heat();
   EXPECT_NEAR(Halves::sum(heat), first, 1e-13 * first);
   // Half each: pairs are of equal particles.
   for (unsigned int i = 0; i < heat.partition()->n_owned(); ++i)
   {
-    const Body::Place place = halves.body.place_of(i);
-    EXPECT_EQ(*heat.node(i) > 0., place[0] == 3 || place[0] == 4);
+    const Body::Site site = halves.body.site_of(i);
+    EXPECT_EQ(*heat.node(i) > 0., site[0] == 3 || site[0] == 4);
   }
   double left = 0;
   for (unsigned int i = 0; i < heat.partition()->n_owned(); ++i)
-    left += halves.body.place_of(i)[0] == 3 ? *heat.node(i) : 0.;
+    left += halves.body.site_of(i)[0] == 3 ? *heat.node(i) : 0.;
   EXPECT_NEAR(sum_of_all(left), 0.5 * first, 1e-13 * first);
 
-  halves.heat_up([](const Body::Place &place) { return place[0] <= 3 ? 300. : 400.; });
+  halves.heat_up([](const Body::Site &site) { return site[0] <= 3 ? 300. : 400.; });
   slide(0.1, 0.101); // what the springs hold
   const double last = halves.energy("self-contact friction");
   slide(0.101, 0.3);
   EXPECT_EQ(halves.energy("self-contact friction"), last);
-  EXPECT_NEAR(Halves::sum(halves.take_heat()), last - first, 1e-13 * first);
+  EXPECT_NEAR(Halves::sum(halves.extract_heat()), last - first, 1e-13 * first);
 }
 
 TEST(FragmentFriction, conducts_as_two_bodies_do_whatever_the_conductance)
@@ -294,20 +294,20 @@ TEST(FragmentFriction, conducts_as_two_bodies_do_whatever_the_conductance)
     entry << "set Self-contact conductance = " << conductance;
     Halves halves(rubbing_plate(entry.str(), true));
     halves.clock.previous_step = 0.1;
-    halves.heat_up([](const Body::Place &place) { return place[0] <= 3 ? 300. : 500.; });
+    halves.heat_up([](const Body::Site &site) { return site[0] <= 3 ? 300. : 500.; });
     halves.place(0.6, 0.);
     halves.evaluate();
-    const NodalVector heat = halves.take_heat();
+    const NodalVector heat = halves.extract_heat();
     EXPECT_NEAR(Halves::sum(heat), 0., 1e-13 * 200.);
     for (unsigned int i = 0; i < heat.partition()->n_owned(); ++i)
     {
-      const Body::Place place = halves.body.place_of(i);
-      const double volume = facing_volume(place[1]);
+      const Body::Site site = halves.body.site_of(i);
+      const double volume = facing_volume(site[1]);
       const double e = conductance * std::sqrt(volume) * 0.1;
       const double capacities[2] = {volume * 2.6, volume * 3.}; // at 300 and at 500
       const double x = e / capacities[0] + e / capacities[1];
       const double q = e * -std::expm1(-x) / x * 200.;
-      const double expected = place[0] == 3 ? q : place[0] == 4 ? -q : 0.;
+      const double expected = site[0] == 3 ? q : site[0] == 4 ? -q : 0.;
       EXPECT_NEAR(*heat.node(i), expected, 1e-12 * std::max(std::abs(q), 1e-10));
     }
     EXPECT_EQ(halves.energy("self-contact friction"), 0.);
@@ -318,12 +318,12 @@ TEST(FragmentFriction, keeps_temperatures_between_those_of_all_that_touch)
 {
   Halves halves(rubbing_plate("set Self-contact conductance = 1e6", true));
   halves.clock.previous_step = 1.;
-  halves.heat_up([](const Body::Place &place)
-                 { return 300. + 10. * static_cast<double>((7 * place[0] + place[1]) % 5); });
+  halves.heat_up([](const Body::Site &site)
+                 { return 300. + 10. * static_cast<double>((7 * site[0] + site[1]) % 5); });
   // Half a spacing along: each touches two of the other side.
   halves.place(0.6, 0.5);
   halves.evaluate();
-  const NodalVector heat = halves.take_heat();
+  const NodalVector heat = halves.extract_heat();
   const auto &enthalpy = halves.body.model->heat->nodal_enthalpy;
   EXPECT_NEAR(Halves::sum(heat), 0., 1e-12);
   double largest = 0;
@@ -344,7 +344,7 @@ TEST(FragmentFriction, keeps_the_linear_momentum_of_debris)
   Body body(plate);
   FragmentContact<2> *const process = body.model->find_process<FragmentContact<2>>();
   // The corner comes off alone, and is pressed on the edge of the plate and along it.
-  body.set_stress([](const Body::Place &place) { return place == Body::Place{{7, 4}} ? 10. : 0.; });
+  body.set_stress([](const Body::Site &site) { return site == Body::Site{{7, 4}} ? 10. : 0.; });
   NodalVector force;
   const auto evaluate = [&](const double height, const double slide)
   {

@@ -31,7 +31,7 @@ namespace
     return conduction;
   }
 
-  /** Layers of a cubic lattice of spacing one along x, with as many columns as a row sees; only
+  /** Layers of a cubic lattice of spacing one along x, with as many columns as a row reaches; only
    * the column in the middle has rows. */
   struct Layers
   {
@@ -50,21 +50,21 @@ namespace
             if ((y == 0 && z == 0) == is_middle)
               for (unsigned int x = 0; x < n; ++x)
               {
-                const double place[3] = {double(x), double(y), double(z)};
-                cloud.add(place, half_width, 3);
+                const double position[3] = {double(x), double(y), double(z)};
+                cloud.add(position, half_width, 3);
               }
       return cloud;
     }
 
-    /** The heat per unit time of each layer, where all columns have the temperatures @p of_layer:
-     * that of a row and what its mirror images give back are the same. */
+    /** The heat per unit time of each layer, from the temperatures of layers in all columns: that
+     * of a row and what its mirror images return are the same. */
     std::vector<double> rate(const PairConduction<3> &conduction, const TemperatureTable &table,
-                             const std::vector<double> &of_layer) const
+                             const std::vector<double> &layer_temperature) const
     {
       std::vector<double> temperature(cloud.size() * node_stride, 0.),
           heat(cloud.size() * node_stride, 0.), result(n, 0.);
       for (unsigned int i = 0; i < cloud.size(); ++i)
-        temperature[std::size_t(i) * node_stride] = of_layer[i % n];
+        temperature[std::size_t(i) * node_stride] = layer_temperature[i % n];
       conduction.add_conduction(pairs.rows(), table, cloud.position.data(), temperature.data(),
                                 temperature.data(), heat.data());
       for (unsigned int i = 0; i < cloud.size(); ++i)
@@ -169,7 +169,7 @@ namespace
 
     std::mt19937 generator(3);
     std::uniform_real_distribution<double> uniform(0., 1.);
-    std::vector<double> at(cloud.size() * node_stride, 0.), a(at), b(at), of_a(at), of_b(at);
+    std::vector<double> at(cloud.size() * node_stride, 0.), a(at), b(at), rate_a(at), rate_b(at);
     for (unsigned int i = 0; i < cloud.size(); ++i)
       for (std::vector<double> *const field : {&at, &a, &b})
         (*field)[std::size_t(i) * node_stride] = uniform(generator);
@@ -178,17 +178,17 @@ namespace
       conduction.add_conduction(pairs.rows(), table, cloud.position.data(), at.data(), field.data(),
                                 rate.data());
     };
-    apply(a, of_a);
-    apply(b, of_b);
+    apply(a, rate_a);
+    apply(b, rate_b);
     double sum = 0, magnitude = 0, ab = 0, ba = 0, aa = 0;
     for (unsigned int i = 0; i < cloud.size(); ++i)
     {
       const std::size_t k = std::size_t(i) * node_stride;
-      sum += of_a[k];
-      magnitude += std::abs(of_a[k]);
-      ab += a[k] * of_b[k];
-      ba += b[k] * of_a[k];
-      aa += a[k] * of_a[k];
+      sum += rate_a[k];
+      magnitude += std::abs(rate_a[k]);
+      ab += a[k] * rate_b[k];
+      ba += b[k] * rate_a[k];
+      aa += a[k] * rate_a[k];
     }
     EXPECT_LT(std::abs(sum), 1e-13 * magnitude);
     EXPECT_NEAR(ab, ba, 1e-13 * magnitude);
@@ -204,8 +204,8 @@ namespace
     const PairConduction<dim> conduction = make_conduction<dim>("paper", kernel);
     double decay = 0;
     conduction.for_each_decay(pairs.rows(), cloud.position.data(),
-                              [&](const unsigned int, const double of_row)
-                              { decay = std::max(decay, of_row); });
+                              [&](const unsigned int, const double row_decay)
+                              { decay = std::max(decay, row_decay); });
     // The free limit 0.47 (3-D) and 0.51 (2-D) dp²/α of the alternating mode is no smaller.
     EXPECT_LT(1. / (2. * decay), dim == 3 ? 0.47 : 0.51);
     EXPECT_GT(1. / (2. * decay), 0.25);

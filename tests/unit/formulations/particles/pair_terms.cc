@@ -80,17 +80,17 @@ namespace
       return std::vector<double>(cloud.size() * node_stride, 0.);
     }
 
-    std::vector<double> viscous_force(const std::vector<double> &of_velocity,
+    std::vector<double> viscous_force(const std::vector<double> &nodal_velocity,
                                       double *taken = nullptr) const
     {
       std::vector<double> force = zero(), power(cloud.size(), 0.);
-      terms.add_forces(pairs.rows(), points, cloud.position.data(), of_velocity.data(),
+      terms.add_forces(pairs.rows(), points, cloud.position.data(), nodal_velocity.data(),
                        force.data(), power.data(), nullptr);
-      for (const double of_node : power)
+      for (const double node_power : power)
       {
-        EXPECT_GE(of_node, 0.);
+        EXPECT_GE(node_power, 0.);
         if (taken != nullptr)
-          *taken += of_node;
+          *taken += node_power;
       }
       return force;
     }
@@ -174,10 +174,10 @@ namespace
           continue;
         const double mu = h * product / (squared + 0.01 * h * h);
         // m_i m_j Π_ij |∇_iW_ij| with m = 2 and ρ = 2, both with the inertia.
-        const double of_pair =
+        const double pair_factor =
             inertia * 2. * 2. * (-alpha * c * mu + beta * mu * mu) / 2. * cloud.kernel.slope(r) / r;
         for (unsigned int d = 0; d < dim; ++d)
-          expected[d] += of_pair * (cloud.cloud.x(i)[d] - cloud.cloud.x(j)[d]);
+          expected[d] += pair_factor * (cloud.cloud.x(i)[d] - cloud.cloud.x(j)[d]);
       }
       for (unsigned int d = 0; d < dim; ++d)
       {
@@ -193,7 +193,7 @@ namespace
   {
     const PairTermsCloud<dim> cloud("set Artificial viscosity = true");
     const std::vector<double> a = cloud.noise(11), b = cloud.noise(12);
-    std::vector<double> of_a = cloud.zero(), of_b = cloud.zero();
+    std::vector<double> damped_a = cloud.zero(), damped_b = cloud.zero();
     const auto apply = [&](const std::vector<double> &direction, std::vector<double> &result)
     {
       PairDampers<dim> dampers;
@@ -201,10 +201,10 @@ namespace
                                       cloud.velocity.data(), dampers);
       dampers.apply(direction.data(), 3., result.data());
     };
-    apply(a, of_a);
-    apply(b, of_b);
-    EXPECT_NEAR(cloud.dot(a, of_b), cloud.dot(b, of_a), 1e-12 * cloud.dot(a, of_a));
-    EXPECT_GT(cloud.dot(a, of_a), 0.);
+    apply(a, damped_a);
+    apply(b, damped_b);
+    EXPECT_NEAR(cloud.dot(a, damped_b), cloud.dot(b, damped_a), 1e-12 * cloud.dot(a, damped_a));
+    EXPECT_GT(cloud.dot(a, damped_a), 0.);
 
     // All pairs approach in a contraction, and the tangent is the derivative of the force.
     std::vector<double> contraction = cloud.zero(), image = cloud.zero();

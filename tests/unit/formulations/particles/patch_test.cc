@@ -92,15 +92,15 @@ namespace
       model->bridge->load_transfer().add_force_of_loads(all, loads, traction);
       traction.add_to_owners();
       traction.add_to_owners();
-      double of_sum = 0, of_traction = 0;
+      double residual_square = 0, traction_square = 0;
       for (const unsigned int i : all)
         for (unsigned int d = 0; d < dim; ++d)
         {
-          of_sum += std::pow(force.node(i)[d] + traction.node(i)[d], 2);
-          of_traction += std::pow(traction.node(i)[d], 2);
+          residual_square += std::pow(force.node(i)[d] + traction.node(i)[d], 2);
+          traction_square += std::pow(traction.node(i)[d], 2);
         }
-      return std::sqrt(dealii::Utilities::MPI::sum(of_sum, MPI_COMM_WORLD) /
-                       dealii::Utilities::MPI::sum(of_traction, MPI_COMM_WORLD));
+      return std::sqrt(dealii::Utilities::MPI::sum(residual_square, MPI_COMM_WORLD) /
+                       dealii::Utilities::MPI::sum(traction_square, MPI_COMM_WORLD));
     }
 
     Parameters parameters;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
-// Fragments of a part, and what they do to each other, against sums over all pairs.
+// Fragments of a part and their mutual forces, against sums over all pairs.
 
 #include <gtest/gtest.h>
 
@@ -25,34 +25,34 @@ namespace
 {
   constexpr double stiffness = 0.3, damping = 0.2;
 
-  Plate plate_with_contact(const double of_approach = damping)
+  Plate plate_with_contact(const double approach_damping = damping)
   {
     Plate plate;
     plate.options =
         "set Self-contact = true\nset Self-contact stiffness = " + std::to_string(stiffness) +
-        "\nset Self-contact damping = " + std::to_string(of_approach);
+        "\nset Self-contact damping = " + std::to_string(approach_damping);
     return plate;
   }
 
-  /** A number between 0 and 1 of a place, without any order. */
-  double noise(const Body::Place &place, const int seed)
+  /** A number between 0 and 1 of a site, without any order. */
+  double noise(const Body::Site &site, const int seed)
   {
-    const double x = 12.9898 * static_cast<double>(place[0]) +
-                     78.233 * static_cast<double>(place[1]) + 37.719 * seed;
+    const double x = 12.9898 * static_cast<double>(site[0]) +
+                     78.233 * static_cast<double>(site[1]) + 37.719 * seed;
     return std::abs(std::fmod(43758.5453 * std::sin(x), 1.));
   }
 
-  /** What one particle is like, wherever it is. */
+  /** The state of one particle, on whatever rank it is. */
   struct Particle
   {
-    Body::Place place;
+    Body::Site site;
     std::uint64_t label;
     std::array<double, 2> position, velocity, force;
 
     template <class Archive>
     void serialize(Archive &archive, const unsigned int)
     {
-      archive &place[0] & place[1] & label;
+      archive &site[0] & site[1] & label;
       for (auto *const vector : {&position, &velocity, &force})
         archive &(*vector)[0] & (*vector)[1];
     }
@@ -93,30 +93,28 @@ namespace
       const unsigned int node = body.shape().particle_node[i];
       const double *const x = state.position.node(node), *const v = velocity.node(node),
                           *const f = loads.node(node);
-      own.push_back(
-          {body.place_of(node), label[i], {{x[0], x[1]}}, {{v[0], v[1]}}, {{f[0], f[1]}}});
+      own.push_back({body.site_of(node), label[i], {{x[0], x[1]}}, {{v[0], v[1]}}, {{f[0], f[1]}}});
       const bool is_loaded = std::count(nodes.begin(), nodes.end(), node) > 0;
       EXPECT_EQ(is_loaded, f[0] != 0. || f[1] != 0.);
     }
     std::vector<Particle> all;
-    for (const auto &of_rank : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
-      all.insert(all.end(), of_rank.begin(), of_rank.end());
+    for (const auto &rank_particles : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
+      all.insert(all.end(), rank_particles.begin(), rank_particles.end());
     std::sort(all.begin(), all.end(),
-              [](const Particle &a, const Particle &b) { return a.place < b.place; });
+              [](const Particle &a, const Particle &b) { return a.site < b.site; });
     return all;
   }
 
   /** Of a lattice of spacing 1 from x = @p left to 7 and from y = 0 to 4. */
-  double volume(const Body::Place &place, const long left = 0)
+  double volume(const Body::Site &site, const long left = 0)
   {
-    return (place[0] == left || place[0] == 7 ? 0.5 : 1.) *
-           (place[1] == 0 || place[1] == 4 ? 0.5 : 1.);
+    return (site[0] == left || site[0] == 7 ? 0.5 : 1.) * (site[1] == 0 || site[1] == 4 ? 0.5 : 1.);
   }
 
-  /** Fragments by walking along the bonds: the smallest place in that of each particle. */
-  std::map<Body::Place, Body::Place> walk(Body &body)
+  /** Fragments by walking along the bonds: the smallest site in that of each particle. */
+  std::map<Body::Site, Body::Site> walk(Body &body)
   {
-    std::map<Body::Place, Body::Place> first;
+    std::map<Body::Site, Body::Site> first;
     const auto pairs = body.pairs();
     for (long x = 0; x <= 7; ++x)
       for (long y = 0; y <= 4; ++y)
@@ -126,7 +124,7 @@ namespace
       has_changed = false;
       for (const auto &pair : pairs)
       {
-        const Body::Place smallest = std::min(first[pair[0]], first[pair[1]]);
+        const Body::Site smallest = std::min(first[pair[0]], first[pair[1]]);
         has_changed = has_changed || first[pair[0]] != smallest || first[pair[1]] != smallest;
         first[pair[0]] = first[pair[1]] = smallest;
       }
@@ -137,16 +135,15 @@ namespace
   /** Breaks bonds here and there. */
   void shatter(Body &body, const int seed, const double share)
   {
-    body.set_stress([&](const Body::Place &place)
-                    { return noise(place, seed) < share ? 2. : 0.1; });
+    body.set_stress([&](const Body::Site &site) { return noise(site, seed) < share ? 2. : 0.1; });
     body.stretch(1.1, 1.1);
     body.model->update_stencils();
   }
 
-  /** Compares with the sum over all pairs of particles that @p feels tells. Returns the energy. */
-  template <typename Feels>
-  double check_forces(const std::vector<Particle> &particles, const double of_approach,
-                      const Feels &feels, const long left = 0)
+  /** Compares with the sum over all pairs that @p touches selects. Returns the energy. */
+  template <typename Touches>
+  double check_forces(const std::vector<Particle> &particles, const double approach_damping,
+                      const Touches &touches, const long left = 0)
   {
     const double rate = std::sqrt(stiffness * young * (1. - poisson) / (1. + poisson) /
                                   (1. - 2. * poisson)); // density and spacing are one
@@ -157,20 +154,20 @@ namespace
       std::array<double, 2> force{};
       for (const Particle &b : particles)
       {
-        if (a.place == b.place || !feels(a, b))
+        if (a.site == b.site || !touches(a, b))
           continue;
         const double d[2] = {b.position[0] - a.position[0], b.position[1] - a.position[1]};
         const double r = std::hypot(d[0], d[1]);
         const double reach =
-            0.5 * (std::sqrt(volume(a.place, left)) + std::sqrt(volume(b.place, left)));
+            0.5 * (std::sqrt(volume(a.site, left)) + std::sqrt(volume(b.site, left)));
         if (r >= reach)
           continue;
-        const double mass = volume(a.place, left) * volume(b.place, left) /
-                            (volume(a.place, left) + volume(b.place, left));
+        const double mass = volume(a.site, left) * volume(b.site, left) /
+                            (volume(a.site, left) + volume(b.site, left));
         const double approach =
             -((b.velocity[0] - a.velocity[0]) * d[0] + (b.velocity[1] - a.velocity[1]) * d[1]) / r;
         const double push = mass * rate * rate * (reach - r) +
-                            2. * of_approach * mass * rate * std::max(0., approach);
+                            2. * approach_damping * mass * rate * std::max(0., approach);
         force[0] -= push * d[0] / r;
         force[1] -= push * d[1] / r;
         energy += 0.25 * mass * rate * rate * (reach - r) * (reach - r);
@@ -197,22 +194,22 @@ TEST(Fragments, are_what_a_chain_of_bonds_connects)
       Body body;
       shatter(body, seed, share);
       const auto by_walking = walk(body);
-      std::vector<std::tuple<Body::Place, std::uint64_t>> own;
+      std::vector<std::tuple<Body::Site, std::uint64_t>> own;
       const std::vector<std::uint64_t> label = labels(body);
       for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
-        own.emplace_back(body.place_of(body.shape().particle_node[i]), label[i]);
-      std::map<std::uint64_t, Body::Place> first_of_label;
-      std::map<Body::Place, std::uint64_t> label_of_first;
-      for (const auto &of_rank : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
-        for (const auto &[place, of_place] : of_rank)
+        own.emplace_back(body.site_of(body.shape().particle_node[i]), label[i]);
+      std::map<std::uint64_t, Body::Site> first_of_label;
+      std::map<Body::Site, std::uint64_t> label_of_first;
+      for (const auto &rank_labels : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
+        for (const auto &[site, site_label] : rank_labels)
         {
-          const Body::Place first = by_walking.at(place);
-          EXPECT_EQ(first_of_label.try_emplace(of_place, first).first->second, first);
-          EXPECT_EQ(label_of_first.try_emplace(first, of_place).first->second, of_place);
+          const Body::Site first = by_walking.at(site);
+          EXPECT_EQ(first_of_label.try_emplace(site_label, first).first->second, first);
+          EXPECT_EQ(label_of_first.try_emplace(first, site_label).first->second, site_label);
         }
       most = std::max(most, static_cast<unsigned int>(label_of_first.size()));
     }
-  EXPECT_GT(most, 10u); // or the test is of nothing
+  EXPECT_GT(most, 10u); // or nothing is tested
 }
 
 TEST(SelfContact, is_absent_where_it_is_not_wanted_and_rests_where_nothing_is_apart)
@@ -240,15 +237,15 @@ TEST(SelfContact, is_the_sum_over_all_pairs_of_different_fragments)
       const std::vector<Particle> before = forces(body);
       for (const Particle &particle : before)
         EXPECT_EQ(std::hypot(particle.force[0], particle.force[1]), 0.);
-      body.set_stress([](const Body::Place &) { return 0.; });
+      body.set_stress([](const Body::Site &) { return 0.; });
       for (const double distance : {0.9, 0.7, 1.})
       {
         body.move(
             [&](const Point<2> &from)
             {
-              const Body::Place place{{std::lround(from[0]), std::lround(from[1])}};
-              return Point<2>(distance * from[0] + 0.1 * noise(place, seed + 10),
-                              distance * from[1] + 0.1 * noise(place, seed + 20));
+              const Body::Site site{{std::lround(from[0]), std::lround(from[1])}};
+              return Point<2>(distance * from[0] + 0.1 * noise(site, seed + 10),
+                              distance * from[1] + 0.1 * noise(site, seed + 20));
             });
         const NodalVector velocity = body.noise(static_cast<unsigned int>(seed));
         const std::vector<Particle> now = forces(body, &velocity);
@@ -275,7 +272,7 @@ TEST(SelfContact, leaves_nodes_of_elements_to_the_elements)
   Plate plate = plate_with_contact();
   plate.bridge = "paper";
   Body body(plate);
-  body.set_stress([](const Body::Place &) { return 1.; });
+  body.set_stress([](const Body::Site &) { return 1.; });
   body.stretch(1.1, 1.1);
   forces(body);
   body.stretch(0.8, 0.8);
@@ -283,7 +280,7 @@ TEST(SelfContact, leaves_nodes_of_elements_to_the_elements)
   EXPECT_GT(check_forces(
                 particles, damping,
                 [](const Particle &a, const Particle &b)
-                { return a.label != b.label && !(a.place[0] == 2 && b.place[0] == 2); },
+                { return a.label != b.label && !(a.site[0] == 2 && b.site[0] == 2); },
                 2),
             0.);
 }
@@ -291,8 +288,7 @@ TEST(SelfContact, leaves_nodes_of_elements_to_the_elements)
 TEST(SelfContact, begins_without_a_force_where_fragments_overlap_when_they_come_off)
 {
   Body body(plate_with_contact(0.));
-  body.set_stress([](const Body::Place &place)
-                  { return place[0] == 3 || place[0] == 4 ? 1. : 0.; });
+  body.set_stress([](const Body::Site &site) { return site[0] == 3 || site[0] == 4 ? 1. : 0.; });
   // One half slides along the other: all bonds between them are stretched, and yet they overlap.
   const auto largest = [&](const double gap)
   {
@@ -314,8 +310,8 @@ TEST(SelfContact, begins_without_a_force_where_fragments_overlap_when_they_come_
 TEST(SelfContact, stays_as_it_is_where_a_chip_takes_the_label_of_its_body_away)
 {
   Body body(plate_with_contact(0.));
-  body.set_stress([](const Body::Place &place)
-                  { return place[0] == 3 || place[0] == 4 || place[0] + place[1] <= 2 ? 1. : 0.; });
+  body.set_stress([](const Body::Site &site)
+                  { return site[0] == 3 || site[0] == 4 || site[0] + site[1] <= 2 ? 1. : 0.; });
   for (const long chip : {7L, 0L})
   {
     const auto press = [&](const double gap, const double away)
@@ -323,8 +319,8 @@ TEST(SelfContact, stays_as_it_is_where_a_chip_takes_the_label_of_its_body_away)
       body.move(
           [&](const Point<2> &from)
           {
-            const Body::Place place{{std::lround(from[0]), std::lround(from[1])}};
-            if (place == Body::Place{{chip, 0}})
+            const Body::Site site{{std::lround(from[0]), std::lround(from[1])}};
+            if (site == Body::Site{{chip, 0}})
               return Point<2>(from[0] + (chip == 0 ? -away : away), from[1] - away);
             return from[0] > 3.5 ? Point<2>(from[0] + gap - 1., from[1]) : from;
           });
@@ -333,8 +329,8 @@ TEST(SelfContact, stays_as_it_is_where_a_chip_takes_the_label_of_its_body_away)
     press(1.1, 0.);
     const std::vector<Particle> before = press(0.7, 0.);
     body.set_stress(
-        [&](const Body::Place &place) {
-          return place == Body::Place{{chip, 0}} ? 10. : 0.;
+        [&](const Body::Site &site) {
+          return site == Body::Site{{chip, 0}} ? 10. : 0.;
         });
     const std::vector<Particle> after = press(0.7, 1.);
     EXPECT_EQ(Utilities::MPI::sum(body.part().particles->fragment_contact()->counts().n_fragments,
@@ -353,11 +349,10 @@ TEST(SelfContact, stays_as_it_is_where_a_chip_takes_the_label_of_its_body_away)
 
 TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)
 {
-  for (const double of_approach : {0., damping})
+  for (const double approach_damping : {0., damping})
   {
-    Body body(plate_with_contact(of_approach));
-    body.set_stress([](const Body::Place &place)
-                    { return place[0] == 3 || place[0] == 4 ? 1. : 0.; });
+    Body body(plate_with_contact(approach_damping));
+    body.set_stress([](const Body::Site &site) { return site[0] == 3 || site[0] == 4 ? 1. : 0.; });
     body.stretch(1.1, 1.);
     forces(body);
     constexpr int n_steps = 2000;
@@ -382,7 +377,7 @@ TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)
     EXPECT_NEAR(sum_over_ranks(end["self-contact energy"]), 0., 1e-15);
     EXPECT_GT(most, 1e-3);
     const double taken = sum_over_ranks(end["self-contact damping"]) / most;
-    if (of_approach == 0.)
+    if (approach_damping == 0.)
     {
       EXPECT_NEAR(taken, 0., 1e-6);
     }

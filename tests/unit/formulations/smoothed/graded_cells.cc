@@ -21,7 +21,7 @@ namespace
   using namespace tombolo;
   using namespace tombolo::testing;
 
-  /** A block of n cells of size 1 along each axis, smaller where @p refinement says. */
+  /** A block of n cells of size 1 along each axis, smaller by the entries of @p refinement. */
   std::string graded_block(const std::vector<unsigned int> &cells, const std::string &refinement,
                            const std::string &options, const std::string &mesh_options)
   {
@@ -103,11 +103,11 @@ namespace
         }
       for (unsigned int a = 0; a < dim; ++a)
         moment[a][a] -= 1.;
-      of_ones = std::max(of_ones, sum.norm());
-      of_places = std::max(of_places, moment.norm());
+      sum_error = std::max(sum_error, sum.norm());
+      moment_error = std::max(moment_error, moment.norm());
     }
 
-    double of_ones = 0, of_places = 0;
+    double sum_error = 0, moment_error = 0;
   };
 
   template <int dim>
@@ -128,8 +128,8 @@ namespace
         const Stencils::Row row = stencils.row(number);
         sums.add(row, part.rows.volumes()[number], position, boundary);
       }
-    EXPECT_LE(sums.of_ones, 1e-13);
-    EXPECT_LE(sums.of_places, 1e-11);
+    EXPECT_LE(sums.sum_error, 1e-13);
+    EXPECT_LE(sums.moment_error, 1e-11);
     boundary.add_to_owners();
     OutwardAreas<dim> areas(*model.nodes, {});
     areas.set_partition(model.state.partition());
@@ -195,13 +195,13 @@ namespace
           result += part.rows.volumes()[point_in_lanes(cell, part.rows.n_points_per_cell(), q)];
       return sum_over_ranks(result);
     };
-    const double of_start = sum_of_volumes();
+    const double start_volume = sum_of_volumes();
     move_nodes<dim>(n, areas, is_block, position);
     part.rows.initialize(part.setup, &position);
     part.rows.set_partition(*partition);
     const unsigned int n_points = part.rows.n_points_per_cell();
     const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(part.setup);
-    const auto place_of = [&](const dealii::types::global_dof_index node)
+    const auto position_of = [&](const dealii::types::global_dof_index node)
     {
       dealii::Point<dim> result;
       for (unsigned int d = 0; d < dim; ++d)
@@ -210,32 +210,33 @@ namespace
     };
     NodalVector force(partition);
     RowSums<dim> sums;
-    double of_volumes = 0, farthest = 0;
+    double volume_error = 0, farthest = 0;
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
       for (const FaceNodes<dim> &face : cells[cell].face_nodes)
       {
-        dealii::Tensor<1, dim> away = place_of(face.parts[0].nodes.back()) - dealii::Point<dim>();
-        for (const auto &of_corner : face.parts)
-          away -= (place_of(of_corner.nodes[0]) - dealii::Point<dim>()) /
+        dealii::Tensor<1, dim> away =
+            position_of(face.parts[0].nodes.back()) - dealii::Point<dim>();
+        for (const auto &face_part : face.parts)
+          away -= (position_of(face_part.nodes[0]) - dealii::Point<dim>()) /
                   static_cast<double>(face.parts.size());
         farthest = std::max(farthest, away.norm());
       }
-      const auto of_facets = volumes_within<dim>(present_facets<dim>(cells[cell], place_of));
+      const auto facet_volumes = volumes_within<dim>(present_facets<dim>(cells[cell], position_of));
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const unsigned int number = point_in_lanes(cell, n_points, q);
         const Stencils::Row row = part.rows.stencils().row(number);
-        const double of_point = part.rows.volumes()[number];
-        of_volumes = std::max(of_volumes, std::abs(of_point - of_facets[q]));
-        sums.add(row, of_point, position, force);
+        const double point_volume = part.rows.volumes()[number];
+        volume_error = std::max(volume_error, std::abs(point_volume - facet_volumes[q]));
+        sums.add(row, point_volume, position, force);
       }
     }
     EXPECT_GT(dealii::Utilities::MPI::max(farthest, MPI_COMM_WORLD), 0.01);
-    EXPECT_LE(sums.of_ones, 1e-13);
-    EXPECT_LE(sums.of_places, 1e-11);
-    EXPECT_LE(of_volumes, 1e-13);
-    EXPECT_NEAR(sum_of_volumes(), of_start, 1e-13 * of_start);
+    EXPECT_LE(sums.sum_error, 1e-13);
+    EXPECT_LE(sums.moment_error, 1e-11);
+    EXPECT_LE(volume_error, 1e-13);
+    EXPECT_NEAR(sum_of_volumes(), start_volume, 1e-13 * start_volume);
     force.add_to_owners();
     areas.update(position);
     double unbalanced = 0;
@@ -280,7 +281,7 @@ namespace
       }
   }
 
-  /** Elements where @p elements says, and a corner of them around which cells are smaller. */
+  /** Elements where @p elements holds, and a corner of them around which cells are smaller. */
   std::string beside_elements(const std::string &elements, const std::string &refinement)
   {
     std::string text = graded_block({6, 5, 4}, refinement, "", uneven);
@@ -302,10 +303,10 @@ namespace
     expect_graded_patch<3>(beside_elements("x < 2", "set Refine where = x < 3"), {6, 5, 4});
   }
 
-  /** @p of_centre is relative to the size of the body. */
+  /** @p centre_tolerance is relative to the size of the body. */
   template <int dim>
   void expect_mass(const std::string &text, const std::vector<unsigned int> &n,
-                   const double of_centre)
+                   const double centre_tolerance)
   {
     const FrozenBody<dim> body(text);
     const Model<dim> &model = *body.model;
@@ -313,19 +314,19 @@ namespace
     dealii::Tensor<1, dim> moment;
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double of_node = *model.state.mass.node(i);
-      smallest = std::min(smallest, of_node);
-      mass += of_node;
+      const double node_mass = *model.state.mass.node(i);
+      smallest = std::min(smallest, node_mass);
+      mass += node_mass;
       for (unsigned int d = 0; d < dim; ++d)
-        moment[d] += of_node * model.state.position.node(i)[d];
+        moment[d] += node_mass * model.state.position.node(i)[d];
     }
     double volume = 1;
-    for (const unsigned int of_axis : n)
-      volume *= of_axis;
+    for (const unsigned int axis_cells : n)
+      volume *= axis_cells;
     EXPECT_GT(smallest, 0.);
     EXPECT_NEAR(sum_over_ranks(mass), volume, 1e-13 * volume);
     for (unsigned int d = 0; d < dim; ++d)
-      EXPECT_NEAR(sum_over_ranks(moment[d]), volume * n[d] / 2., of_centre * volume * n[d]);
+      EXPECT_NEAR(sum_over_ranks(moment[d]), volume * n[d] / 2., centre_tolerance * volume * n[d]);
   }
 
   TEST(GradedCells, keep_the_mass_and_its_centre)
@@ -357,13 +358,13 @@ namespace
   TEST(GradedCells, have_the_rigid_motions_as_their_only_modes_without_energy)
   {
     FrozenBody<2> plane(graded_block({3, 3}, "set Refine where = x < 1 && y < 2", "", ""));
-    const std::vector<double> of_plane = plane.eigenvalues();
-    EXPECT_LT(of_plane[2], 1e-8);
-    EXPECT_GT(of_plane[3], 1e-4);
+    const std::vector<double> plane_eigenvalues = plane.eigenvalues();
+    EXPECT_LT(plane_eigenvalues[2], 1e-8);
+    EXPECT_GT(plane_eigenvalues[3], 1e-4);
     FrozenBody<3> solid(graded_block({2, 2, 1}, "set Refine where = x < 1 && y < 1", "", ""));
-    const std::vector<double> of_solid = solid.eigenvalues();
-    EXPECT_LT(of_solid[5], 1e-8);
-    EXPECT_GT(of_solid[6], 1e-4);
+    const std::vector<double> solid_eigenvalues = solid.eigenvalues();
+    EXPECT_LT(solid_eigenvalues[5], 1e-8);
+    EXPECT_GT(solid_eigenvalues[6], 1e-4);
   }
 
   TEST(GradedCells, have_a_step_that_is_estimated_and_no_longer_than_that_of_the_small_cells)

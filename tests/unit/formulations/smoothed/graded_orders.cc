@@ -15,7 +15,7 @@ namespace
 
   constexpr double poisson = 0.3;
 
-  /** Cells of size 1, smaller where the entries of @p refinement say, that conduct heat, too. */
+  /** Cells of size 1, smaller by the entries of @p refinement, that conduct heat, too. */
   std::string conducting_block(const std::vector<unsigned int> &cells,
                                const std::string &refinement, const std::string &options)
   {

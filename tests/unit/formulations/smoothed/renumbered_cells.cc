@@ -19,8 +19,7 @@ namespace renumbered_cells
   constexpr unsigned int n_cells = 3; // along each axis
   constexpr unsigned int n_points = n_cells + 1;
 
-  /** By rotation of a cube: where its corners go, which are numbered by the bits of their places.
-   */
+  /** By rotation of a cube: where its corners go, numbered by the bits of their positions. */
   std::vector<std::array<unsigned int, 8>> rotations()
   {
     std::vector<std::array<unsigned int, 8>> result;
@@ -89,7 +88,7 @@ namespace renumbered_cells
 
   struct Answer
   {
-    std::map<std::array<double, 3>, Tensor<1, 3>> force; // by place, of all ranks
+    std::map<std::array<double, 3>, Tensor<1, 3>> force; // by position, of all ranks
     double volume = 0;
     double largest = 0;
   };
@@ -152,9 +151,9 @@ namespace renumbered_cells
   {
     EXPECT_NEAR(found.volume, expected.volume, 1e-13 * expected.volume);
     ASSERT_EQ(found.force.size(), expected.force.size());
-    for (const auto &[place, force] : expected.force)
+    for (const auto &[position, force] : expected.force)
     {
-      const auto same = found.force.find(place);
+      const auto same = found.force.find(position);
       ASSERT_TRUE(same != found.force.end());
       EXPECT_LT((same->second - force).norm(), 1e-10 * expected.largest);
     }
@@ -174,11 +173,12 @@ namespace renumbered_cells
     {
       SCOPED_TRACE(seed);
       std::mt19937 random(seed);
-      std::vector<unsigned int> of_cells;
+      std::vector<unsigned int> cell_rotations;
       for (unsigned int c = 0; c < n_cells * n_cells * n_cells; ++c)
-        of_cells.push_back(static_cast<unsigned int>(random() % 24));
-      expect_same(answer_of(mesh_of_block([&](const unsigned int c) { return of_cells[c]; }, true)),
-                  expected);
+        cell_rotations.push_back(static_cast<unsigned int>(random() % 24));
+      expect_same(
+          answer_of(mesh_of_block([&](const unsigned int c) { return cell_rotations[c]; }, true)),
+          expected);
     }
   }
 } // namespace renumbered_cells

@@ -91,12 +91,12 @@ namespace
     constexpr unsigned int n_rigid = dim * (dim + 1) / 2;
     double largest, largest_of_elements;
     const std::vector<double> values = eigenvalues<dim>("smoothed cells", options, largest);
-    const std::vector<double> of_elements =
+    const std::vector<double> element_eigenvalues =
         eigenvalues<dim>("fully integrated hexahedron", "", largest_of_elements);
     EXPECT_LT(values[n_rigid - 1], 1e-8) << options;
     // Frequencies: roots of eigenvalues.
     EXPECT_GE(std::sqrt(values[n_rigid] * largest),
-              0.2 * std::sqrt(of_elements[n_rigid] * largest_of_elements))
+              0.2 * std::sqrt(element_eigenvalues[n_rigid] * largest_of_elements))
         << options;
   }
 

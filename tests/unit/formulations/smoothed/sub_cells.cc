@@ -95,12 +95,12 @@ namespace
       for (const double v : {0.5 - 0.5 / std::sqrt(3.), 0.5 + 0.5 / std::sqrt(3.)})
       {
         const double value[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
-        const double of_u[4] = {-(1 - v), 1 - v, -v, v}, of_v[4] = {-(1 - u), -u, 1 - u, u};
+        const double slope_u[4] = {-(1 - v), 1 - v, -v, v}, slope_v[4] = {-(1 - u), -u, 1 - u, u};
         Tensor<1, 3> a, b;
         for (unsigned int k = 0; k < 4; ++k)
         {
-          a += of_u[k] * corners[2 * k];
-          b += of_v[k] * corners[2 * k];
+          a += slope_u[k] * corners[2 * k];
+          b += slope_v[k] * corners[2 * k];
         }
         for (unsigned int k = 0; k < 4; ++k)
           exact[k] -= 0.25 * value[k] * cross_product_3d(a, b); // outward is -x

@@ -149,11 +149,11 @@ namespace tombolo
         return has_converted;
       }
 
-      double sum(const std::function<double(unsigned int)> &of_node) const
+      double sum(const std::function<double(unsigned int)> &node_value) const
       {
         double result = 0;
         for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-          result += of_node(i);
+          result += node_value(i);
         return dealii::Utilities::MPI::sum(result, MPI_COMM_WORLD);
       }
 
@@ -319,7 +319,7 @@ namespace tombolo
 
     TEST(Conversion, a_deformed_cell_gives_its_deformation)
     {
-      // Particles of a body that has been stretched as a whole take that as their deformation.
+      // Particles of a body that has been stretched as a whole have that as their deformation.
       for (const char *kernel : {"total Lagrangian", "updated Lagrangian", "current"})
       {
         ConversionCase words;

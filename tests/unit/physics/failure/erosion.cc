@@ -125,9 +125,9 @@ namespace tombolo
       {
         for (unsigned int i = 0; i < vector.partition()->n_owned(); ++i)
         {
-          const dealii::Point<3> of_node = value(model->state.initial_position.node(i));
+          const dealii::Point<3> node_value = value(model->state.initial_position.node(i));
           for (unsigned int d = 0; d < 3; ++d)
-            vector.node(i)[d] = of_node[d];
+            vector.node(i)[d] = node_value[d];
         }
         vector.update_ghosts();
       }
@@ -452,7 +452,7 @@ namespace tombolo
           words.options = options;
           words.strain = strain;
           ErodingBody body(words);
-          // The corner at the origin is pushed through its cell, whose points know that it shrank.
+          // The corner at the origin is pushed through its cell, whose points recorded the loss.
           body.set(body.model->state.position,
                    [](const double *x)
                    {
@@ -569,7 +569,7 @@ namespace tombolo
 
     TEST(Erosion, grips_and_loads_on_removed_cells_have_done_the_work_of_half_a_step)
     {
-      // All nodes are led with one velocity, so that stresses stay what they are and the balance
+      // All nodes have one prescribed velocity, so that stresses stay what they are and the balance
       // has no error of the step.
       for (const auto &[formulation, options] : all_elements)
         for (const bool has_particles : {false, true})
@@ -702,9 +702,9 @@ namespace tombolo
         }
         // No heat flows to nodes without mass.
         NodalVector rate(body.model->state.partition(), Quantity::scalar);
-        std::vector<double> of_condition;
+        std::vector<double> heats;
         heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
-        heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, of_condition);
+        heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, heats);
         double sum = 0, largest = 0;
         for (unsigned int i = 0; i < n_owned; ++i)
         {

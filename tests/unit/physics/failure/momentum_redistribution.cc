@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-// Particles that become debris take along the velocity and the temperature of the body, and leave
-// the rest of their own momentum and heat with those that they were bonded to.
+// Particles that become debris have the velocity and the temperature of the body afterwards. The
+// rest of their own momentum and heat stays with those that they were bonded to.
 
 #include <gtest/gtest.h>
 
@@ -18,13 +18,13 @@ using namespace tombolo::testing;
 
 namespace
 {
-  using Places = std::set<Body::Place>;
+  using Sites = std::set<Body::Site>;
 
-  const Places one = {{{5, 2}}};
-  const Places pair_beside_elements = {{{3, 1}}, {{3, 2}}};
-  const Places corner = {{{7, 4}}};
-  const Places block = {{{4, 1}}, {{4, 2}}, {{4, 3}}, {{5, 1}}, {{5, 2}},
-                        {{5, 3}}, {{6, 1}}, {{6, 2}}, {{6, 3}}};
+  const Sites one = {{{5, 2}}};
+  const Sites pair_beside_elements = {{{3, 1}}, {{3, 2}}};
+  const Sites corner = {{{7, 4}}};
+  const Sites block = {{{4, 1}}, {{4, 2}}, {{4, 3}}, {{5, 1}}, {{5, 2}},
+                       {{5, 3}}, {{6, 1}}, {{6, 2}}, {{6, 3}}};
 
   /** Symmetric about x = 0, and without any order otherwise. */
   double noise(const double *x, const unsigned int seed)
@@ -60,11 +60,11 @@ namespace
   }
 
   /** Breaks all bonds of these particles in one step. */
-  void blast(Body &body, const Places &places)
+  void blast(Body &body, const Sites &sites)
   {
     body.set_stress(
-        [&](const Body::Place &place) {
-          return places.count({{std::abs(place[0]), place[1]}}) > 0 ? 2. : 0.;
+        [&](const Body::Site &site) {
+          return sites.count({{std::abs(site[0]), site[1]}}) > 0 ? 2. : 0.;
         });
     body.stretch(1.1, 1.1);
     EXPECT_TRUE(body.model->update_stencils().stencils);
@@ -106,20 +106,20 @@ namespace
   }
 
   /** Velocity, temperature and next temperature of all nodes of all ranks. */
-  std::map<Body::Place, std::array<double, 4>> fields(Body &body, const NodalVector &velocity,
-                                                      const NodalVector &temperature,
-                                                      const NodalVector &next_temperature)
+  std::map<Body::Site, std::array<double, 4>> fields(Body &body, const NodalVector &velocity,
+                                                     const NodalVector &temperature,
+                                                     const NodalVector &next_temperature)
   {
-    std::map<Body::Place, std::array<double, 4>> own, all;
+    std::map<Body::Site, std::array<double, 4>> own, all;
     for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
-      own[body.place_of(i)] = {{velocity.node(i)[0], velocity.node(i)[1], *temperature.node(i),
-                                *next_temperature.node(i)}};
-    for (const auto &of_rank : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
-      all.insert(of_rank.begin(), of_rank.end());
+      own[body.site_of(i)] = {{velocity.node(i)[0], velocity.node(i)[1], *temperature.node(i),
+                               *next_temperature.node(i)}};
+    for (const auto &rank_fields : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
+      all.insert(rank_fields.begin(), rank_fields.end());
     return all;
   }
 
-  std::map<Body::Place, std::array<double, 4>> own_fields(Body &body)
+  std::map<Body::Site, std::array<double, 4>> own_fields(Body &body)
   {
     const ThermalState &heat = body.model->heat->state;
     return fields(body, body.model->state.unsmoothed_velocity, heat.unsmoothed_temperature,
@@ -127,7 +127,7 @@ namespace
   }
 
   /** Those that belong to the motion of positions, and to the field θ^h. */
-  std::map<Body::Place, std::array<double, 4>> smoothed_fields(Body &body)
+  std::map<Body::Site, std::array<double, 4>> smoothed_fields(Body &body)
   {
     Model<2> &model = *body.model;
     NodalVector smoothed, moving;
@@ -146,11 +146,11 @@ TEST(Debris, takes_the_smoothed_fields_along_and_leaves_the_rest)
 {
   for (const std::string smoothing : {"paper", "fe matched", "affine", "none"})
     for (const std::string bridge : {"", "paper", "trace"})
-      for (const Places &places : {one, pair_beside_elements, corner, block})
+      for (const Sites &sites : {one, pair_beside_elements, corner, block})
       {
         if (smoothing == "none" && !bridge.empty())
           continue;
-        SCOPED_TRACE(smoothing + " " + bridge + " " + std::to_string(places.size()));
+        SCOPED_TRACE(smoothing + " " + bridge + " " + std::to_string(sites.size()));
         Plate plate;
         plate.smoothing = smoothing;
         plate.bridge = bridge;
@@ -159,16 +159,15 @@ TEST(Debris, takes_the_smoothed_fields_along_and_leaves_the_rest)
         set_fields(body);
         const auto raw = own_fields(body), expected = smoothed_fields(body);
         // Of which blast() loses the energy.
-        body.set_stress([&](const Body::Place &place)
-                        { return places.count(place) > 0 ? 2. : 0.; });
+        body.set_stress([&](const Body::Site &site) { return sites.count(site) > 0 ? 2. : 0.; });
         const Totals before = totals(body);
-        blast(body, places);
-        // The block leaves others too badly placed to stay.
-        if (places.size() < block.size())
+        blast(body, sites);
+        // Without the block, others have too few neighbours to stay.
+        if (sites.size() < block.size())
         {
-          EXPECT_EQ(body.counts().n_debris, places.size());
+          EXPECT_EQ(body.counts().n_debris, sites.size());
         }
-        EXPECT_GE(body.counts().n_debris, places.size());
+        EXPECT_GE(body.counts().n_debris, sites.size());
         const Totals after = totals(body);
         for (unsigned int d = 0; d < 2; ++d)
         {
@@ -179,20 +178,20 @@ TEST(Debris, takes_the_smoothed_fields_along_and_leaves_the_rest)
 
         const auto now = own_fields(body);
         double largest_change = 0, other_changes = 0;
-        for (const auto &[place, values] : now)
+        for (const auto &[site, values] : now)
           for (unsigned int c = 0; c < 4; ++c)
           {
             const double scale = c < 2 ? 0.1 : 1000.;
-            const double change = std::abs(values[c] - raw.at(place)[c]) / scale;
-            if (places.count(place) == 0)
+            const double change = std::abs(values[c] - raw.at(site)[c]) / scale;
+            if (sites.count(site) == 0)
               other_changes = std::max(other_changes, change);
             else
             {
               largest_change = std::max(largest_change, change);
-              // The middle of the block has only debris to give to.
-              if (places.size() < block.size())
+              // The middle of the block has only debris around it.
+              if (sites.size() < block.size())
               {
-                EXPECT_NEAR(values[c] / scale, expected.at(place)[c] / scale, 1e-13);
+                EXPECT_NEAR(values[c] / scale, expected.at(site)[c] / scale, 1e-13);
               }
             }
           }
@@ -216,7 +215,7 @@ TEST(Debris, flies_on_with_the_velocity_that_it_had_in_the_body)
   Body body(plate);
   set_fields(body);
   const auto expected = smoothed_fields(body).at({{5, 2}});
-  body.set_stress([](const Body::Place &place) { return one.count(place) > 0 ? 2. : 0.; });
+  body.set_stress([](const Body::Site &site) { return one.count(site) > 0 ? 2. : 0.; });
   body.stretch(1.1, 1.1);
   NodalState &state = body.model->state;
   Clock clock;
@@ -230,12 +229,12 @@ TEST(Debris, flies_on_with_the_velocity_that_it_had_in_the_body)
   }
   EXPECT_EQ(body.counts().n_debris, 1u);
   for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-    if (one.count(body.place_of(i)) > 0)
+    if (one.count(body.site_of(i)) > 0)
       for (unsigned int d = 0; d < 2; ++d)
       {
         EXPECT_NEAR(state.unsmoothed_velocity.node(i)[d], expected[d], 1e-14);
         EXPECT_NEAR(state.position.node(i)[d],
-                    1.1 * static_cast<double>(body.place_of(i)[d]) + expected[d] * clock.time,
+                    1.1 * static_cast<double>(body.site_of(i)[d]) + expected[d] * clock.time,
                     1e-13);
       }
 }
@@ -252,23 +251,23 @@ TEST(Debris, leaves_prescribed_components_alone)
   Body body(plate);
   set_fields(body);
   for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
-    if (body.place_of(i)[0] == 7)
+    if (body.site_of(i)[0] == 7)
       body.model->state.unsmoothed_velocity.node(i)[0] = 0.3;
   body.model->state.unsmoothed_velocity.update_ghosts();
   const auto before = own_fields(body);
   const Totals total = totals(body);
   blast(body, {{{6, 3}}, {{7, 2}}, {{2, 4}}});
   const auto after = own_fields(body);
-  for (const auto &[place, values] : after)
+  for (const auto &[site, values] : after)
   {
-    if (place[0] == 7)
+    if (site[0] == 7)
     {
-      EXPECT_EQ(values[0], before.at(place)[0]);
+      EXPECT_EQ(values[0], before.at(site)[0]);
     }
-    if (place[1] == 4)
+    if (site[1] == 4)
     {
-      EXPECT_EQ(values[2], before.at(place)[2]);
-      EXPECT_EQ(values[3], before.at(place)[3]);
+      EXPECT_EQ(values[2], before.at(site)[2]);
+      EXPECT_EQ(values[3], before.at(site)[3]);
     }
   }
   EXPECT_NE(after.at({{7, 2}})[1], before.at({{7, 2}})[1]);
@@ -299,11 +298,11 @@ TEST(Debris, of_half_a_body_is_that_of_the_whole)
   }
   EXPECT_EQ(a.counts().n_debris, 2u);
   EXPECT_EQ(b.counts().n_debris, 3u);
-  const auto of_half = own_fields(a), of_whole = own_fields(b);
-  for (const auto &[place, values] : of_half)
+  const auto half_fields = own_fields(a), whole_fields = own_fields(b);
+  for (const auto &[site, values] : half_fields)
     for (unsigned int c = 0; c < 4; ++c)
     {
       const double scale = c < 2 ? 0.1 : 1000.;
-      EXPECT_NEAR(values[c] / scale, of_whole.at(place)[c] / scale, 1e-13);
+      EXPECT_NEAR(values[c] / scale, whole_fields.at(site)[c] / scale, 1e-13);
     }
 }

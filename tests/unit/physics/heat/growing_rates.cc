@@ -94,21 +94,21 @@ TEST(GrowingRates, have_an_eigenvalue_of_the_operator_when_they_have_doubled)
   EXPECT_NEAR(eigenvalue(rates, 8.3), first, 1e-12 * first);
 
   // Round-off that grows is none of a mode.
-  GrowingRates<2> of_round_off;
+  GrowingRates<2> round_off_rates;
   for (const double factor : {1e-16, 1e-14, 1e-12, 4e-12})
-    EXPECT_EQ(eigenvalue(of_round_off, factor), 0.) << factor;
-  EXPECT_GT(eigenvalue(of_round_off, 1e-10), 0.);
+    EXPECT_EQ(eigenvalue(round_off_rates, factor), 0.) << factor;
+  EXPECT_GT(eigenvalue(round_off_rates, 1e-10), 0.);
 
-  // Nor have rates that are the same everywhere, where nothing enters, anything but round-off.
+  // Rates that are the same everywhere, where nothing enters, are round-off, too.
   HeatedBody<2> isolated(coupled);
   isolated.step->start(*isolated.model, 0.);
-  GrowingRates<2> of_isolated;
+  GrowingRates<2> isolated_rates;
   for (const double factor : {1., 3.})
   {
     NodalVector uniform = isolated.vector(Quantity::scalar);
     for (unsigned int i = 0; i < uniform.partition()->n_owned(); ++i)
       *uniform.node(i) = factor * isolated.heat().nodal_enthalpy.capacity(i, 5.);
-    EXPECT_EQ(of_isolated.find_eigenvalue(*isolated.model, 0., uniform, 1.), 0.);
+    EXPECT_EQ(isolated_rates.find_eigenvalue(*isolated.model, 0., uniform, 1.), 0.);
   }
 }
 

@@ -66,14 +66,16 @@ namespace
     HeatedBody<dim> body(method, film_section + sky + flux);
     body.set_temperature([](const double *x) { return 6. + 2. * x[0]; });
     body.step->start(*body.model, 0.);
-    NodalVector a = body.vector(), b = body.vector(), of_a = body.vector(), of_b = body.vector();
+    NodalVector a = body.vector(), b = body.vector(), conducted_a = body.vector(),
+                conducted_b = body.vector();
     fill(body, a, 0.3);
     fill(body, b, 1.7);
     ThermalModel<dim> &heat = body.heat();
     const NodalVector &x = body.model->state.position;
-    heat.apply_conduction(x, heat.state.temperature, 0., a, of_a);
-    heat.apply_conduction(x, heat.state.temperature, 0., b, of_b);
-    const double aa = body.product(a, of_a), ab = body.product(a, of_b), ba = body.product(b, of_a);
+    heat.apply_conduction(x, heat.state.temperature, 0., a, conducted_a);
+    heat.apply_conduction(x, heat.state.temperature, 0., b, conducted_b);
+    const double aa = body.product(a, conducted_a), ab = body.product(a, conducted_b),
+                 ba = body.product(b, conducted_a);
     EXPECT_GT(aa, 0.);
     EXPECT_NEAR(ab, ba, 1e-12 * aa);
   }
@@ -91,13 +93,13 @@ namespace
     NodalVector rates[2] = {body.vector(Quantity::scalar), body.vector(Quantity::scalar)};
     fill(body, direction, 2.1);
     constexpr double h = 1e-3;
-    std::vector<double> of_condition(4, 0.);
+    std::vector<double> condition_heat(4, 0.);
     for (const int k : {0, 1})
     {
       for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
         *theta.node(i) = 7. + (k == 0 ? -h : h) * *direction.node(i);
       heat.find_field(theta, field);
-      heat.heat_rate(x, field, 0., rates[k], of_condition);
+      heat.heat_rate(x, field, 0., rates[k], condition_heat);
     }
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 7.;
@@ -123,21 +125,23 @@ namespace
     body.step->start(*body.model, 0.);
     const NodalVector &x = body.model->state.position;
     NodalVector field = body.vector(), rate = body.vector(Quantity::scalar);
-    std::vector<double> of_condition(4, 0.);
+    std::vector<double> condition_heat(4, 0.);
     heat.find_field(heat.state.unsmoothed_temperature, field);
-    heat.heat_rate(x, field, 1., rate, of_condition);
+    heat.heat_rate(x, field, 1., rate, condition_heat);
     double entered = 0, scale = 0;
-    for (const double &heat_of_one : of_condition)
+    for (const double &rank_heat : condition_heat)
     {
-      const double of_all = dealii::Utilities::MPI::sum(heat_of_one, MPI_COMM_WORLD);
-      entered += of_all;
-      scale += std::abs(of_all);
+      const double total_heat = dealii::Utilities::MPI::sum(rank_heat, MPI_COMM_WORLD);
+      entered += total_heat;
+      scale += std::abs(total_heat);
     }
     EXPECT_NEAR(body.sum(rate), entered, 1e-12 * scale);
     // Of the flux: a face of 1 (x 1) with the mean of 3 + y; of the source: twice 0.5 on 2 (x 1).
-    const unsigned int of_flux = 2, of_source = 3;
-    EXPECT_NEAR(dealii::Utilities::MPI::sum(of_condition[of_flux], MPI_COMM_WORLD), 3.5, 1e-12);
-    EXPECT_NEAR(dealii::Utilities::MPI::sum(of_condition[of_source], MPI_COMM_WORLD), 2., 1e-12);
+    const unsigned int flux_index = 2, source_index = 3;
+    EXPECT_NEAR(dealii::Utilities::MPI::sum(condition_heat[flux_index], MPI_COMM_WORLD), 3.5,
+                1e-12);
+    EXPECT_NEAR(dealii::Utilities::MPI::sum(condition_heat[source_index], MPI_COMM_WORLD), 2.,
+                1e-12);
   }
 
   template <int dim>
@@ -157,17 +161,17 @@ namespace
     }
     fill(body, theta, 0.9);
     heat.find_field(theta, field);
-    NodalVector rate = body.vector(Quantity::scalar), of_turned = body.vector(Quantity::scalar);
+    NodalVector rate = body.vector(Quantity::scalar), turned_rate = body.vector(Quantity::scalar);
     std::vector<double> none;
     heat.heat_rate(body.model->state.position, field, 0., rate, none);
-    heat.heat_rate(turned, field, 0., of_turned, none);
+    heat.heat_rate(turned, field, 0., turned_rate, none);
     double largest = 0;
     for (unsigned int i = 0; i < rate.partition()->n_owned(); ++i)
       largest = std::max(largest, std::abs(*rate.node(i)));
     largest = dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD);
     EXPECT_GT(largest, 1e-3);
     for (unsigned int i = 0; i < rate.partition()->n_owned(); ++i)
-      EXPECT_NEAR(*of_turned.node(i), *rate.node(i), 1e-12 * largest);
+      EXPECT_NEAR(*turned_rate.node(i), *rate.node(i), 1e-12 * largest);
   }
 
   template <int dim>

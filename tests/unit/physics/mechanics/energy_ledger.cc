@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
-// Energies and momenta that are booked while bodies are loaded, led and damped.
+// Energies and momenta that are booked while bodies are loaded, moved and damped.
 #include "frozen_body.h"
 
 #include <tombolo/physics/mechanics/energy_ledger.h>

@@ -38,9 +38,9 @@ namespace
 
   void replace(std::string &text, const std::string &from, const std::string &to)
   {
-    const std::size_t place = text.find(from);
-    AssertThrow(place != std::string::npos, dealii::ExcMessage("no " + from));
-    text.replace(place, from.size(), to);
+    const std::size_t position = text.find(from);
+    AssertThrow(position != std::string::npos, dealii::ExcMessage("no " + from));
+    text.replace(position, from.size(), to);
   }
 
   std::string scaled(std::string text, const std::string &entries)
@@ -65,7 +65,7 @@ namespace
     return dealii::Utilities::MPI::sum(result, MPI_COMM_WORLD);
   }
 
-  /** What brings a cell or particle of this length and mass to the target. */
+  /** The mass that a cell or particle of this length and mass needs for the target. */
   double needed(const double length, const double target, const double mass)
   {
     return std::max(0., target * target / (length * length) - 1.) * mass;

@@ -2,7 +2,7 @@
 // ranks: 1
 // The estimate of the stable step against the true limit in random small bodies: all formulations,
 // smoothings, shape functions and bridges, disordered, deformed, with renewed kernels. The variable
-// TOMBOLO_RANDOM_BODIES of the environment says how many; the seeds are the first ones.
+// TOMBOLO_RANDOM_BODIES of the environment is their number; the seeds are the first ones.
 #include "frozen_body.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ namespace
         x.node(i)[0] += bend * start[1] * start[1];
       }
       model.bridge->positions_have_changed();
-      for (unsigned int look = 0; look < 5; ++look) // the deformation is looked at now and then
+      for (unsigned int update = 0; update < 5; ++update) // the deformation is checked now and then
         model.update_stencils();
     }
 
@@ -127,7 +127,7 @@ namespace
       {
         body.estimator->estimate(*body.model); // what follows starts from its mode
         random.deform(*body.model);
-        body.take_positions();
+        body.reset_reference();
         body.keep_configuration();
       }
       const double estimate = body.estimator->estimate(*body.model).time_step;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-// Rigid parts of a model: their inertia, and the balances of what happens to them.
+// Rigid parts of a model: their inertia, and the balances of their motion.
 #include "frozen_body.h"
 
 #include <tombolo/formulations/elements/rigid_cells.h>
@@ -86,7 +86,7 @@ namespace tombolo
                 EXPECT_NEAR(inertia.second[a][b], a == b ? (a + 1.) * (a + 1.) : 0., 1e-12);
             }
             // Corners are farther out than their cells. Lobatto's rule is exact in a box; in cells
-            // that are disordered the volume element takes the degree beyond it.
+            // that are disordered the volume element needs the degree beyond it.
             const bool is_one_cell = cells[0] == '1';
             const double expected = degree == "2" ? 1. : is_one_cell ? 3. : 1.3;
             EXPECT_NEAR(trace(inertia.nodal_second) / trace(inertia.second), expected,

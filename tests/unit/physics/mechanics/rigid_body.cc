@@ -41,13 +41,13 @@ namespace tombolo
             {
               Vector offset;
               offset[d] = sign * std::sqrt(moment / 2.); // of masses one
-              places.push_back(inertia.centre + offset);
+              positions.push_back(inertia.centre + offset);
             }
           }
         }
 
         RigidInertia inertia;
-        std::vector<Vector> places;
+        std::vector<Vector> positions;
       };
 
       template <int dim>
@@ -74,7 +74,7 @@ namespace tombolo
         unsigned int n_flips = 0;
       };
 
-      /** The momenta of points that go straight in each step. */
+      /** The momenta of points that move straight in each step. */
       Measured tumble(const double time_step, const unsigned int n_steps)
       {
         const Points points;
@@ -92,11 +92,12 @@ namespace tombolo
           body.complete_step(clock, nullptr);
           Vector momentum, angular;
           const auto motion = body.motion_of_step(clock), placement = body.placement();
-          for (const Vector &place : points.places)
+          for (const Vector &position : points.positions)
           {
-            const Vector velocity = motion.of(place) / time_step;
+            const Vector velocity = motion.of(position) / time_step;
             momentum += velocity;
-            angular += cross_product_3d(place + placement.of(place) - body.centre(), velocity);
+            angular +=
+                cross_product_3d(position + placement.of(position) - body.centre(), velocity);
           }
           body.advance();
           clock.advance();

@@ -17,7 +17,7 @@ namespace
   {
     Method method{"none", bridge};
     method.n_steps = n_steps;
-    method.of_smoothed = entries;
+    method.smoothed_entries = entries;
     return method;
   }
 
@@ -25,32 +25,32 @@ namespace
                                 "set XSPH = true";
   const char *const lagrangian =
       "set Configuration = total Lagrangian\nset Artificial viscosity = true";
-  const char *const of_paper = "set Gradient = paper\nset Smoothing length = 1.2";
+  const char *const paper_entries = "set Gradient = paper\nset Smoothing length = 1.2";
 
   /** Compares a piece with the whole body after some steps; @p scale is of the velocity. */
   template <int dim>
   void expect_same(const SymmetricBlock &piece, const SymmetricBlock &whole, const Method &method,
                    const double tolerance)
   {
-    Body<dim> of_piece(piece, method), of_whole(whole, method);
-    for (Body<dim> *body : {&of_piece, &of_whole})
+    Body<dim> piece_body(piece, method), whole_body(whole, method);
+    for (Body<dim> *body : {&piece_body, &whole_body})
     {
       body->set_velocity(0.12);
       body->run(0.04);
     }
-    const NodalState &a = of_piece.model->state, &b = of_whole.model->state;
+    const NodalState &a = piece_body.model->state, &b = whole_body.model->state;
     EXPECT_GT(dealii::Utilities::MPI::sum(a.partition()->n_images(), MPI_COMM_WORLD), 0u);
-    EXPECT_EQ(of_whole.model->state.partition()->n_images() == 0u, whole.planes.empty());
-    EXPECT_LT(difference(of_piece.values_at_nodes({&a.position}),
-                         of_whole.values_at_nodes({&b.position})),
+    EXPECT_EQ(whole_body.model->state.partition()->n_images() == 0u, whole.planes.empty());
+    EXPECT_LT(difference(piece_body.values_at_nodes({&a.position}),
+                         whole_body.values_at_nodes({&b.position})),
               tolerance);
-    EXPECT_LT(difference(of_piece.values_at_nodes({&a.velocity, &a.unsmoothed_velocity}),
-                         of_whole.values_at_nodes({&b.velocity, &b.unsmoothed_velocity})),
+    EXPECT_LT(difference(piece_body.values_at_nodes({&a.velocity, &a.unsmoothed_velocity}),
+                         whole_body.values_at_nodes({&b.velocity, &b.unsmoothed_velocity})),
               tolerance);
-    EXPECT_LT(difference(of_piece.values_at_nodes({&a.acceleration}),
-                         of_whole.values_at_nodes({&b.acceleration})),
+    EXPECT_LT(difference(piece_body.values_at_nodes({&a.acceleration}),
+                         whole_body.values_at_nodes({&b.acceleration})),
               tolerance);
-    EXPECT_LT(difference(of_piece.stresses(), of_whole.stresses()), tolerance);
+    EXPECT_LT(difference(piece_body.stresses(), whole_body.stresses()), tolerance);
   }
 
   class SmoothedSymmetry : public ::testing::TestWithParam<Method>
@@ -58,7 +58,7 @@ namespace
 
   INSTANTIATE_TEST_SUITE_P(Methods, SmoothedSymmetry,
                            ::testing::Values(smoothed(""), smoothed(all_terms),
-                                             smoothed(lagrangian), smoothed(of_paper),
+                                             smoothed(lagrangian), smoothed(paper_entries),
                                              smoothed(all_terms, 100, "paper")));
 } // namespace
 

@@ -19,7 +19,7 @@ namespace
     const unsigned int n_first = body.estimator->n_applications();
     const double again = body.estimator->estimate(*body.model).time_step;
     const unsigned int n_again = body.estimator->n_applications();
-    // The eigenvalues take long, and are those of one rank, where the estimate is compared with
+    // The eigenvalues are costly, and are those of one rank, where the estimate is compared with
     // them.
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
     {
@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(SpectralEstimator, follows_the_limit_from_one_end_of_the_body_to_the_other)
 {
-  // The place that limits the step jumps while the last mode is nowhere near it.
+  // The position that limits the step jumps while the last mode is nowhere near it.
   const Block block = particles("1.8", "affine", 0.3);
   FrozenBody<3> body(block), alone(block, MPI_COMM_SELF);
   const auto squeeze = [](FrozenBody<3> &squeezed, const bool squeezes_the_left)
@@ -123,10 +123,10 @@ TEST(SpectralEstimator, follows_the_limit_from_one_end_of_the_body_to_the_other)
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
     {
       squeeze(alone, squeezes_the_left);
-      const StepLimit of_alone = alone.estimator->estimate(*alone.model);
-      EXPECT_NEAR(estimate.position[0], of_alone.position[0],
+      const StepLimit alone_limit = alone.estimator->estimate(*alone.model);
+      EXPECT_NEAR(estimate.position[0], alone_limit.position[0],
                   1e-12); // corners at one end are alike
-      EXPECT_NEAR(estimate.time_step / of_alone.time_step, 1., 1e-5);
+      EXPECT_NEAR(estimate.time_step / alone_limit.time_step, 1., 1e-5);
       continue;
     }
     const double limit = body.limit_by_eigenvalues();
@@ -142,10 +142,10 @@ TEST(SpectralEstimator, names_the_same_entity_and_place_on_any_number_of_ranks)
        {coupled("affine", "paper", 0.3), with(particles("1.8", "paper", 0.49), "", "", {5, 5, 5})})
   {
     FrozenBody<3> shared(block), alone(block, MPI_COMM_SELF);
-    const StepLimit of_shared = shared.estimator->estimate(*shared.model);
-    const StepLimit of_alone = alone.estimator->estimate(*alone.model);
-    EXPECT_EQ(of_shared.entity, of_alone.entity);
-    EXPECT_LT(of_shared.position.distance(of_alone.position), 1e-12);
-    EXPECT_NEAR(of_shared.time_step, of_alone.time_step, 1e-9);
+    const StepLimit shared_limit = shared.estimator->estimate(*shared.model);
+    const StepLimit alone_limit = alone.estimator->estimate(*alone.model);
+    EXPECT_EQ(shared_limit.entity, alone_limit.entity);
+    EXPECT_LT(shared_limit.position.distance(alone_limit.position), 1e-12);
+    EXPECT_NEAR(shared_limit.time_step, alone_limit.time_step, 1e-9);
   }
 }

@@ -16,11 +16,13 @@ using namespace tombolo::testing;
 
 namespace
 {
-  std::string place_in_block(const dealii::Point<3> &place, const std::vector<unsigned int> &cells)
+  std::string position_in_block(const dealii::Point<3> &position,
+                                const std::vector<unsigned int> &cells)
   {
     unsigned int n_extreme = 0;
     for (unsigned int d = 0; d < 3; ++d)
-      n_extreme += (std::abs(place[d]) < 1e-6 || std::abs(place[d] - cells[d]) < 1e-6) ? 1 : 0;
+      n_extreme +=
+          (std::abs(position[d]) < 1e-6 || std::abs(position[d] - cells[d]) < 1e-6) ? 1 : 0;
     const char *const names[] = {"interior", "face", "edge", "corner"};
     return names[n_extreme];
   }
@@ -49,7 +51,7 @@ namespace
     out << "| " << label << " | " << std::fixed << std::setprecision(2) << gamma << " | "
         << block.poisson << " | " << std::setprecision(3) << limit << " | "
         << spectral.time_step / limit << " | " << mark(0.9) << " | " << mark(1.) << " | "
-        << spectral.entity << ", " << place_in_block(spectral.position, block.cells) << " |"
+        << spectral.entity << ", " << position_in_block(spectral.position, block.cells) << " |"
         << std::endl;
     return spectral.time_step / limit;
   }

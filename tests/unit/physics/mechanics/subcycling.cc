@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
 // Cells that take longer steps than others: small graded bodies are stable up to the limits of all
-// groups, keep their momentum, and answer as bodies of one step do.
+// groups, keep their momentum, and respond as bodies of one step do.
 #include "frozen_body.h"
 
 #include <gtest/gtest.h>
@@ -70,9 +70,10 @@ namespace
   {
     FrozenBody<dim> body(text);
     const double limit = limit_of(body);
-    const std::vector<unsigned int> &of_cells = body.model->parts[0].step_ratios;
+    const std::vector<unsigned int> &cell_ratios = body.model->parts[0].step_ratios;
     for (const unsigned int ratio : ratios)
-      EXPECT_GT(sum_over_ranks(double(std::count(of_cells.begin(), of_cells.end(), ratio))), 0.)
+      EXPECT_GT(sum_over_ranks(double(std::count(cell_ratios.begin(), cell_ratios.end(), ratio))),
+                0.)
           << ratio;
     for (const double fraction : {0.5, 0.7, 0.85, 0.9, 0.97})
       EXPECT_LT(growth(body, fraction * limit, n_steps), 1.3) << text << fraction;
@@ -123,9 +124,9 @@ TEST(Subcycling, KeepsMomentum)
     double sum = 0;
     for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
     {
-      const double of_node =
+      const double node_momentum =
           *body.model->bridge->mass().node(i) * body.model->state.unsmoothed_velocity.node(i)[d];
-      sum += is_absolute ? std::abs(of_node) : of_node;
+      sum += is_absolute ? std::abs(node_momentum) : node_momentum;
     }
     return sum_over_ranks(sum);
   };

@@ -13,31 +13,31 @@ namespace
   void expect_same_motion(const SymmetricBlock &piece, const SymmetricBlock &whole,
                           const Method &method)
   {
-    Body<dim> of_piece(piece, method), of_whole(whole, method);
-    for (Body<dim> *body : {&of_piece, &of_whole})
+    Body<dim> piece_body(piece, method), whole_body(whole, method);
+    for (Body<dim> *body : {&piece_body, &whole_body})
     {
       body->set_velocity(0.12);
       body->run(0.04);
     }
-    const NodalState &a = of_piece.model->state, &b = of_whole.model->state;
-    const auto moved = of_whole.values_at_nodes({&b.position});
-    const auto start = of_whole.values_at_nodes({&b.initial_position});
+    const NodalState &a = piece_body.model->state, &b = whole_body.model->state;
+    const auto moved = whole_body.values_at_nodes({&b.position});
+    const auto start = whole_body.values_at_nodes({&b.initial_position});
     // The test is of a large deformation, with renewed kernels where there are some.
     EXPECT_GT(difference(moved, start), 0.015);
     if (method.rebuild != std::string("never"))
     {
-      EXPECT_GT(of_whole.n_rebuilds, method.n_steps / 20);
+      EXPECT_GT(whole_body.n_rebuilds, method.n_steps / 20);
     }
-    EXPECT_EQ(of_whole.model->state.partition()->n_images() == 0u, whole.planes.empty());
+    EXPECT_EQ(whole_body.model->state.partition()->n_images() == 0u, whole.planes.empty());
     EXPECT_GT(dealii::Utilities::MPI::sum(a.partition()->n_images(), MPI_COMM_WORLD), 0u);
-    EXPECT_EQ(of_piece.images_have_ghosts_as_sources(),
+    EXPECT_EQ(piece_body.images_have_ghosts_as_sources(),
               dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1);
-    EXPECT_LT(difference(of_piece.values_at_nodes({&a.position}), moved), 1e-10);
-    EXPECT_LT(difference(of_piece.values_at_nodes({&a.velocity, &a.unsmoothed_velocity}),
-                         of_whole.values_at_nodes({&b.velocity, &b.unsmoothed_velocity})),
+    EXPECT_LT(difference(piece_body.values_at_nodes({&a.position}), moved), 1e-10);
+    EXPECT_LT(difference(piece_body.values_at_nodes({&a.velocity, &a.unsmoothed_velocity}),
+                         whole_body.values_at_nodes({&b.velocity, &b.unsmoothed_velocity})),
               1e-10);
-    EXPECT_LT(difference(of_piece.stresses(), of_whole.stresses()), 1e-10);
-    // Nodes on planes stay there without round-off: what a resumed run reads is what was.
+    EXPECT_LT(difference(piece_body.stresses(), whole_body.stresses()), 1e-10);
+    // Nodes on planes stay there without round-off: a resumed run reads the same values.
     for (const NodePartition::Reflected &on_plane : a.partition()->nodes_on_planes())
       for (unsigned int d = 0; d < dim; ++d)
         if (on_plane.reflection.sign[d] < 0.)

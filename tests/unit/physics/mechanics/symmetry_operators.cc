@@ -98,9 +98,9 @@ TEST_P(SymmetricOperators, are_those_of_the_whole_body)
   // A node on a plane has the half of its mass, one on two planes a quarter.
   for (auto *of : {&nodal_mass, &mass})
   {
-    for (auto &[place, values] : (*of)[0])
+    for (auto &[key, values] : (*of)[0])
       for (double &value : values)
-        value *= (place[0] == 0 ? 2. : 1.) * (place[1] == 0 ? 2. : 1.);
+        value *= (key[0] == 0 ? 2. : 1.) * (key[1] == 0 ? 2. : 1.);
     EXPECT_LT(difference((*of)[0], (*of)[1]), 1e-13);
   }
 }

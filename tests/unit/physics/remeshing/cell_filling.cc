@@ -18,7 +18,7 @@ namespace
   {
   public:
     using Filling = CellFilling<dim>;
-    using Place = std::function<Point<dim>(const Point<dim> &)>;
+    using Motion = std::function<Point<dim>(const Point<dim> &)>;
     static constexpr unsigned int n_corners = Filling::n_corners;
 
     explicit Lattice(const unsigned int n) : n(n)
@@ -50,14 +50,14 @@ namespace
         }
     }
 
-    /** Void cells after the full ones have moved to other places. */
-    std::vector<bool> after(const std::vector<bool> &is_void, const Place &place) const
+    /** Void cells after the full ones have moved to other positions. */
+    std::vector<bool> after(const std::vector<bool> &is_void, const Motion &motion) const
     {
       Filling filling(ids, MPI_COMM_WORLD);
       std::vector<typename Filling::Corners> present = mesh;
       for (auto &corners : present)
         for (Point<dim> &corner : corners)
-          corner = place(corner);
+          corner = motion(corner);
       const std::vector<bool> all(is_void.size(), true);
       filling.measure(is_void, present, all, mesh, all);
       return filling.choose(is_void, all, all);
@@ -124,10 +124,10 @@ namespace
         }
         return first || second;
       };
-      for (const bool of_holes : {false, true})
+      for (const bool are_holes : {false, true})
       {
         const auto start =
-            lattice.where([&](const Point<dim> &x) { return in_cubes(x) == of_holes; });
+            lattice.where([&](const Point<dim> &x) { return in_cubes(x) == are_holes; });
         const auto still = lattice.after(start, [](const Point<dim> &x) { return x; });
         // Around the node between them, full and void cells are joined by faces.
         std::vector<double> around(std::size_t(1) << dim, 0.);
@@ -160,7 +160,7 @@ namespace
             }
           EXPECT_EQ(reached.size(),
                     static_cast<std::size_t>(std::count(around.begin(), around.end(), flag)))
-              << n_apart << of_holes << flag;
+              << n_apart << are_holes << flag;
         }
       }
     }
