@@ -52,18 +52,18 @@ namespace
     {
       const unsigned int i = shape.particle_node[row];
       double sum = -1, first[dim] = {}, gradient_sum[dim] = {}, gradient[dim][dim] = {};
-      const Stencils::Row of_row = shape.row(row);
-      for (unsigned int n = 0; n < of_row.size; ++n)
+      const Stencils::Row stencil = shape.row(row);
+      for (unsigned int n = 0; n < stencil.size; ++n)
       {
-        const double *const of_neighbour = of_row.gradient + n * Stencils::n_gradient;
-        sum += of_row.value[n];
+        const double *const neighbour_gradient = stencil.gradient + n * Stencils::n_gradient;
+        sum += stencil.value[n];
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const double scaled = (cloud.x(of_row.neighbour[n])[d] - cloud.x(i)[d]) / cloud.a(i)[d];
-          first[d] += of_row.value[n] * scaled;
-          gradient_sum[d] += of_neighbour[d] * cloud.a(i)[d];
+          const double scaled = (cloud.x(stencil.neighbour[n])[d] - cloud.x(i)[d]) / cloud.a(i)[d];
+          first[d] += stencil.value[n] * scaled;
+          gradient_sum[d] += neighbour_gradient[d] * cloud.a(i)[d];
           for (unsigned int k = 0; k < dim; ++k)
-            gradient[d][k] += scaled * of_neighbour[k] * cloud.a(i)[k];
+            gradient[d][k] += scaled * neighbour_gradient[k] * cloud.a(i)[k];
         }
       }
       worst = std::max(worst, std::abs(sum));
@@ -144,7 +144,7 @@ namespace
   template <int dim>
   void expect_gradient_of_values(const ParticleCloud &cloud, const std::string &kernel)
   {
-    // A probe that is nobody's neighbour, its own neither, moves through the cloud.
+    // A probe that is in no row, not even its own, moves through the cloud.
     const double step = 1e-5;
     const unsigned int particle = cloud.size() / 2 + 1;
     ParticleCloud extended = cloud;
@@ -231,7 +231,7 @@ namespace
   /** The largest difference of φ, and of ∇φ over the largest of all, of the same neighbours. */
   std::pair<double, double> difference(const Stencils &one, const Stencils &other)
   {
-    double of_values = 0, of_gradients = 0, largest = 0;
+    double value_difference = 0, gradient_difference = 0, largest = 0;
     for (unsigned int i = 0; i < one.n_particles(); ++i)
     {
       const Stencils::Row a = one.row(i), b = other.row(i);
@@ -239,15 +239,16 @@ namespace
       for (unsigned int k = 0; k < std::min(a.size, b.size); ++k)
       {
         EXPECT_EQ(a.neighbour[k], b.neighbour[k]);
-        of_values = std::max(of_values, std::abs(a.value[k] - b.value[k]));
+        value_difference = std::max(value_difference, std::abs(a.value[k] - b.value[k]));
         for (unsigned int d = 3 * k; d < 3 * k + 3; ++d)
         {
-          of_gradients = std::max(of_gradients, std::abs(a.gradient[d] - b.gradient[d]));
+          gradient_difference =
+              std::max(gradient_difference, std::abs(a.gradient[d] - b.gradient[d]));
           largest = std::max(largest, std::abs(b.gradient[d]));
         }
       }
     }
-    return {of_values, of_gradients / largest};
+    return {value_difference, gradient_difference / largest};
   }
 
   TEST(MovingLeastSquares, keeps_equal_rows_once_where_asked_to)
@@ -263,9 +264,9 @@ namespace
       EXPECT_TRUE(
           mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shared, true)
               .empty());
-      const auto [of_values, of_gradients] = difference(shared, each);
-      EXPECT_LE(of_values, 1e-12);
-      EXPECT_LE(of_gradients, 1e-12);
+      const auto [value_difference, gradient_difference] = difference(shared, each);
+      EXPECT_LE(value_difference, 1e-12);
+      EXPECT_LE(gradient_difference, 1e-12);
       EXPECT_LT(reproduction_error<3>(cloud, shared), 1e-11);
       EXPECT_EQ(shared.gradient.size(), 3 * shared.value.size() + 1);
       if (disorder == 0.)
@@ -408,7 +409,7 @@ namespace
         EXPECT_EQ(gradient, 0.);
     }
     EXPECT_EQ(defects_of<3>(lonely, shape, mls)[0].n_neighbours, 1u);
-    // In two dimensions the plane carries the basis.
+    // In two dimensions the plane determines the basis.
     MovingLeastSquares<2> flat(make_kernel("cubic spline"));
     EXPECT_TRUE(defects_of<2>(plane, shape, flat).empty());
     EXPECT_EQ(defects_of<2>(line, shape, flat).size(), line.size());
@@ -426,7 +427,7 @@ namespace
     EXPECT_EQ(defects[0].row, 125u);
     EXPECT_EQ(defects[0].n_neighbours, 1u);
 
-    // As a rigid row its deformation is the identity, wherever it goes; without, it is refused.
+    // As a rigid row its deformation is the identity, wherever it moves; without, it is refused.
     for (double &coordinate : cloud.position)
       coordinate *= 1.25;
     EXPECT_THROW(NodalSmoothing::update_inverse_deformation<3>(cloud.position.data(), shape),
@@ -445,7 +446,7 @@ namespace
 
   TEST(MovingLeastSquares, names_the_dilation_that_would_do)
   {
-    // At dilation 0.9 nobody sees anybody; above one, all lattice neighbours begin to.
+    // At dilation 0.9 no support has a neighbour; above one, each has those of the lattice.
     const ParticleCloud cloud = lattice_cloud<3>(5, 0.9);
     MovingLeastSquares<3> mls(make_kernel("cubic spline"));
     Stencils shape;
@@ -515,8 +516,8 @@ namespace
     const double a[3] = {1.8, 1.8, 1.8};
     for (const auto &[x, y] : {std::array<double, 2>{{0., 0.}}, {{4.01e-3, 1.}}, {{-3.99e-3, -1.}}})
     {
-      const double place[3] = {x, y, 0.};
-      line.add(place, a, 2);
+      const double position[3] = {x, y, 0.};
+      line.add(position, a, 2);
     }
     EXPECT_EQ(rows_without_basis<2>(line).size(), 3u);
     EXPECT_EQ(rows_without_basis<2>(permuted(line, {1, 0})).size(), 3u);

@@ -63,7 +63,7 @@ namespace
     void rebuild()
     {
       neighbourhoods.search(particles, position, support, MPI_COMM_WORLD, shape);
-      // Another ghost that nobody asked for, as other parts may need.
+      // Another ghost that was not requested, as other parts may need.
       IndexSet ghosts(owned.size());
       ghosts.add_indices(neighbourhoods.global_nodes().begin(),
                          neighbourhoods.global_nodes().end());

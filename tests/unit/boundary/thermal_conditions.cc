@@ -70,8 +70,8 @@ namespace
       conditions->set_partition(*partition);
       position.reinit(partition);
       for_owned_nodes(*nodes,
-                      [&](const auto number, const dealii::Point<dim> &place) {
-                        std::copy_n(&place[0], dim, position.node(partition->local_index(number)));
+                      [&](const auto number, const dealii::Point<dim> &point) {
+                        std::copy_n(&point[0], dim, position.node(partition->local_index(number)));
                       });
       position.update_ghosts();
       conditions->update_areas(position);
@@ -102,9 +102,9 @@ namespace
     NodalVector surface_heat(const NodalVector &temperature, const double time = 0)
     {
       NodalVector result = vector();
-      of_condition.assign(conditions->n_conditions(), 0.);
-      conditions->add_surface_heat(position, temperature, time, result, of_condition);
-      of_condition = ordered_sum(of_condition, MPI_COMM_WORLD);
+      condition_heat.assign(conditions->n_conditions(), 0.);
+      conditions->add_surface_heat(position, temperature, time, result, condition_heat);
+      condition_heat = ordered_sum(condition_heat, MPI_COMM_WORLD);
       result.add_to_owners();
       return result;
     }
@@ -133,7 +133,7 @@ namespace
     std::unique_ptr<ThermalConditions<dim>> conditions;
     std::shared_ptr<const NodePartition> partition;
     NodalVector position;
-    std::vector<double> of_condition; ///< of the last surface_heat(), over all ranks
+    std::vector<double> condition_heat; ///< of the last surface_heat(), over all ranks
   };
 
   const std::string block = "set Upper corner = 4, 2, 3\nset Cells = 4, 3, 5\n";
@@ -152,7 +152,7 @@ namespace
     Body<dim> body(box, {{"f", flux + "set Boundary = x max"}}, "", degree);
     const NodalVector heat = body.surface_heat(body.uniform(0));
     EXPECT_NEAR(body.sum(heat), 7 * area, 1e-13 * 7 * area) << box << degree;
-    EXPECT_NEAR(body.of_condition[0], 7 * area, 1e-13 * 7 * area);
+    EXPECT_NEAR(body.condition_heat[0], 7 * area, 1e-13 * 7 * area);
     EXPECT_TRUE(body.conditions->failure().empty());
 
     // Heat is at nodes of the surface and at no others.
@@ -161,7 +161,7 @@ namespace
       EXPECT_EQ(heat.node(i)[0] > 0, std::binary_search(at_surface.begin(), at_surface.end(), i));
   }
 
-  /** A pseudo-random number of a place, between 0 and 1. */
+  /** A pseudo-random number of a point, between 0 and 1. */
   double noise(const double *x, const double seed)
   {
     const double wave = 1e3 * std::sin(12.9898 * x[0] + 78.233 * x[1] + 37.719 * x[2] + seed);
@@ -202,7 +202,7 @@ TEST(ThermalConditions, a_flux_is_a_function_of_initial_place_and_time)
 {
   Body<3> body(block, {{"f", "set Type = heat flux\nset Function = (1 + y) * t\nset Boundary = x "
                              "max\n"}});
-  // The integral of 1 + y over the face, which linear shapes give exactly.
+  // The integral of 1 + y over the face, which linear shapes integrate exactly.
   EXPECT_NEAR(body.sum(body.surface_heat(body.uniform(0), 2.)), 2. * (2. + 2.) * 3., 1e-12);
   EXPECT_EQ(body.sum(body.surface_heat(body.uniform(0), 0.)), 0.);
 }
@@ -221,8 +221,8 @@ TEST(ThermalConditions, films_have_the_heat_of_their_laws)
   // The same by decimal arithmetic, 4.536e-8 (293.15^4 - 393.15^4) on 6 + 12.
   EXPECT_NEAR(radiated, -748.7021301033960 * 18., 1e-8);
   const NodalVector heat = body.surface_heat(body.uniform(120.));
-  EXPECT_NEAR(body.of_condition[0], convected, 1e-12 * std::abs(convected));
-  EXPECT_NEAR(body.of_condition[1], radiated, 1e-12 * std::abs(radiated));
+  EXPECT_NEAR(body.condition_heat[0], convected, 1e-12 * std::abs(convected));
+  EXPECT_NEAR(body.condition_heat[1], radiated, 1e-12 * std::abs(radiated));
   EXPECT_NEAR(body.sum(heat), convected + radiated, 1e-12 * std::abs(convected + radiated));
   const NodalVector nothing = body.surface_heat(body.uniform(20.));
   EXPECT_EQ(nothing.dot(nothing), 0.);
@@ -239,12 +239,12 @@ TEST(ThermalConditions, the_film_action_is_symmetric_and_the_derivative_of_the_h
   const NodalVector temperature = body.field([](const double *x) { return 900. * noise(x, 0.); });
   const NodalVector a = body.field([](const double *x) { return noise(x, 1.) - 0.5; });
   const NodalVector b = body.field([](const double *x) { return noise(x, 2.) - 0.3; });
-  const NodalVector of_a = body.film_action(temperature, a);
-  const NodalVector of_b = body.film_action(temperature, b);
-  const double scale = std::sqrt(of_a.dot(of_a) * b.dot(b));
+  const NodalVector film_a = body.film_action(temperature, a);
+  const NodalVector film_b = body.film_action(temperature, b);
+  const double scale = std::sqrt(film_a.dot(film_a) * b.dot(b));
   EXPECT_GT(scale, 1.);
-  EXPECT_NEAR(b.dot(of_a), a.dot(of_b), 1e-14 * scale);
-  EXPECT_GT(a.dot(of_a), 0.);
+  EXPECT_NEAR(b.dot(film_a), a.dot(film_b), 1e-14 * scale);
+  EXPECT_GT(a.dot(film_a), 0.);
 
   const double difference = 1e-3;
   const auto shifted = [&](const double sign)
@@ -259,8 +259,8 @@ TEST(ThermalConditions, the_film_action_is_symmetric_and_the_derivative_of_the_h
   for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
   {
     const double slope = (before.node(i)[0] - after.node(i)[0]) / (2. * difference);
-    largest = std::max(largest, std::abs(of_a.node(i)[0]));
-    largest_error = std::max(largest_error, std::abs(slope - of_a.node(i)[0]));
+    largest = std::max(largest, std::abs(film_a.node(i)[0]));
+    largest_error = std::max(largest_error, std::abs(slope - film_a.node(i)[0]));
   }
   largest = dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD);
   EXPECT_LT(dealii::Utilities::MPI::max(largest_error, MPI_COMM_WORLD), 1e-8 * largest);
@@ -290,12 +290,12 @@ TEST(ThermalConditions, sources_give_their_density_times_the_volume)
     at_one += std::abs(body.position.node(i)[0] - 1.) < 1e-9 ? *volume.node(i) : 0.;
   at_one = ordered_sum(at_one, MPI_COMM_WORLD);
   NodalVector heat = body.vector(Quantity::scalar);
-  std::vector<double> of_condition(2, 0.);
-  body.conditions->add_sources(body.position, volume, 2., heat, of_condition);
-  of_condition = ordered_sum(of_condition, MPI_COMM_WORLD);
+  std::vector<double> condition_heat(2, 0.);
+  body.conditions->add_sources(body.position, volume, 2., heat, condition_heat);
+  condition_heat = ordered_sum(condition_heat, MPI_COMM_WORLD);
   const double total = 10. * body.sum(volume);
-  EXPECT_NEAR(of_condition[0], total, 1e-13 * total);
-  EXPECT_NEAR(of_condition[1], at_one, 1e-13 * at_one);
+  EXPECT_NEAR(condition_heat[0], total, 1e-13 * total);
+  EXPECT_NEAR(condition_heat[1], at_one, 1e-13 * at_one);
   EXPECT_NEAR(body.sum(heat), total + at_one, 1e-13 * total);
 }
 
@@ -420,11 +420,11 @@ TEST(ThermalConditions, that_exclude_each_other_on_a_face_are_refused)
 
 TEST(ThermalConditions, values_that_cannot_be_are_refused)
 {
-  const std::string place = "set Boundary = x max\n";
+  const std::string at_boundary = "set Boundary = x max\n";
   const auto film = [&](const std::string &h)
   {
     return refusal({{"a", "set Type = convection\nset Film coefficient = " + h +
-                              "\nset Ambient temperature = 0\n" + place}});
+                              "\nset Ambient temperature = 0\n" + at_boundary}});
   };
   EXPECT_TRUE(contains(film("-3"), "Condition: a/Film coefficient\" = \"-3\": allowed is a film "
                                    "coefficient of zero or more, but it is -3"));
@@ -435,10 +435,11 @@ TEST(ThermalConditions, values_that_cannot_be_are_refused)
   const auto radiating = [&](const std::string &emissivity, const std::string &ambient,
                              const std::string &constant, const std::string &heat)
   {
-    return refusal({{"a", "set Type = radiation\nset Emissivity = " + emissivity +
-                              "\nset Ambient temperature = " + ambient +
-                              "\nset Stefan-Boltzmann constant = " + constant + "\n" + place}},
-                   heat);
+    return refusal(
+        {{"a", "set Type = radiation\nset Emissivity = " + emissivity +
+                   "\nset Ambient temperature = " + ambient +
+                   "\nset Stefan-Boltzmann constant = " + constant + "\n" + at_boundary}},
+        heat);
   };
   EXPECT_EQ(radiating("1", "0", "1e-8", celsius), "");
   EXPECT_TRUE(
@@ -463,12 +464,12 @@ TEST(ThermalConditions, values_that_cannot_be_are_refused)
 
 TEST(ThermalConditions, missing_entries_are_refused)
 {
-  const std::string place = "set Boundary = x max\n";
+  const std::string at_boundary = "set Boundary = x max\n";
   const auto without = [&](std::string lines, const std::string &entry)
   {
     const std::size_t begin = lines.find("set " + entry);
     lines.erase(begin, lines.find('\n', begin) + 1 - begin);
-    return refusal({{"a", lines + place}}, celsius);
+    return refusal({{"a", lines + at_boundary}}, celsius);
   };
   EXPECT_TRUE(contains(without(flux, "Function"), "entry \"Function\" is missing"));
   EXPECT_TRUE(contains(without("set Type = temperature\nset Function = 1\n", "Function"),
@@ -483,11 +484,11 @@ TEST(ThermalConditions, missing_entries_are_refused)
 
 TEST(ThermalConditions, entries_of_another_type_are_refused)
 {
-  const std::string place = "set Boundary = x max\n";
+  const std::string at_boundary = "set Boundary = x max\n";
   const auto with = [&](const std::string &lines, const std::string &entry)
   {
     const std::string heat = lines == radiation ? celsius : "";
-    return refusal({{"a", lines + place + "set " + entry + " = 0.5\n"}}, heat);
+    return refusal({{"a", lines + at_boundary + "set " + entry + " = 0.5\n"}}, heat);
   };
   const std::string temperature = "set Type = temperature\nset Function = 1\n";
   for (const std::string &type : {flux, temperature, std::string("set Type = adiabatic\n")})
@@ -502,7 +503,7 @@ TEST(ThermalConditions, entries_of_another_type_are_refused)
   EXPECT_TRUE(contains(with(radiation, "Film coefficient"), "\"Condition: a/Film coefficient\""));
   EXPECT_TRUE(contains(with("set Type = adiabatic\n", "Function"),
                        "\"Condition: a/Function\" = \"0.5\": no heat passes an adiabatic surface"));
-  EXPECT_TRUE(contains(refusal({{"a", "set Type = heat source\nset Function = 1\n" + place}}),
+  EXPECT_TRUE(contains(refusal({{"a", "set Type = heat source\nset Function = 1\n" + at_boundary}}),
                        "\"Condition: a/Boundary\" = \"x max\": a heat source is in the volume"));
 }
 

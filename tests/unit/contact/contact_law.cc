@@ -13,7 +13,7 @@ namespace tombolo
 
     constexpr double mass = 2., stable_step = 0.5, step = 0.2, friction = 0.3;
 
-    /** A mass that is led into a plane, along it, and out again, from one depth to the next. */
+    /** A mass that is moved into a plane, along it, and out again, from one depth to the next. */
     struct LedMass
     {
       ContactLaw law{0.7, 0.4, true};

@@ -20,7 +20,7 @@ namespace tombolo
     namespace
     {
       using dealii::Tensor;
-      using Place = std::pair<dealii::types::global_dof_index, unsigned int>; ///< node, component
+      using Dof = std::pair<dealii::types::global_dof_index, unsigned int>; ///< node, component
       using Move = std::function<Tensor<1, 3>(const Tensor<1, 3> &)>;
 
       /** Where the upper block begins: by so little above the lower one that both touch. */
@@ -122,8 +122,8 @@ namespace tombolo
         double error(const double step = 1e-8)
         {
           evaluate({}, 0., 1.);
-          std::map<std::pair<Place, Place>, double> matrix;
-          std::set<Place> places;
+          std::map<std::pair<Dof, Dof>, double> matrix;
+          std::set<Dof> dofs;
           NodalVector bound(model.state.partition());
           std::vector<ContactStiffness<3>> springs;
           tombolo::Tangent<3> tangent;
@@ -138,7 +138,7 @@ namespace tombolo
                   for (unsigned int b = 0; b < 3; ++b)
                     if (is_free({row.node, a}) && is_free({column.node, b}))
                     {
-                      places.insert({row.node, a});
+                      dofs.insert({row.node, a});
                       matrix[{{row.node, a}, {column.node, b}}] +=
                           (stiffness.normal * row.normal[a] + row.weight * stiffness.slip[a]) *
                               column.normal[b] +
@@ -146,14 +146,14 @@ namespace tombolo
                                         (stiffness.along * column.shares)[a][b]);
                     }
           double difference = 0, norm = 0;
-          for (const Place &column : places)
+          for (const Dof &column : dofs)
           {
             evaluate(column, step, 1.);
-            const std::vector<double> after = forces(places);
+            const std::vector<double> after = forces(dofs);
             evaluate(column, -step, 1.);
-            const std::vector<double> before = forces(places);
+            const std::vector<double> before = forces(dofs);
             std::size_t k = 0;
-            for (const Place &row : places)
+            for (const Dof &row : dofs)
             {
               const double quotient = (before[k] - after[k]) / (2. * step);
               ++k;
@@ -166,16 +166,16 @@ namespace tombolo
         }
 
       private:
-        bool is_free(const Place &place) const
+        bool is_free(const Dof &dof) const
         {
           for (const NodePartition::Reflected &on_plane :
                model.state.partition()->nodes_on_planes())
-            if (on_plane.source == place.first && on_plane.reflection.sign[place.second] < 0.)
+            if (on_plane.source == dof.first && on_plane.reflection.sign[dof.second] < 0.)
               return false;
           return true;
         }
 
-        void evaluate(const Place &place, const double further, const double share)
+        void evaluate(const Dof &dof, const double further, const double share)
         {
           for (const auto &process : model.processes)
             process->records.restore();
@@ -187,18 +187,18 @@ namespace tombolo
             for (unsigned int d = 0; d < 3; ++d)
               position.node(i)[d] = x[d] + u[d];
           }
-          position.node(static_cast<unsigned int>(place.first))[place.second] += further;
+          position.node(static_cast<unsigned int>(dof.first))[dof.second] += further;
           position.update_ghosts();
           force.set_zero();
           for (const auto &process : model.processes)
             process->act(model, clock, force);
         }
 
-        std::vector<double> forces(const std::set<Place> &places) const
+        std::vector<double> forces(const std::set<Dof> &dofs) const
         {
           std::vector<double> result;
-          for (const Place &place : places)
-            result.push_back(force.node(static_cast<unsigned int>(place.first))[place.second]);
+          for (const Dof &dof : dofs)
+            result.push_back(force.node(static_cast<unsigned int>(dof.first))[dof.second]);
           return result;
         }
 
@@ -210,7 +210,7 @@ namespace tombolo
       };
 
       /** What is above @p height is pressed by about 1e-4 and slides, in directions that change
-       * from place to place; nothing crosses x = 0. */
+       * from point to point; nothing crosses x = 0. */
       Move pressed(const double slide, const double height, const double depth = 1e-4)
       {
         return [=](const Tensor<1, 3> &x)

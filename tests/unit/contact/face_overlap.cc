@@ -19,7 +19,7 @@ namespace
   struct OverlapPoint
   {
     double weight;
-    std::array<double, (1u << (dim - 1))> of_slave, of_master;
+    std::array<double, (1u << (dim - 1))> slave_values, master_values;
   };
 
   template <int dim>
@@ -34,8 +34,8 @@ namespace
       points[q].weight = overlap.weights()[q];
       for (unsigned int k = 0; k < overlap.n_corners; ++k)
       {
-        points[q].of_slave[k] = overlap.of_slave(k)[q];
-        points[q].of_master[k] = overlap.of_master(k)[q];
+        points[q].slave_values[k] = overlap.of_slave(k)[q];
+        points[q].master_values[k] = overlap.of_master(k)[q];
       }
     }
     return points;
@@ -107,8 +107,8 @@ namespace
           const double master_ratio)
         : slave(n_slave, slave_ratio, 0.), master(n_master, master_ratio, gap),
           n_slave_nodes(slave.nodes.size()), n_master_nodes(master.nodes.size()),
-          of_slave(n_slave_nodes * n_slave_nodes, 0.),
-          of_master(n_slave_nodes * n_master_nodes, 0.), area(n_slave_nodes, 0.)
+          slave_matrix(n_slave_nodes * n_slave_nodes, 0.),
+          master_matrix(n_slave_nodes * n_master_nodes, 0.), area(n_slave_nodes, 0.)
     {
       for (std::size_t s = 0; s < slave.faces.size(); ++s)
         for (std::size_t m = 0; m < master.faces.size(); ++m)
@@ -116,11 +116,13 @@ namespace
             for (unsigned int i = 0; i < slave.n_corners; ++i)
               for (unsigned int j = 0; j < slave.n_corners; ++j)
               {
-                const double weight = point.weight * point.of_slave[i];
+                const double weight = point.weight * point.slave_values[i];
                 const std::size_t row = slave.faces[s][i];
-                of_slave[row * n_slave_nodes + slave.faces[s][j]] += weight * point.of_slave[j];
-                of_master[row * n_master_nodes + master.faces[m][j]] += weight * point.of_master[j];
-                area[row] += weight * point.of_slave[j];
+                slave_matrix[row * n_slave_nodes + slave.faces[s][j]] +=
+                    weight * point.slave_values[j];
+                master_matrix[row * n_master_nodes + master.faces[m][j]] +=
+                    weight * point.master_values[j];
+                area[row] += weight * point.slave_values[j];
               }
     }
 
@@ -133,9 +135,9 @@ namespace
       {
         Tensor<1, dim> sum;
         for (std::size_t l = 0; l < n_master_nodes; ++l)
-          sum += of_master[i * n_master_nodes + l] * master.nodes[l];
+          sum += master_matrix[i * n_master_nodes + l] * master.nodes[l];
         for (std::size_t j = 0; j < n_slave_nodes; ++j)
-          sum -= of_slave[i * n_slave_nodes + j] * slave.nodes[j];
+          sum -= slave_matrix[i * n_slave_nodes + j] * slave.nodes[j];
         const double mean = std::abs(sum * normal) / normal.norm() / area[i];
         worst = std::max(worst, std::abs(mean / gap - 1.));
       }
@@ -149,9 +151,9 @@ namespace
       for (std::size_t i = 0; i < n_slave_nodes; ++i)
       {
         for (std::size_t j = 0; j < n_slave_nodes; ++j)
-          on_slave[j] += of_slave[i * n_slave_nodes + j] * p[i];
+          on_slave[j] += slave_matrix[i * n_slave_nodes + j] * p[i];
         for (std::size_t l = 0; l < n_master_nodes; ++l)
-          on_master[l] += of_master[i * n_master_nodes + l] * p[i];
+          on_master[l] += master_matrix[i * n_master_nodes + l] * p[i];
       }
       return std::max(deviation(on_slave, slave.areas()), deviation(on_master, master.areas()));
     }
@@ -169,7 +171,7 @@ namespace
     static constexpr double gap = 1e-3;
     Surface<dim> slave, master;
     std::size_t n_slave_nodes, n_master_nodes;
-    std::vector<double> of_slave, of_master, area;
+    std::vector<double> slave_matrix, master_matrix, area;
   };
 
   template <int dim>
@@ -208,11 +210,12 @@ TEST(FaceOverlap, NodesAgainstFacesFailThePatchTest)
     for (const auto &face : master.faces)
     {
       const Tensor<1, 2> along = master.nodes[face[1]] - master.nodes[face[0]];
-      const double place = (slave.nodes[i] - master.nodes[face[0]]) * along / along.norm_square();
-      if (place < -1e-12 || place > 1. - (i + 1 < slave.nodes.size() ? 1e-12 : -1e-12))
+      const double coordinate =
+          (slave.nodes[i] - master.nodes[face[0]]) * along / along.norm_square();
+      if (coordinate < -1e-12 || coordinate > 1. - (i + 1 < slave.nodes.size() ? 1e-12 : -1e-12))
         continue;
-      on_master[face[0]] += (1. - place) * on_slave[i];
-      on_master[face[1]] += place * on_slave[i];
+      on_master[face[0]] += (1. - coordinate) * on_slave[i];
+      on_master[face[1]] += coordinate * on_slave[i];
     }
   EXPECT_NEAR(std::accumulate(on_master.begin(), on_master.end(), 0.), 1., 1e-12);
   EXPECT_GE(Press<2>::deviation(on_master, master.areas()), 1e-2);
@@ -231,16 +234,18 @@ TEST(FaceOverlap, TheCommonPartOfTurnedSquaresIsAnOctagon)
   for (const auto &point : common_points<3>(square, turned))
   {
     area += point.weight;
-    EXPECT_NEAR(std::accumulate(point.of_slave.begin(), point.of_slave.end(), 0.), 1., 1e-14);
-    EXPECT_NEAR(std::accumulate(point.of_master.begin(), point.of_master.end(), 0.), 1., 1e-14);
-    for (const double value : point.of_slave)
+    EXPECT_NEAR(std::accumulate(point.slave_values.begin(), point.slave_values.end(), 0.), 1.,
+                1e-14);
+    EXPECT_NEAR(std::accumulate(point.master_values.begin(), point.master_values.end(), 0.), 1.,
+                1e-14);
+    for (const double value : point.slave_values)
       EXPECT_GE(value, -1e-14);
-    for (const double value : point.of_master)
+    for (const double value : point.master_values)
       EXPECT_GE(value, -1e-14);
-    // Both sides see the same place of the plane.
+    // Both sides have the same point of the plane.
     Tensor<1, 3> difference;
     for (unsigned int k = 0; k < 4; ++k)
-      difference += point.of_slave[k] * square[k] - point.of_master[k] * turned[k];
+      difference += point.slave_values[k] * square[k] - point.master_values[k] * turned[k];
     EXPECT_NEAR(difference[0], 0., 1e-14);
     EXPECT_NEAR(difference[1], 0., 1e-14);
   }
@@ -255,23 +260,23 @@ TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
   const FaceCorners<3> master{{Tensor<1, 3>({.3, -.2, .1}), Tensor<1, 3>({1.3, .4, .07}),
                                Tensor<1, 3>({-.3, .7, .13}), Tensor<1, 3>({.9, 1., .1})}};
   using Weights = std::array<std::array<std::array<double, 4>, 4>, 2>;
-  const auto weights_of =
-      [&](const std::array<unsigned int, 4> &of_slave, const std::array<unsigned int, 4> &of_master)
+  const auto weights_of = [&](const std::array<unsigned int, 4> &slave_numbering,
+                              const std::array<unsigned int, 4> &master_numbering)
   {
     FaceCorners<3> numbered_slave, numbered_master;
     for (unsigned int k = 0; k < 4; ++k)
     {
-      numbered_slave[k] = slave[of_slave[k]];
-      numbered_master[k] = master[of_master[k]];
+      numbered_slave[k] = slave[slave_numbering[k]];
+      numbered_master[k] = master[master_numbering[k]];
     }
     Weights result{};
     for (const auto &point : common_points<3>(numbered_slave, numbered_master))
       for (unsigned int i = 0; i < 4; ++i)
         for (unsigned int j = 0; j < 4; ++j)
         {
-          const double weight = point.weight * point.of_slave[i];
-          result[0][of_slave[i]][of_slave[j]] += weight * point.of_slave[j];
-          result[1][of_slave[i]][of_master[j]] += weight * point.of_master[j];
+          const double weight = point.weight * point.slave_values[i];
+          result[0][slave_numbering[i]][slave_numbering[j]] += weight * point.slave_values[j];
+          result[1][slave_numbering[i]][master_numbering[j]] += weight * point.master_values[j];
         }
     return result;
   };
@@ -279,10 +284,10 @@ TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
       {{0, 1, 2, 3}}, {{1, 0, 3, 2}}, {{2, 3, 0, 1}}, {{3, 2, 1, 0}},
       {{0, 2, 1, 3}}, {{2, 0, 3, 1}}, {{1, 3, 0, 2}}, {{3, 1, 2, 0}}};
   const Weights first = weights_of(numberings[0], numberings[0]);
-  for (const auto &of_slave : numberings)
-    for (const auto &of_master : numberings)
+  for (const auto &slave_numbering : numberings)
+    for (const auto &master_numbering : numberings)
     {
-      const Weights other = weights_of(of_slave, of_master);
+      const Weights other = weights_of(slave_numbering, master_numbering);
       for (unsigned int side = 0; side < 2; ++side)
         for (unsigned int i = 0; i < 4; ++i)
           for (unsigned int j = 0; j < 4; ++j)
@@ -314,14 +319,14 @@ TEST(MortarPairing, FacesTouchWhereTheyAreNear)
   std::vector<FacePair<3>> pairs;
   pairing->find(slave, masters, pairs);
   ASSERT_EQ(pairs.size(), 1u);
-  double area = 0, of_master = 0;
+  double area = 0, master_area = 0;
   for (unsigned int i = 0; i < 4; ++i)
     for (unsigned int j = 0; j < 4; ++j)
     {
       area += pairs[0].of_slave[i][j];
-      of_master += pairs[0].of_master[i][j];
+      master_area += pairs[0].of_master[i][j];
     }
   // As far as the distance is at most reach(): up to the nearest points of the quadrature.
   EXPECT_NEAR(area, pairing->reach() / 2., 0.2);
-  EXPECT_NEAR(of_master, area, 1e-15);
+  EXPECT_NEAR(master_area, area, 1e-15);
 }

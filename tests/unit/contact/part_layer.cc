@@ -112,7 +112,7 @@ namespace tombolo
                                                { std::copy_n(box.position.node(node), 3, x); });
         std::vector<double> values(3 * box.layer.n_nodes(), 0.);
         std::size_t n_images = 0;
-        double of_sources[3] = {};
+        double source_sum[3] = {};
         for (std::size_t a = 0; a < box.layer.n_nodes(); ++a)
         {
           const auto &x = list.vertices[a];
@@ -129,11 +129,11 @@ namespace tombolo
         for (std::size_t a = 0; a < box.layer.n_nodes(); ++a)
           if (list.vertices[a][1] >= 0. && list.vertices[a][2] >= 0.)
             for (unsigned int d = 0; d < 3; ++d)
-              of_sources[d] += values[3 * a + d];
+              source_sum[d] += values[3 * a + d];
         const auto from_all_ranks =
             static_cast<double>(n_images * dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD));
-        EXPECT_NEAR(of_sources[0], from_all_ranks, 1e-12);
-        EXPECT_NEAR(of_sources[1], -2. * from_all_ranks, 1e-12);
+        EXPECT_NEAR(source_sum[0], from_all_ranks, 1e-12);
+        EXPECT_NEAR(source_sum[1], -2. * from_all_ranks, 1e-12);
       }
 
       TEST(part_layer, sums_over_ranks_are_the_same_on_all)

@@ -15,7 +15,7 @@ namespace
   using namespace tombolo;
   using namespace tombolo::testing;
 
-  /** A plate on a wall without friction, whose nodes are put where a function says. */
+  /** A plate on a wall without friction, whose nodes are placed by a function. */
   class PlacedPlate
   {
   public:

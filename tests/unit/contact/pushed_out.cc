@@ -58,12 +58,12 @@ namespace tombolo
         bool is_bound;
       };
 
-      /** Where a node goes that is to be placed at a place and comes from another. */
-      Placed placed(const Tensor<1, 2> &from, const Tensor<1, 2> &place, const double slides = 1.)
+      /** The result for a node that comes @p from a point and is to be placed at @p target. */
+      Placed placed(const Tensor<1, 2> &from, const Tensor<1, 2> &target, const double slides = 1.)
       {
         const UnitDisc disc;
         const NodalVector before = positions_as_nodes<2>({from});
-        NodalVector position = positions_as_nodes<2>({place}), is_bound, sliding;
+        NodalVector position = positions_as_nodes<2>({target}), is_bound, sliding;
         for (NodalVector *const vector : {&is_bound, &sliding})
           vector->reinit(position.partition(), Quantity::scalar);
         *sliding.node(0) = slides;
@@ -81,9 +81,9 @@ namespace tombolo
         const Tensor<1, 2> from = at(1. - depth, 0.2);
         const Tensor<1, 2> ends[2] = {from, at(1. - depth, 0.4)};
         const Tensor<1, 2> on_chord = 0.5 * (ends[0] + ends[1]); // deeper
-        for (const Tensor<1, 2> &place : {on_chord, at(1. + 5e-3, 0.3)})
+        for (const Tensor<1, 2> &target : {on_chord, at(1. + 5e-3, 0.3)})
         {
-          const Placed result = placed(from, place);
+          const Placed result = placed(from, target);
           EXPECT_NEAR(result.gap, -depth, 1e-14);
           EXPECT_TRUE(result.is_bound);
         }
@@ -91,10 +91,10 @@ namespace tombolo
 
       TEST(push_out, what_goes_away_steeply_is_left_on_a_part_of_its_way_only)
       {
-        const Tensor<1, 2> from = at(1. - 1e-3, 0.2), place = at(1.1, 0.3);
-        EXPECT_NEAR(placed(from, place, 0.5).gap, 0.1, 1e-14);
+        const Tensor<1, 2> from = at(1. - 1e-3, 0.2), target = at(1.1, 0.3);
+        EXPECT_NEAR(placed(from, target, 0.5).gap, 0.1, 1e-14);
         EXPECT_NEAR(placed(from, at(1. + 5e-3, 0.3), 0.5).gap, -1e-3, 1e-14);
-        EXPECT_NEAR(placed(from, place).gap, -1e-3, 1e-14);
+        EXPECT_NEAR(placed(from, target).gap, -1e-3, 1e-14);
       }
 
       TEST(push_out, what_did_not_touch_does_not)

@@ -31,13 +31,13 @@ namespace
   {
   public:
     SlidingPlate(const std::string &entries, const bool has_heat,
-                 const std::string &place_of_wall = "0")
+                 const std::string &wall_position = "0")
         : model("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
     {
       const bool has_friction = entries.find("Friction") != std::string::npos;
       parameters.read_text("subsection Contact: wall\nset Surface = plane\n" +
                                std::string(has_friction ? "" : "set Friction = 0.3\n") + entries +
-                               "subsection plane\nset Point = 0, " + place_of_wall +
+                               "subsection plane\nset Point = 0, " + wall_position +
                                "\nset Normal = 0, 1\nend\nend\n",
                            "plate.prm");
       parameters.handler().enter_subsection("Contact: wall");
@@ -91,15 +91,15 @@ namespace
       contact->complete_step(clock);
     }
 
-    /** Adds the heat that waits to that which was given. */
+    /** Adds the pending heat to that before. */
     void supply_heat()
     {
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         *heat.node(i) += std::exchange(*waiting.node(i), 0.);
     }
 
-    /** Gives the heat to the nodes, as a thermal step does. */
-    void take_heat()
+    /** Heats the nodes by the pending heat, as a thermal step does. */
+    void apply_heat()
     {
       heat.set_zero();
       supply_heat();
@@ -180,8 +180,8 @@ namespace
     std::unique_ptr<ThermalProperties> properties;
   };
 
-  /** Of a node of the lower side that started at x. */
-  double place_of(const double x, const double t)
+  /** Position along x of a node of the lower side that started at x. */
+  double moved_x(const double x, const double t)
   {
     return x + 0.4 * std::sin(1.3 * t + x);
   }
@@ -215,7 +215,7 @@ TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
 
 TEST(ContactHeat, of_friction_is_split_by_effusivities_at_the_present_temperatures)
 {
-  for (const auto &[temperature, of_body, of_tool] :
+  for (const auto &[temperature, body_effusivity, tool_effusivity] :
        {std::make_tuple(10., 6., 2.), std::make_tuple(60., std::sqrt(72.), 4.)})
   {
     SlidingPlate plate("set Heat fraction = by effusivity\nset Tool effusivity = 20: 2, 50: 4\n",
@@ -224,8 +224,8 @@ TEST(ContactHeat, of_friction_is_split_by_effusivities_at_the_present_temperatur
       *plate.temperature.node(i) = temperature;
     for (unsigned int step = 1; step <= 20; ++step)
       plate.advance();
-    // The heat that came since is seen, too; it is small.
-    const double fraction = of_body / (of_body + of_tool);
+    // The heat that came since has an effect, too; it is small.
+    const double fraction = body_effusivity / (body_effusivity + tool_effusivity);
     const ContactBalance balance = plate.contact->balance(MPI_COMM_WORLD);
     EXPECT_GT(balance.friction, 0.01);
     EXPECT_NEAR(plate.pending() / balance.friction, fraction, 1e-3);
@@ -258,7 +258,7 @@ TEST(ContactEntries, limit_of_shear_holds_on_the_area_of_the_node)
     {
       const double x = plate.state.initial_position.node(i)[0];
       const double area =
-          0.5 * (place_of(std::min(x + 1. / 3., 2.), t) - place_of(std::max(x - 1. / 3., 0.), t));
+          0.5 * (moved_x(std::min(x + 1. / 3., 2.), t) - moved_x(std::max(x - 1. / 3., 0.), t));
       const double traction = std::abs(plate.loads.node(i)[0]) / area;
       EXPECT_LE(traction, limit * (1. + 1e-12));
       n_at_limit += traction > limit * (1. - 1e-12) ? 1 : 0;
@@ -280,10 +280,10 @@ TEST(ContactEntries, limit_of_shear_holds_on_the_area_of_the_node)
     {
       EXPECT_EQ(high.loads.node(i)[0], none.loads.node(i)[0]);
       // That of Coulomb includes the damper, which pushes during the first steps.
-      const double of_coulomb = 0.3 * none.loads.node(i)[1];
-      EXPECT_LE(std::abs(none.loads.node(i)[0]), of_coulomb * (1. + 1e-12));
-      n_sliding += step < 12 && of_coulomb > 0. &&
-                           std::abs(none.loads.node(i)[0]) > of_coulomb * (1. - 1e-12)
+      const double friction_limit = 0.3 * none.loads.node(i)[1];
+      EXPECT_LE(std::abs(none.loads.node(i)[0]), friction_limit * (1. + 1e-12));
+      n_sliding += step < 12 && friction_limit > 0. &&
+                           std::abs(none.loads.node(i)[0]) > friction_limit * (1. - 1e-12)
                        ? 1
                        : 0;
     }
@@ -429,7 +429,7 @@ TEST(ContactConduction, is_exponential_over_the_area_in_contact_whatever_the_ste
     {
       plate.advance();
       if (step % interval == 0)
-        plate.take_heat();
+        plate.apply_heat();
       // A node of the lower side has half of it towards each of its neighbours, and nothing of the
       // other sides.
       const double t = plate.clock.time;
@@ -439,10 +439,10 @@ TEST(ContactConduction, is_exponential_over_the_area_in_contact_whatever_the_ste
         if (plate.state.initial_position.node(i)[1] < 0.1)
           exposure[i] +=
               0.5 * conductance * 0.1 *
-              (place_of(std::min(x + 1. / 3., 2.), t) - place_of(std::max(x - 1. / 3., 0.), t));
+              (moved_x(std::min(x + 1. / 3., 2.), t) - moved_x(std::max(x - 1. / 3., 0.), t));
       }
     }
-    plate.take_heat();
+    plate.apply_heat();
     for (unsigned int i = 0; i < exposure.size(); ++i)
     {
       const double capacity = 2. * *plate.state.mass.node(i);
@@ -466,7 +466,7 @@ TEST(ContactConduction, takes_the_conductance_of_the_pressure)
     for (unsigned int i = 0; i < exposure.size(); ++i)
       exposure[i] += 0.1 * plate.loads.node(i)[1];
   }
-  plate.take_heat();
+  plate.apply_heat();
   for (unsigned int i = 0; i < exposure.size(); ++i)
   {
     const double capacity = 2. * *plate.state.mass.node(i);
@@ -487,7 +487,7 @@ TEST(ContactConduction, without_resistance_brings_nodes_to_the_tool_and_not_beyo
     for (unsigned int step = 1; step <= 20; ++step)
     {
       plate.advance();
-      plate.take_heat();
+      plate.apply_heat();
       for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
         EXPECT_NEAR(*plate.temperature.node(i),
                     plate.state.initial_position.node(i)[1] < 0.1 ? tool : 10., 1e-11);
@@ -513,7 +513,7 @@ TEST(ContactConduction, tool_of_given_capacity_keeps_all_heat_and_stays_between_
       {
         plate.advance();
         if (step % 3 == 0)
-          plate.take_heat();
+          plate.apply_heat();
         balance = plate.contact->balance(MPI_COMM_WORLD);
         const double tool = capacity * (balance.tool_temperature - 35.);
         EXPECT_NEAR(balance.heat_of_tool, tool, 1e-12);
@@ -536,7 +536,7 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
   for (const std::string capacity : {"0", "0.5"})
     for (const std::string conductance : {"3", "1e30"})
     {
-      std::vector<double> of_first_order;
+      std::vector<double> first_temperatures;
       for (const bool hot_is_first : {true, false})
       {
         const auto tool = [&](const std::string &name, const std::string &temperature)
@@ -588,10 +588,10 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
             EXPECT_LT(temperature, 80.);
             sum += *heat.node(i);
             if (hot_is_first)
-              of_first_order.push_back(temperature);
+              first_temperatures.push_back(temperature);
             else
             {
-              EXPECT_NEAR(temperature, of_first_order[step * n_owned + i], 1e-10);
+              EXPECT_NEAR(temperature, first_temperatures[step * n_owned + i], 1e-10);
             }
           }
           const ContactBalance balance = contacts.balance();
@@ -630,12 +630,12 @@ TEST(ContactConduction, temperature_of_the_tool_is_in_a_checkpoint)
   resumed.waiting.copy_from(plate.waiting); // which the thermal state has
   for (SlidingPlate *const some : {&plate, &resumed})
     some->advance();
-  const ContactBalance of_plate = plate.contact->balance(MPI_COMM_WORLD),
-                       of_resumed = resumed.contact->balance(MPI_COMM_WORLD);
-  EXPECT_LT(of_plate.tool_temperature, 34.);
-  EXPECT_EQ(of_resumed.tool_temperature, of_plate.tool_temperature);
-  EXPECT_EQ(of_resumed.conducted, of_plate.conducted);
-  EXPECT_EQ(of_resumed.friction, of_plate.friction);
+  const ContactBalance plate_balance = plate.contact->balance(MPI_COMM_WORLD),
+                       resumed_balance = resumed.contact->balance(MPI_COMM_WORLD);
+  EXPECT_LT(plate_balance.tool_temperature, 34.);
+  EXPECT_EQ(resumed_balance.tool_temperature, plate_balance.tool_temperature);
+  EXPECT_EQ(resumed_balance.conducted, plate_balance.conducted);
+  EXPECT_EQ(resumed_balance.friction, plate_balance.friction);
 }
 
 TEST(ContactConduction, entries_that_cannot_be_are_refused)
@@ -670,8 +670,8 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
                                                                  nodes.communicator());
     NodalVector position(partition);
     for_owned_nodes(nodes,
-                    [&](const auto number, const dealii::Point<dim> &place) {
-                      std::copy_n(&place[0], dim, position.node(partition->local_index(number)));
+                    [&](const auto number, const dealii::Point<dim> &point) {
+                      std::copy_n(&point[0], dim, position.node(partition->local_index(number)));
                     });
     position.update_ghosts();
     OutwardAreas<dim> areas(nodes, {});

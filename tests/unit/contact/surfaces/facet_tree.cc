@@ -41,11 +41,11 @@ namespace tombolo
             for (unsigned int i = 0; i <= n; ++i)
               for (unsigned int j = 0; j <= n; ++j)
               {
-                Tensor<1, 3> place;
-                place[axis] = end;
-                place[(axis + 1) % 3] = double(i) / n;
-                place[(axis + 2) % 3] = double(j) / n;
-                result.vertices.push_back(place);
+                Tensor<1, 3> vertex;
+                vertex[axis] = end;
+                vertex[(axis + 1) % 3] = double(i) / n;
+                vertex[(axis + 2) % 3] = double(j) / n;
+                result.vertices.push_back(vertex);
               }
             for (unsigned int i = 0; i < n; ++i)
               for (unsigned int j = 0; j < n; ++j)

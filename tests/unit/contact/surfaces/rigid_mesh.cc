@@ -22,10 +22,10 @@ namespace tombolo
     namespace
     {
       using dealii::Tensor;
-      using Place = RigidProfile::Point;
+      using ProfilePoint = RigidProfile::Point;
 
       /** A friction drill of 36 degrees. */
-      const std::vector<Place> drill = {
+      const std::vector<ProfilePoint> drill = {
           {0., 0.}, {1., 1. / std::tan(dealii::numbers::PI / 10.)}, {1., 5.}, {0., 5.}};
 
       class Points
@@ -193,13 +193,13 @@ namespace tombolo
         for (unsigned int i = 0; i < 5000; ++i)
         {
           const auto a = random(low, high), b = random(low, high);
-          const auto of_a = mesh.nearest(a), of_b = mesh.nearest(b);
-          ASSERT_LE(std::abs(of_a.gap - of_b.gap), (a - b).norm() + 1e-13);
-          ASSERT_NEAR(of_a.normal.norm(), 1., 1e-13);
-          ASSERT_NEAR(mesh.nearest(a - of_a.gap * of_a.normal).gap, 0., 1e-12);
-          if (of_a.gap > 0.1)
+          const auto nearest_a = mesh.nearest(a), nearest_b = mesh.nearest(b);
+          ASSERT_LE(std::abs(nearest_a.gap - nearest_b.gap), (a - b).norm() + 1e-13);
+          ASSERT_NEAR(nearest_a.normal.norm(), 1., 1e-13);
+          ASSERT_NEAR(mesh.nearest(a - nearest_a.gap * nearest_a.normal).gap, 0., 1e-12);
+          if (nearest_a.gap > 0.1)
           {
-            ASSERT_NEAR(mesh.nearest(a - 0.05 * of_a.normal).gap, of_a.gap - 0.05, 1e-12);
+            ASSERT_NEAR(mesh.nearest(a - 0.05 * nearest_a.normal).gap, nearest_a.gap - 0.05, 1e-12);
           }
         }
       }
@@ -371,7 +371,7 @@ namespace tombolo
 
       TEST(RigidMesh, tells_inside_from_outside_at_sharp_edges_and_corners)
       {
-        // A thin wedge, whose corners see facets of very different angles.
+        // A thin wedge, whose corners join facets of very different angles.
         FacetList<3> wedge = unit_box();
         for (const unsigned int v : {1u, 3u, 5u, 7u})
           wedge.vertices[v][2] = 0.001 * wedge.vertices[v][2];

@@ -17,17 +17,17 @@ namespace tombolo
   {
     namespace
     {
-      using Place = RigidProfile::Point;
+      using ProfilePoint = RigidProfile::Point;
 
-      double distance(const Place &a, const Place &b)
+      double distance(const ProfilePoint &a, const ProfilePoint &b)
       {
         return std::hypot(a.r - b.r, a.z - b.z);
       }
 
-      class Places
+      class RandomPoints
       {
       public:
-        Place operator()(const double largest_r, const double low, const double high)
+        ProfilePoint operator()(const double largest_r, const double low, const double high)
         {
           return {largest_r * uniform(generator), low + (high - low) * uniform(generator)};
         }
@@ -40,15 +40,15 @@ namespace tombolo
       TEST(RigidProfile, square_with_the_edge_radius_of_a_disc_is_a_sphere)
       {
         const RigidProfile sphere({{0., -2.}, {2., -2.}, {2., 2.}, {0., 2.}}, 2.);
-        Places random;
+        RandomPoints random;
         for (unsigned int i = 0; i < 1000; ++i)
         {
-          const Place place = random(4., -4., 4.);
-          const double size = std::hypot(place.r, place.z);
-          const auto nearest = sphere.nearest(place);
+          const ProfilePoint point = random(4., -4., 4.);
+          const double size = std::hypot(point.r, point.z);
+          const auto nearest = sphere.nearest(point);
           ASSERT_NEAR(nearest.gap, size - 2., 1e-14);
-          ASSERT_NEAR(nearest.normal.r, place.r / size, 1e-13);
-          ASSERT_NEAR(nearest.normal.z, place.z / size, 1e-13);
+          ASSERT_NEAR(nearest.normal.r, point.r / size, 1e-13);
+          ASSERT_NEAR(nearest.normal.z, point.z / size, 1e-13);
         }
       }
 
@@ -57,16 +57,17 @@ namespace tombolo
         for (const double edge_radius : {0., 0.3})
         {
           const RigidProfile profile(stepped, edge_radius);
-          Places random;
+          RandomPoints random;
           for (unsigned int i = 0; i < 2000; ++i)
           {
-            const Place a = random(5., -1., 5.), b = random(5., -1., 5.);
-            const auto of_a = profile.nearest(a), of_b = profile.nearest(b);
-            ASSERT_LE(std::abs(of_a.gap - of_b.gap), distance(a, b) + 1e-14);
-            ASSERT_NEAR(std::hypot(of_a.normal.r, of_a.normal.z), 1., 1e-13);
-            ASSERT_LE(profile.distance_from_box(a), std::max(0., of_a.gap) + 1e-14);
+            const ProfilePoint a = random(5., -1., 5.), b = random(5., -1., 5.);
+            const auto nearest_a = profile.nearest(a), nearest_b = profile.nearest(b);
+            ASSERT_LE(std::abs(nearest_a.gap - nearest_b.gap), distance(a, b) + 1e-14);
+            ASSERT_NEAR(std::hypot(nearest_a.normal.r, nearest_a.normal.z), 1., 1e-13);
+            ASSERT_LE(profile.distance_from_box(a), std::max(0., nearest_a.gap) + 1e-14);
             // The point that the gap and the normal lead to is on the surface.
-            const Place foot = {a.r - of_a.gap * of_a.normal.r, a.z - of_a.gap * of_a.normal.z};
+            const ProfilePoint foot = {a.r - nearest_a.gap * nearest_a.normal.r,
+                                       a.z - nearest_a.gap * nearest_a.normal.z};
             ASSERT_NEAR(profile.nearest(foot).gap, 0., 1e-13) << a.r << ", " << a.z;
           }
         }
@@ -75,29 +76,31 @@ namespace tombolo
       TEST(RigidProfile, inside_and_outside_are_told_apart_at_edges_of_both_kinds)
       {
         const RigidProfile profile(stepped, 0.);
-        for (const Place place : {Place{0.9, 0.1}, {0.99, 1.99}, {1.01, 2.01}, {2.99, 2.01}})
-          EXPECT_LT(profile.nearest(place).gap, 0.) << place.r << ", " << place.z;
-        for (const Place place : {Place{1.01, -0.01}, {1.01, 1.99}, {3.01, 1.99}, {2.99, 1.99}})
-          EXPECT_GT(profile.nearest(place).gap, 0.) << place.r << ", " << place.z;
+        for (const ProfilePoint point :
+             {ProfilePoint{0.9, 0.1}, {0.99, 1.99}, {1.01, 2.01}, {2.99, 2.01}})
+          EXPECT_LT(profile.nearest(point).gap, 0.) << point.r << ", " << point.z;
+        for (const ProfilePoint point :
+             {ProfilePoint{1.01, -0.01}, {1.01, 1.99}, {3.01, 1.99}, {2.99, 1.99}})
+          EXPECT_GT(profile.nearest(point).gap, 0.) << point.r << ", " << point.z;
         EXPECT_EQ(profile.nearest({1., 2.}).gap, 0.);
         EXPECT_NEAR(profile.nearest({1., 2.}).normal.r, std::sqrt(0.5), 1e-14);
         EXPECT_NEAR(profile.nearest({1., 2.}).normal.z, -std::sqrt(0.5), 1e-14);
       }
 
-      /** The force of a unit spring on a node that goes all around the tool, some way below the
+      /** The force of a unit spring on a node that moves all around the tool, some way below the
        * surface. */
       double largest_jump_of_force(const RigidProfile &profile, const double depth,
                                    const unsigned int n)
       {
         // A way around the sharp corners, moved inwards and over the edges in small steps.
-        const std::vector<Place> way = {{0., depth},
-                                        {1. - depth, depth},
-                                        {1. - depth, 2. + depth},
-                                        {3. - depth, 2. + depth},
-                                        {3. - depth, 4. - depth},
-                                        {0., 4. - depth}};
+        const std::vector<ProfilePoint> way = {{0., depth},
+                                               {1. - depth, depth},
+                                               {1. - depth, 2. + depth},
+                                               {3. - depth, 2. + depth},
+                                               {3. - depth, 4. - depth},
+                                               {0., 4. - depth}};
         double jump = 0;
-        Place last = {0., 0.};
+        ProfilePoint last = {0., 0.};
         bool is_first = true;
         for (std::size_t side = 0; side + 1 < way.size(); ++side)
           for (unsigned int i = 0; i < n; ++i)
@@ -106,7 +109,7 @@ namespace tombolo
             const auto nearest = profile.nearest({(1. - s) * way[side].r + s * way[side + 1].r,
                                                   (1. - s) * way[side].z + s * way[side + 1].z});
             const double size = std::max(-nearest.gap, 0.);
-            const Place force = {size * nearest.normal.r, size * nearest.normal.z};
+            const ProfilePoint force = {size * nearest.normal.r, size * nearest.normal.z};
             if (!is_first)
               jump = std::max(jump, distance(force, last));
             is_first = false;
@@ -129,7 +132,7 @@ namespace tombolo
 
       TEST(RigidProfile, outlines_that_are_none_are_refused)
       {
-        const std::vector<std::vector<Place>> bad = {
+        const std::vector<std::vector<ProfilePoint>> bad = {
             {{0., 0.}, {1., 1.}},
             {{0., 0.}, {0., 4.}, {3., 4.}, {3., 0.}},
             {{0., 4.}, {3., 4.}, {3., 0.}, {0., 0.}},
@@ -148,7 +151,7 @@ namespace tombolo
         for (const double radius : {0., 0.3})
         {
           const RigidProfile profile(stepped, radius);
-          const std::vector<Place> outline = profile.outline(0.2);
+          const std::vector<ProfilePoint> outline = profile.outline(0.2);
           EXPECT_EQ(outline.front().r, 0.);
           EXPECT_EQ(outline.back().r, 0.);
           if (radius == 0.)
@@ -159,20 +162,20 @@ namespace tombolo
           {
             EXPECT_GT(outline.size(), 3 * stepped.size());
           }
-          for (const Place &place : outline)
-            EXPECT_NEAR(profile.nearest(place).gap, 0., 1e-14) << place.r << " " << place.z;
+          for (const ProfilePoint &point : outline)
+            EXPECT_NEAR(profile.nearest(point).gap, 0., 1e-14) << point.r << " " << point.z;
         }
       }
 
       TEST(RigidProfile, outline_of_a_rounded_tip_ends_on_the_axis)
       {
         const RigidProfile profile({{0., 0.}, {1., 1.}, {0., 2.}}, 0.2);
-        const std::vector<Place> outline = profile.outline(0.2);
+        const std::vector<ProfilePoint> outline = profile.outline(0.2);
         EXPECT_EQ(outline.front().r, 0.);
         EXPECT_NEAR(outline.front().z, 0.2 * (std::sqrt(2.) - 1.), 1e-14);
         EXPECT_EQ(outline.back().r, 0.);
-        for (const Place &place : outline)
-          EXPECT_NEAR(profile.nearest(place).gap, 0., 1e-14) << place.r << " " << place.z;
+        for (const ProfilePoint &point : outline)
+          EXPECT_NEAR(profile.nearest(point).gap, 0., 1e-14) << point.r << " " << point.z;
       }
 
       TEST(Drill, touches_where_its_cones_and_its_cylinder_are)
