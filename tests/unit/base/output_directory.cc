@@ -21,7 +21,7 @@ namespace
     return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
   }
 
-  /** Does something on rank 0 alone, before all go on. */
+  /** Does something on rank 0 alone, before all continue. */
   void prepare(const std::function<void()> &action)
   {
     if (is_first())
@@ -51,8 +51,9 @@ namespace
   {
   protected:
     OutputDirectoryWithLinks()
-        : place("output_directory"), directory(place.path + "/run", MPI_COMM_WORLD),
-          elsewhere(place.path + "/elsewhere")
+        : test_directory("output_directory"),
+          directory(test_directory.path + "/run", MPI_COMM_WORLD),
+          elsewhere(test_directory.path + "/elsewhere")
     {
       prepare(
           [&]()
@@ -69,7 +70,7 @@ namespace
       EXPECT_EQ(read_file(elsewhere + "/precious"), "precious");
     }
 
-    TestDirectory place;
+    TestDirectory test_directory;
     OutputDirectory directory;
     std::string elsewhere;
   };

@@ -66,9 +66,9 @@ namespace tombolo
         EXPECT_NEAR(stress, exact, 1e-3);
         // Of first order in the step.
         Points coarse(*material);
-        const double of_coarse = shear_by(coarse, 0.05, 40);
+        const double coarse_stress = shear_by(coarse, 0.05, 40);
         const double q = coarse.value("effective plastic strain", 0);
-        EXPECT_NEAR(of_coarse,
+        EXPECT_NEAR(coarse_stress,
                     1. + 60. / 50. * (1. - std::exp(-50. * q)) + 5. / 2. * (1. - std::exp(-2. * q)),
                     0.03);
       }

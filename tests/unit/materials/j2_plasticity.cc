@@ -122,7 +122,7 @@ namespace tombolo
         }
       }
 
-      // The mean of the flow stress up to a strain is the energy that a shear zone takes: what the
+      // The mean of the flow stress up to a strain is the energy of a shear zone: what the
       // heat of a cut does to its force (6082-T6 without rate).
       TEST(J2Plasticity, heat_lowers_the_energy_of_a_shear_zone_of_aluminium_by_the_closed_form)
       {
@@ -249,7 +249,7 @@ namespace tombolo
           EXPECT_GT(count, 100u);
       }
 
-      // Newton's method goes to and fro between a strain on the flat side of the kink and the first
+      // Newton's method alternates between a strain on the flat side of the kink and the first
       // one for states that end a little above the reference rate.
       TEST(J2Plasticity, a_step_that_ends_near_the_reference_rate_finds_its_plastic_strain)
       {
@@ -502,9 +502,9 @@ namespace tombolo
 
       std::string with(std::string text, const std::string &old_text, const std::string &new_text)
       {
-        const std::size_t place = text.find(old_text);
-        AssertThrow(place != std::string::npos, dealii::ExcMessage("no " + old_text));
-        return text.replace(place, old_text.size(), new_text);
+        const std::size_t position = text.find(old_text);
+        AssertThrow(position != std::string::npos, dealii::ExcMessage("no " + old_text));
+        return text.replace(position, old_text.size(), new_text);
       }
 
       TEST(BadMaterial, constants_out_of_range_are_refused_with_their_place)

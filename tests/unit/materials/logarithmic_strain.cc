@@ -181,14 +181,14 @@ TEST(LogarithmicStrain, no_digit_of_a_point_depends_on_those_that_are_computed_w
         Matrix3<Lanes> alone, beside;
         Lanes strain_alone[6], strain_beside[6];
         const Matrix h = 0.3 * random_matrix(generator, own),
-                     of_other = 0.3 * random_matrix(generator, other),
+                     other_h = 0.3 * random_matrix(generator, other),
                      strain = random_matrix(generator, own),
                      strain_of_other = random_matrix(generator, other);
         for (unsigned int i = 0; i < 3; ++i)
           for (unsigned int j = 0; j < 3; ++j)
           {
             alone(i, j) = h[i][j];
-            beside(i, j) = of_other[i][j];
+            beside(i, j) = other_h[i][j];
             beside(i, j)[0] = h[i][j];
           }
         for (unsigned int c = 0; c < 6; ++c)
@@ -197,12 +197,13 @@ TEST(LogarithmicStrain, no_digit_of_a_point_depends_on_those_that_are_computed_w
           strain_beside[c] = strain_of_other[row_of_component[c]][column_of_component[c]];
           strain_beside[c][0] = strain_alone[c][0];
         }
-        const MotionIncrement<Lanes> of_alone =
+        const MotionIncrement<Lanes> alone_increment =
             logarithmic_increment(alone, identical, strain_alone);
-        const MotionIncrement<Lanes> of_beside =
+        const MotionIncrement<Lanes> beside_increment =
             logarithmic_increment(beside, identical, strain_beside);
         for (unsigned int c = 0; c < 6; ++c)
-          ASSERT_EQ(of_alone.strain[c][0], of_beside.strain[c][0]) << own << " beside " << other;
+          ASSERT_EQ(alone_increment.strain[c][0], beside_increment.strain[c][0])
+              << own << " beside " << other;
       }
 }
 

@@ -18,7 +18,7 @@ namespace tombolo
   {
     namespace
     {
-      /** A material whose tangent nobody knows. */
+      /** A material whose tangent is unknown. */
       class WithoutTangent : public Material
       {
       public:

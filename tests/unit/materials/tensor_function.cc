@@ -47,8 +47,8 @@ namespace
   Real size_of(const Matrix &a)
   {
     Real squared = 0;
-    for (const auto &of_row : a)
-      for (const Real entry : of_row)
+    for (const auto &row : a)
+      for (const Real entry : row)
         squared += entry * entry;
     return std::sqrt(squared);
   }
@@ -58,7 +58,7 @@ namespace
     return {{{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}}};
   }
 
-  /** Σ a_k x^k of as many terms as are seen. */
+  /** Σ a_k x^k of as many terms as have an effect. */
   template <typename Coefficient>
   Matrix series(const Matrix &x, const Coefficient &coefficient)
   {
@@ -83,8 +83,8 @@ namespace
   {
     std::uniform_real_distribution<double> entry(-1., 1.);
     Matrix result;
-    for (auto &of_row : result)
-      for (Real &value : of_row)
+    for (auto &row : result)
+      for (Real &value : row)
         value = entry(generator);
     return sum({}, size / size_of(result), result);
   }
@@ -95,8 +95,8 @@ namespace
     Matrix result = random_matrix(generator, 1);
     result = sum(result, 1, transposed(result));
     result = sum({}, size / size_of(result), result);
-    for (auto &of_row : result)
-      for (Real &value : of_row)
+    for (auto &row : result)
+      for (Real &value : row)
         value = double(value);
     return result;
   }
@@ -109,7 +109,7 @@ namespace
     return result;
   }
 
-  Matrix of_lane(const Lanes (&a)[6])
+  Matrix first_lane(const Lanes (&a)[6])
   {
     Matrix result;
     for (unsigned int c = 0; c < 6; ++c)
@@ -129,7 +129,7 @@ namespace
     for (unsigned int sample = 0; sample < 200; ++sample)
     {
       const Matrix x = random_symmetric(generator, size);
-      const Matrix found = of_lane(function_of<Function>(in_lanes(x)).entry);
+      const Matrix found = first_lane(function_of<Function>(in_lanes(x)).entry);
       largest = std::max(largest, size_of(sum(found, -1, reference(x))) / size);
     }
     return double(largest);
@@ -173,27 +173,27 @@ TEST(TensorFunction, makes_increments_of_strains_and_rotations)
         std::copy_n(in_lanes(strain).entry, 6, turned);
         const MotionIncrement<Lanes> motion =
             logarithmic_increment(h, Compliance(1. / 3., 0.5), turned);
-        const MotionIncrement<Lanes> of_rate = motion_increment(h);
+        const MotionIncrement<Lanes> rate_increment = motion_increment(h);
         for (unsigned int i = 0; i < 3; ++i)
-          EXPECT_NEAR(motion.spin[i][0], of_rate.spin[i][0], 1e-15 * increment_size);
-        EXPECT_NEAR(motion.volume_factor[0], of_rate.volume_factor[0], 1e-15);
+          EXPECT_NEAR(motion.spin[i][0], rate_increment.spin[i][0], 1e-15 * increment_size);
+        EXPECT_NEAR(motion.volume_factor[0], rate_increment.volume_factor[0], 1e-15);
 
         const Matrix stretch = sum(identity_matrix(), 1, inverse_stretch(strain));
         const Matrix expected = strain_of_inverse_stretch(
             sum(product(transposed(to_begin), product(stretch, to_begin)), -1, identity_matrix()));
-        const Matrix found = sum(of_lane(motion.strain), 1, of_lane(turned));
+        const Matrix found = sum(first_lane(motion.strain), 1, first_lane(turned));
         EXPECT_LT(size_of(sum(found, -1, expected)),
                   2e-15 * (strain_size + increment_size) + 1e-18);
 
         Real spin[3];
         for (unsigned int i = 0; i < 3; ++i)
           spin[i] = motion.spin[i][0];
-        const Matrix3<Real> of_spin = rotation_of(spin);
+        const Matrix3<Real> spin_rotation = rotation_of(spin);
         Matrix rotation;
         for (unsigned int i = 0; i < 3; ++i)
           for (unsigned int j = 0; j < 3; ++j)
-            rotation[i][j] = of_spin(i, j);
-        EXPECT_LT(size_of(sum(of_lane(turned), -1,
+            rotation[i][j] = spin_rotation(i, j);
+        EXPECT_LT(size_of(sum(first_lane(turned), -1,
                               product(rotation, product(strain, transposed(rotation))))),
                   2e-15 * strain_size);
       }

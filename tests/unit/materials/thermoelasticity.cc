@@ -154,7 +154,7 @@ namespace tombolo
         EXPECT_NEAR(points.stress()[0], 0., 1e-12);
       }
 
-      /** A walk at constant volume: what the motion and the temperature give is stored or
+      /** A walk at constant volume: what the motion and the temperature supply is stored or
        * dissipated. Returns the dissipated share. */
       double check_energy_balance(const Material &material, const double size)
       {
@@ -288,9 +288,9 @@ namespace tombolo
 
       std::string without(std::string text, const std::string &line)
       {
-        const std::size_t place = text.find(line);
-        AssertThrow(place != std::string::npos, dealii::ExcMessage("no " + line));
-        return text.erase(place, line.size());
+        const std::size_t position = text.find(line);
+        AssertThrow(position != std::string::npos, dealii::ExcMessage("no " + line));
+        return text.erase(position, line.size());
       }
 
       std::vector<std::string> names(const Material &material)

@@ -53,13 +53,13 @@ namespace
     const Nodes<2> nodes(mesh, 1);
     const Bodies<2> bodies(nodes);
     // All nodes of a cell are of one body.
-    std::vector<dealii::types::global_dof_index> of_cell;
+    std::vector<dealii::types::global_dof_index> cell_numbers;
     for (const auto &cell : nodes.dof_handler().active_cell_iterators())
       if (cell->is_locally_owned())
       {
-        nodes.cell_nodes(cell, of_cell);
-        for (const auto node : of_cell)
-          EXPECT_EQ(bodies.body_of(node), bodies.body_of(of_cell.front()));
+        nodes.cell_nodes(cell, cell_numbers);
+        for (const auto node : cell_numbers)
+          EXPECT_EQ(bodies.body_of(node), bodies.body_of(cell_numbers.front()));
       }
     return bodies.n_bodies();
   }

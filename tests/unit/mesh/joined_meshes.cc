@@ -75,11 +75,11 @@ namespace
     }
     for (auto &sizes : result)
     {
-      const auto of_ranks = dealii::Utilities::MPI::all_gather(
+      const auto all_sizes = dealii::Utilities::MPI::all_gather(
           MPI_COMM_WORLD, std::vector<std::pair<unsigned int, double>>(sizes.begin(), sizes.end()));
       sizes.clear();
-      for (const auto &of_rank : of_ranks)
-        for (const auto &[id, size] : of_rank)
+      for (const auto &rank_sizes : all_sizes)
+        for (const auto &[id, size] : rank_sizes)
           sizes[id] += size;
     }
     return result;
@@ -95,11 +95,11 @@ TEST(JoinedMeshes, share_no_nodes_where_they_touch)
   EXPECT_NEAR(dealii::GridTools::volume(mesh->triangulation), 3., 1e-14);
   const Nodes<3> nodes(*mesh, 1);
   EXPECT_EQ(nodes.dof_handler().n_dofs(), 2u * 27u);
-  // Nine pairs of nodes at one place.
-  std::set<std::vector<double>> places;
+  // Nine pairs of nodes at one position.
+  std::set<std::vector<double>> positions;
   for (const auto &node : nodes_by_id(nodes))
-    places.insert(node.second);
-  EXPECT_EQ(places.size(), 54u - 9u);
+    positions.insert(node.second);
+  EXPECT_EQ(positions.size(), 54u - 9u);
 
   const auto [volumes, areas] = sizes_by_ids(*mesh);
   EXPECT_NEAR(volumes.at(mesh->group_names.at("mesh a")), 1., 1e-14);
@@ -133,24 +133,24 @@ TEST(JoinedMeshes, are_turned_about_a_point_and_then_shifted)
                                 "set Rotation = 90\nset Rotation axis = 0, 0, 5\n"
                                 "set Rotation point = 1, 0, 0\nset Shift = 0, 0, 10\n")}})
           .create();
-  std::set<std::vector<double>> places;
+  std::set<std::vector<double>> positions;
   for (const auto &node : nodes_by_id(Nodes<3>(*mesh, 1)))
-    places.insert(node.second);
+    positions.insert(node.second);
   std::set<std::vector<double>> expected;
   for (const double x : {0., 1.})
     for (const double y : {0., 2.})
       for (const double z : {0., 3.})
         expected.insert({1. - y, x - 1., z + 10.});
-  EXPECT_EQ(places, expected);
+  EXPECT_EQ(positions, expected);
 
   const auto plane = JoinedScene<2>({{"a", box("2, 1", "1, 1",
                                                "set Rotation = -90\n"
                                                "set Rotation point = 2, 0\n")}})
                          .create();
-  places.clear();
+  positions.clear();
   for (const auto &node : nodes_by_id(Nodes<2>(*plane, 1)))
-    places.insert(node.second);
-  EXPECT_EQ(places, (std::set<std::vector<double>>{{2., 2.}, {2., 0.}, {3., 2.}, {3., 0.}}));
+    positions.insert(node.second);
+  EXPECT_EQ(positions, (std::set<std::vector<double>>{{2., 2.}, {2., 0.}, {3., 2.}, {3., 0.}}));
 }
 
 TEST(JoinedMeshes, have_names_of_their_sources_with_and_without_their_own)

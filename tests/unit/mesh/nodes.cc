@@ -81,7 +81,7 @@ TEST(Nodes, of_a_cell_are_lexicographic_and_lie_on_gauss_lobatto_points)
   const Nodes<3> nodes(*mesh, 3);
   EXPECT_EQ(nodes.degree(), 3u);
   const double inner = (1 - std::sqrt(0.2)) / 2;
-  const double places[] = {0, inner, 1 - inner, 1};
+  const double coordinates[] = {0, inner, 1 - inner, 1};
   std::vector<dealii::types::global_dof_index> numbers;
   std::vector<dealii::Point<3>> points;
   for (const auto &cell : nodes.dof_handler().active_cell_iterators())
@@ -95,9 +95,9 @@ TEST(Nodes, of_a_cell_are_lexicographic_and_lie_on_gauss_lobatto_points)
       {
         EXPECT_TRUE(nodes.relevant().is_element(numbers[k]));
         const auto corner = cell->vertex(0);
-        EXPECT_NEAR(points[k][0], corner[0] + 2. * places[k % 4], 1e-14);
-        EXPECT_NEAR(points[k][1], corner[1] + 1. * places[k / 4 % 4], 1e-14);
-        EXPECT_NEAR(points[k][2], corner[2] + 1.5 * places[k / 16], 1e-14);
+        EXPECT_NEAR(points[k][0], corner[0] + 2. * coordinates[k % 4], 1e-14);
+        EXPECT_NEAR(points[k][1], corner[1] + 1. * coordinates[k / 4 % 4], 1e-14);
+        EXPECT_NEAR(points[k][2], corner[2] + 1.5 * coordinates[k / 16], 1e-14);
       }
     }
 }

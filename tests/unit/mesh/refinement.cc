@@ -18,9 +18,10 @@ namespace
   class RefinedBox
   {
   public:
-    RefinedBox(const std::string &of_box, const std::string &of_mesh) : parameters(MPI_COMM_WORLD)
+    RefinedBox(const std::string &box_entries, const std::string &mesh_entries)
+        : parameters(MPI_COMM_WORLD)
     {
-      parameters.read_text("subsection Mesh\n" + of_mesh + "\nsubsection box\n" + of_box +
+      parameters.read_text("subsection Mesh\n" + mesh_entries + "\nsubsection box\n" + box_entries +
                                "\nend\nend\n",
                            "scene.prm");
       auto &handler = parameters.handler();
@@ -121,9 +122,9 @@ namespace
     const auto nodes = nodes_by_id(Nodes<3>(*mesh, 1));
     const auto expected = nodes_by_id(Nodes<3>(*alone, 1));
     ASSERT_EQ(nodes.size(), expected.size());
-    for (const auto &[id, place] : expected)
+    for (const auto &[id, position] : expected)
       for (unsigned int d = 0; d < 3; ++d)
-        EXPECT_NEAR(nodes.at(id)[d], place[d], 1e-14);
+        EXPECT_NEAR(nodes.at(id)[d], position[d], 1e-14);
   }
 
   TEST(MeshRefinement, keeps_the_boundaries_of_the_source)
@@ -140,9 +141,9 @@ namespace
       EXPECT_NEAR(area, 25., 1e-10);
   }
 
-  std::string refused(const std::string &of_mesh, const std::string &of_box = cube)
+  std::string refused(const std::string &mesh_entries, const std::string &box_entries = cube)
   {
-    return input_error([&] { RefinedBox<3>(of_box, of_mesh).create(); });
+    return input_error([&] { RefinedBox<3>(box_entries, mesh_entries).create(); });
   }
 
   TEST(MeshRefinement, refuses_what_is_no_refinement)

@@ -76,22 +76,22 @@ namespace
   TEST(Actions, forces_anywhere_have_the_power_of_the_nodal_forces)
   {
     for (const std::string smoothing : {"paper", "affine"})
-      for (const ActsAt place : {ActsAt::nodes, ActsAt::loads, ActsAt::positions})
+      for (const ActsAt acts_at : {ActsAt::nodes, ActsAt::loads, ActsAt::positions})
       {
-        SCOPED_TRACE(smoothing + ", " + std::to_string(static_cast<int>(place)));
+        SCOPED_TRACE(smoothing + ", " + std::to_string(static_cast<int>(acts_at)));
         const auto model = half_plate(smoothing);
         const NodePartition &partition = *model->state.partition();
         ASSERT_GT(sum(partition.n_images()), 0.);
         const NodalVector velocity = moving_field(*model);
-        NodalVector at_places(model->state.partition());
-        if (place == ActsAt::loads || (place == ActsAt::positions && smoothing == "paper"))
-          model->bridge->load_transfer().interpolate(velocity, at_places);
+        NodalVector acting_velocity(model->state.partition());
+        if (acts_at == ActsAt::loads || (acts_at == ActsAt::positions && smoothing == "paper"))
+          model->bridge->load_transfer().interpolate(velocity, acting_velocity);
         else
-          at_places.copy_from(velocity);
-        at_places.distribute();
+          acting_velocity.copy_from(velocity);
+        acting_velocity.distribute();
 
         Actions actions;
-        Action &action = actions.add("pushes", place);
+        Action &action = actions.add("pushes", acts_at);
         actions.set_partition(model->state.partition());
         for (unsigned int step = 0; step < 2; ++step) // nothing is left of the first
         {
@@ -103,7 +103,7 @@ namespace
             for (unsigned int d = 0; d < 2; ++d)
             {
               force[d] = noise(model->state.position.node(i), 5 + d + step);
-              given += force[d] * at_places.node(i)[d];
+              given += force[d] * acting_velocity.node(i)[d];
             }
             action.add_force(i, force);
           }
@@ -128,14 +128,14 @@ namespace
     HeatAction &heat = actions.add_heat("torch", "heat of the torch");
     actions.set_partition(partition);
     double product = 0, given = 0;
-    const auto give = [&](const unsigned int seed)
+    const auto add_noise = [&](const unsigned int seed)
     {
       for (unsigned int i = 0; i < partition->n_local(); ++i)
       {
-        const double of_node = noise(model->state.position.node(i), seed);
-        heat.add_heat(i, of_node);
-        product += of_node * *field.node(i);
-        given += of_node;
+        const double node_heat = noise(model->state.position.node(i), seed);
+        heat.add_heat(i, node_heat);
+        product += node_heat * *field.node(i);
+        given += node_heat;
       }
       actions.collect_heat(pending);
     };
@@ -146,13 +146,13 @@ namespace
       accounts.sum_over_ranks(MPI_COMM_WORLD);
       return accounts["heat of the torch"];
     };
-    for (const unsigned int seed : {5u, 6u}) // nothing is given twice
-      give(seed);
+    for (const unsigned int seed : {5u, 6u}) // nothing is added twice
+      add_noise(seed);
     EXPECT_NEAR(pending.dot(field), sum(product), 1e-12);
     const double before = booked();
     EXPECT_NEAR(before, sum(given), 1e-12);
     actions.records.keep();
-    give(7);
+    add_noise(7);
     EXPECT_GT(std::abs(booked() - before), 1e-3);
     actions.records.restore();
     EXPECT_EQ(booked(), before);
@@ -160,12 +160,12 @@ namespace
 
   TEST(Actions, a_few_nodes_have_the_forces_that_all_would_have)
   {
-    for (const ActsAt place : {ActsAt::nodes, ActsAt::positions})
+    for (const ActsAt acts_at : {ActsAt::nodes, ActsAt::positions})
     {
       const auto model = half_plate("paper", false);
       const NodePartition &partition = *model->state.partition();
       Actions actions;
-      Action &few = actions.add("few", place), &all = actions.add("all", place);
+      Action &few = actions.add("few", acts_at), &all = actions.add("all", acts_at);
       actions.set_partition(model->state.partition());
       for (unsigned int step = 0; step < 2; ++step) // nothing is left of the first
       {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
-// Every dataset of a checkpoint is guarded, and rows find their nodes whoever owns them.
+// Every dataset of a checkpoint is guarded, and rows reach their nodes on whatever rank has them.
 
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
@@ -98,15 +98,15 @@ namespace
     return result;
   }
 
-  void flip_a_bit(const std::string &file, const haddr_t place)
+  void flip_a_bit(const std::string &file, const haddr_t offset)
   {
     MPI_Barrier(MPI_COMM_WORLD);
     if (this_rank() == 0)
     {
       std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-      stream.seekg(static_cast<std::streamoff>(place));
+      stream.seekg(static_cast<std::streamoff>(offset));
       const char byte = static_cast<char>(stream.get() ^ 4);
-      stream.seekp(static_cast<std::streamoff>(place));
+      stream.seekp(static_cast<std::streamoff>(offset));
       stream.put(byte);
     }
     MPI_Barrier(MPI_COMM_WORLD);
@@ -138,12 +138,12 @@ TEST(Checkpoint, names_the_damaged_dataset_whichever_it_is)
   unsigned int n_damaged = 0;
   for (const Dataset &dataset : datasets)
     if (dataset.size > 0)
-      for (const hsize_t place : {hsize_t(0), dataset.size / 2, dataset.size - 1})
+      for (const hsize_t damaged_byte : {hsize_t(0), dataset.size / 2, dataset.size - 1})
       {
-        flip_a_bit(file, dataset.offset + place);
+        flip_a_bit(file, dataset.offset + damaged_byte);
         EXPECT_NE(refusal(file).find("\"" + dataset.name + "\""), std::string::npos)
             << dataset.name << ": " << refusal(file);
-        flip_a_bit(file, dataset.offset + place);
+        flip_a_bit(file, dataset.offset + damaged_byte);
         ++n_damaged;
       }
   EXPECT_EQ(refusal(file), "");
@@ -165,14 +165,14 @@ TEST(Checkpoint, is_refused_where_any_of_its_bytes_was_changed_or_is_missing)
   run.simulation->run();
   const std::string file = run.simulation->last_checkpoint();
   const auto size = std::filesystem::file_size(file);
-  // What describes the datasets has checksums of its own. Not every byte of a file means something.
+  // The descriptions of datasets have their own checksums. Some bytes of a file mean nothing.
   unsigned int n_noticed = 0;
   for (unsigned int k = 0; k < 60; ++k)
   {
-    const auto place = static_cast<haddr_t>(size * k / 60);
-    flip_a_bit(file, place);
+    const auto offset = static_cast<haddr_t>(size * k / 60);
+    flip_a_bit(file, offset);
     n_noticed += refusal(file).empty() ? 0 : 1;
-    flip_a_bit(file, place);
+    flip_a_bit(file, offset);
   }
   EXPECT_GT(n_noticed, 10u);
   EXPECT_EQ(refusal(file), "");
@@ -214,7 +214,7 @@ TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
   const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
   const auto value = [](const std::uint64_t id, const unsigned int c)
   { return 1. / (3. + static_cast<double>(id) + 0.25 * c); };
-  // Identifiers with gaps, given to ranks in turn when writing and in blocks backwards when
+  // Identifiers with gaps, assigned to ranks in turn when writing and in blocks backwards when
   // reading.
   const auto ids_of_rank = [&](const bool is_reading)
   {

@@ -44,12 +44,12 @@ namespace
   }
 
   /** Values between -1 and 1 that no two nodes share. */
-  void set_random(const NodalVector &places, const double seed, NodalVector &result)
+  void set_random(const NodalVector &positions, const double seed, NodalVector &result)
   {
     for (unsigned int i = 0; i < result.partition()->n_owned(); ++i)
       for (unsigned int c = 0; c < 3; ++c)
       {
-        const double *const x = places.node(i);
+        const double *const x = positions.node(i);
         result.node(i)[c] = std::sin(37. * x[0] + 91. * x[1] + 53. * x[2] + seed + c);
       }
     result.update_ghosts();
@@ -61,7 +61,7 @@ namespace
     const FrozenBody<dim> body(graded_block(formulation, dim));
     const Model<dim> &model = *body.model;
     ASSERT_TRUE(model.nodes->has_dependent_nodes());
-    const NodalVector &places = model.state.initial_position;
+    const NodalVector &positions = model.state.initial_position;
     const auto &partition = model.state.partition();
 
     // No node hangs between hanging nodes: one pass over the rows is enough.
@@ -76,13 +76,13 @@ namespace
     // Linear fields stay, so that positions do not move; the mean of others is taken elsewhere.
     NodalVector field, other;
     field.reinit(partition, Quantity::position);
-    field.copy_from(places);
+    field.copy_from(positions);
     field.distribute();
     double moved = 0, hanging_mass = 0, volume = 0, n_hanging = 0;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
       for (unsigned int d = 0; d < dim; ++d)
-        moved = std::max(moved, std::abs(field.node(i)[d] - places.node(i)[d]));
+        moved = std::max(moved, std::abs(field.node(i)[d] - positions.node(i)[d]));
       volume += *model.element_mass.node(i);
       n_hanging += *model.element_mass.node(i) == 0. ? 1. : 0.;
     }
@@ -94,8 +94,8 @@ namespace
     NodalVector force, velocity;
     for (NodalVector *const vector : {&force, &velocity, &other})
       vector->reinit(partition);
-    set_random(places, 0.3, velocity);
-    set_random(places, 1.7, force);
+    set_random(positions, 0.3, velocity);
+    set_random(positions, 1.7, force);
     other.copy_from(velocity);
     other.distribute();
     const double before = force.dot(other);
@@ -128,7 +128,7 @@ namespace
   {
     const FrozenBody<dim> body(graded_block(formulation, dim));
     Model<dim> &model = *body.model;
-    const NodalVector &places = model.state.initial_position;
+    const NodalVector &positions = model.state.initial_position;
     NodalVector velocity, force;
     velocity.reinit(model.state.partition());
     force.reinit(model.state.partition());
@@ -136,7 +136,7 @@ namespace
     for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
         for (unsigned int b = 0; b < dim; ++b)
-          velocity.node(i)[a] += gradient[a][b] * places.node(i)[b];
+          velocity.node(i)[a] += gradient[a][b] * positions.node(i)[b];
     Assembly<dim>(model.parts)
         .assemble(*model.bridge, velocity, force,
                   [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result) {
@@ -147,7 +147,7 @@ namespace
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
       {
-        double &largest = is_inside(places.node(i), dim) ? inside : outside;
+        double &largest = is_inside(positions.node(i), dim) ? inside : outside;
         largest = std::max(largest, std::abs(force.node(i)[d]));
       }
     EXPECT_LT(dealii::Utilities::MPI::max(inside, MPI_COMM_WORLD),
@@ -201,7 +201,7 @@ namespace
     const FrozenBody<dim> body(coupled_block(dim, has_small_particles, smoothing, bridge));
     const Model<dim> &model = *body.model;
     const auto &partition = model.state.partition();
-    const NodalVector &places = model.state.initial_position;
+    const NodalVector &positions = model.state.initial_position;
     ASSERT_TRUE(partition->has_dependent_nodes()) << name;
 
     // Nodes that follow others have no mass and are in no row, and no volume is lost.
@@ -222,9 +222,9 @@ namespace
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
         for (unsigned int b = 0; b < dim; ++b)
-          linear.node(i)[a] += gradient[a][b] * places.node(i)[b];
-    set_random(places, 0.3, noise);
-    set_random(places, 1.7, other);
+          linear.node(i)[a] += gradient[a][b] * positions.node(i)[b];
+    set_random(positions, 0.3, noise);
+    set_random(positions, 1.7, other);
     noise.distribute();
     other.distribute();
 
@@ -251,13 +251,13 @@ namespace
       for (unsigned int row = 0;
            part.particles != nullptr && row < part.particles->stencils().n_particles(); ++row)
       {
-        const Stencils::Row of_row = part.particles->stencils().row(row);
+        const Stencils::Row stencil = part.particles->stencils().row(row);
         double sums[dim][dim] = {};
-        for (unsigned int k = 0; k < of_row.size; ++k)
+        for (unsigned int k = 0; k < stencil.size; ++k)
           for (unsigned int a = 0; a < dim; ++a)
             for (unsigned int b = 0; b < dim; ++b)
-              sums[a][b] += linear.node(of_row.neighbour[k])[a] *
-                            of_row.gradient[k * Stencils::n_gradient + b];
+              sums[a][b] += linear.node(stencil.neighbour[k])[a] *
+                            stencil.gradient[k * Stencils::n_gradient + b];
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int b = 0; b < dim; ++b)
             worst = std::max(worst, std::abs(sums[a][b] - gradient[a][b]));
@@ -300,17 +300,17 @@ namespace
     {
       const FrozenBody<3> body(coupled_block(3, has_small_particles, "affine", "paper"));
       Model<3> &model = *body.model;
-      const NodalVector &places = model.state.initial_position;
+      const NodalVector &positions = model.state.initial_position;
       NodalVector spin(model.state.partition()), stretch(model.state.partition()),
           force(model.state.partition());
       for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
       {
-        const double *const x = places.node(i);
+        const double *const x = positions.node(i);
         spin.node(i)[0] = 0.3 * x[1] - 0.2 * x[2] + 1.;
         spin.node(i)[1] = -0.3 * x[0] + 0.4 * x[2];
         spin.node(i)[2] = 0.2 * x[0] - 0.4 * x[1];
       }
-      set_random(places, 0.7, stretch);
+      set_random(positions, 0.7, stretch);
       stretch.distribute();
       const auto apply = [&](const NodalVector &velocity)
       {

@@ -134,7 +134,7 @@ namespace
     EXPECT_EQ(owner.late, 9.);
   }
 
-  /** A file in a new directory that all ranks see. */
+  /** A file in a new directory that all ranks can read. */
   std::string file_in(const TestDirectory &directory)
   {
     if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)

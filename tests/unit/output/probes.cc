@@ -121,18 +121,18 @@ TEST(Probes, nodes_are_given_by_region_and_number)
         result.push_back(name.substr(0, name.size() - end.size()));
     return result;
   };
-  std::vector<std::string> of_region = names("set Where = x > 3.5 && y > 0.5\n");
-  ASSERT_EQ(of_region.size(), 2u);
+  std::vector<std::string> region_names = names("set Where = x > 3.5 && y > 0.5\n");
+  ASSERT_EQ(region_names.size(), 2u);
   const std::string row = lines_of(history<2>("set Where = x > 3.5 && y > 0.5\n"
                                               "set Columns = * position x\n"))[1];
   EXPECT_EQ(row, "0,0,4.4,4.4");
 
-  const std::string second = of_region[1].substr(of_region[1].find(' ') + 1);
-  std::swap(of_region[0], of_region[1]);
-  EXPECT_EQ(names("set Nodes = " + second + "\nset Where = x > 3.5 && y > 0.5\n"), of_region);
-  of_region.insert(of_region.begin(), "tip");
-  of_region.pop_back();
-  EXPECT_EQ(names("set Locations = tip: 4, 2\nset Nodes = " + second + "\n"), of_region);
+  const std::string second = region_names[1].substr(region_names[1].find(' ') + 1);
+  std::swap(region_names[0], region_names[1]);
+  EXPECT_EQ(names("set Nodes = " + second + "\nset Where = x > 3.5 && y > 0.5\n"), region_names);
+  region_names.insert(region_names.begin(), "tip");
+  region_names.pop_back();
+  EXPECT_EQ(names("set Locations = tip: 4, 2\nset Nodes = " + second + "\n"), region_names);
 }
 
 TEST(Probes, nodes_that_are_not_there_are_refused)
@@ -174,14 +174,14 @@ TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
   probes->start(model.view(0, 0), directory, UnitLabels());
 
   // The smallest identifier of the nodes at the corners of the cell, and of the edge's two ends.
-  const auto smallest_id = [&](const std::vector<dealii::Point<3>> &places)
+  const auto smallest_id = [&](const std::vector<dealii::Point<3>> &points)
   {
     std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
     for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
-      for (const auto &place : places)
+      for (const auto &point : points)
       {
         const double *const x = model.state.initial_position.node(node);
-        if (place.distance(dealii::Point<3>(x[0], x[1], x[2])) < 1e-10)
+        if (point.distance(dealii::Point<3>(x[0], x[1], x[2])) < 1e-10)
           id = std::min(id, model.nodes->persistent_ids()[node]);
       }
     const auto id_of_rank = dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, id);

@@ -24,7 +24,7 @@ namespace
   const std::string bar = "set Radius = 3.8\nset Length = 25.4\nset Core cells = 4\n"
                           "set Rings = 2\nset Cells along axis = 20\n";
 
-  /** The present place of a node, from its initial one and the time. */
+  /** The present position of a node, from its initial one and the time. */
   using Motion = std::function<dealii::Point<3>(const dealii::Point<3> &, double)>;
 
   /** The radius of a bar that has spread towards its foot, over the initial one. */
@@ -34,14 +34,14 @@ namespace
   }
 
   /** Shortened, spread, and with an outline that is not round: its mean is. */
-  dealii::Point<3> impact(const dealii::Point<3> &place, double)
+  dealii::Point<3> impact(const dealii::Point<3> &point, double)
   {
-    const double angle = std::atan2(place[1], place[0]);
-    const double stretch = spread(place[2]) * (1 + 0.1 * std::cos(2 * angle));
-    return {stretch * place[0], stretch * place[1], 0.65 * place[2]};
+    const double angle = std::atan2(point[1], point[0]);
+    const double stretch = spread(point[2]) * (1 + 0.1 * std::cos(2 * angle));
+    return {stretch * point[0], stretch * point[1], 0.65 * point[2]};
   }
 
-  /** A body without physics whose nodes move as they are told. */
+  /** A body without physics whose nodes have a prescribed motion. */
   class Body
   {
   public:
@@ -56,18 +56,18 @@ namespace
     {
       const NodePartition &partition = *state.partition();
       std::vector<dealii::types::global_dof_index> numbers;
-      std::vector<dealii::Point<3>> places;
+      std::vector<dealii::Point<3>> points;
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
         if (!cell->is_artificial())
         {
           nodes.cell_nodes(cell, numbers);
-          nodes.cell_points(cell, places);
-          for (std::size_t i = 0; i < places.size(); ++i)
+          nodes.cell_points(cell, points);
+          for (std::size_t i = 0; i < points.size(); ++i)
             if (partition.has(numbers[i]))
             {
-              const auto place = motion(places[i], time);
+              const auto point = motion(points[i], time);
               for (unsigned int d = 0; d < 3; ++d)
-                state.position.node(partition.local_index(numbers[i]))[d] = place[d];
+                state.position.node(partition.local_index(numbers[i]))[d] = point[d];
             }
         }
       OutputView<3> result;
@@ -84,9 +84,9 @@ namespace
     NodalState state;
   };
 
-  dealii::Point<3> rest(const dealii::Point<3> &place, double)
+  dealii::Point<3> rest(const dealii::Point<3> &point, double)
   {
-    return place;
+    return point;
   }
 
   /** The output, started on a body at rest. */
@@ -166,9 +166,9 @@ TEST(SpecimenShape, bulge_between_the_nodes_is_interpolated_with_second_order)
 TEST(SpecimenShape, does_not_depend_on_where_the_specimen_stands_or_how_it_turns)
 {
   // The bar lies along y: its own x and y are the z and x of the scene.
-  const auto motion = [](const dealii::Point<3> &place, double)
+  const auto motion = [](const dealii::Point<3> &point, double)
   {
-    const auto pressed = impact({place[2] - 3, place[0] - 2, place[1] - 1}, 0);
+    const auto pressed = impact({point[2] - 3, point[0] - 2, point[1] - 1}, 0);
     const double c = std::cos(0.3), s = std::sin(0.3);
     return dealii::Point<3>(s * pressed[0] + c * pressed[1] + 1, pressed[2] - 4,
                             c * pressed[0] - s * pressed[1] + 5);
@@ -184,11 +184,11 @@ TEST(SpecimenShape, surfaces_are_chosen_by_predicates_too)
 {
   Body body(bar);
   Specimen by_name(body, "");
-  Specimen by_place(body, "set Foot where = z < 1e-9\nset Rear where = z > 25.4 - 1e-9\n"
-                          "set Side where = x*x + y*y > 3.8^2 - 1e-9\n");
+  Specimen by_predicate(body, "set Foot where = z < 1e-9\nset Rear where = z > 25.4 - 1e-9\n"
+                              "set Side where = x*x + y*y > 3.8^2 - 1e-9\n");
   const auto view = body.view(impact, 1, 1);
   const auto expected = by_name.shape.measure(view);
-  const auto dimensions = by_place.shape.measure(view);
+  const auto dimensions = by_predicate.shape.measure(view);
   EXPECT_EQ(dimensions.length, expected.length);
   EXPECT_NEAR(dimensions.foot_diameter, expected.foot_diameter, 1e-14);
   EXPECT_NEAR(dimensions.bulge_diameter, expected.bulge_diameter, 1e-14);
@@ -225,8 +225,8 @@ TEST(SpecimenShape, histories_and_averages_are_written)
   Body body(bar);
   Specimen specimen(body, "set Average from = 4\nset Steps = 2\nset Test length = 12.7\n"
                           "set Test foot diameter = 7.6\nset Test bulge diameter = 7.6\n");
-  const auto shorten = [](const dealii::Point<3> &place, const double time)
-  { return dealii::Point<3>(place[0], place[1], (1 - 0.05 * time) * place[2]); };
+  const auto shorten = [](const dealii::Point<3> &point, const double time)
+  { return dealii::Point<3>(point[0], point[1], (1 - 0.05 * time) * point[2]); };
   // Uneven steps: 0, 0.1, 0.4, 0.9, ... 10.
   for (unsigned int step = 0; step <= 10; ++step)
   {

@@ -87,7 +87,7 @@ TEST(UnitLabels, force_stress_energy_and_power_follow_from_known_units)
   EXPECT_EQ(milliseconds.label("M L/T^2"), "kN");
   EXPECT_EQ(milliseconds.label("M/(L T^2)"), "GPa");
   EXPECT_EQ(milliseconds.label("M L^2/T^2"), "J");
-  // What is said holds, and of units that are not known, or have no name, nothing follows.
+  // A unit that is set holds; without known units, or a name for them, the label is a product.
   EXPECT_EQ(labels_of("length: mm, mass: t, time: s, stress: N/mm^2").label("M/(L T^2)"), "N/mm^2");
   EXPECT_EQ(labels_of("length: in, mass: slinch, time: s").label("M L/T^2"), "slinch in/s^2");
   EXPECT_EQ(labels_of("length: cm, mass: g, time: s").label("M L/T^2"), "g cm/s^2");

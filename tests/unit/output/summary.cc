@@ -72,9 +72,9 @@ TEST(Summary, file_has_versions_ranks_memory_and_the_results_of_the_case)
   EXPECT_NE(text.find("\"wall_seconds\": "), std::string::npos) << text;
   EXPECT_NE(text.find("\"results\": {\n    \"length\": 16.5\n  }\n}\n"), std::string::npos) << text;
 
-  const std::size_t place = text.find("\"peak_memory_bytes\": ");
-  ASSERT_NE(place, std::string::npos);
-  const double bytes = std::stod(text.substr(place + 21));
+  const std::size_t position = text.find("\"peak_memory_bytes\": ");
+  ASSERT_NE(position, std::string::npos);
+  const double bytes = std::stod(text.substr(position + 21));
   EXPECT_GT(bytes, 1e6 * n_ranks);
   EXPECT_LT(bytes, 1e10 * n_ranks);
 }

@@ -48,7 +48,7 @@ TEST(SymmetricTensors, what_is_not_finite_has_no_principal_values)
 
 TEST(SymmetricTensors, logarithmic_strain_turns_with_the_body_and_adds_up)
 {
-  // Stretched by 2 along x and by 1/2 along z, then turned by 90 degrees about y: x goes to -z.
+  // Stretched by 2 along x and by 1/2 along z, then turned by 90 degrees about y: x becomes -z.
   dealii::Tensor<2, 3> stretch, turn;
   stretch[0][0] = 2.;
   stretch[1][1] = 1.;

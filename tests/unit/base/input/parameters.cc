@@ -378,7 +378,7 @@ namespace
     EXPECT_TRUE(contains(refusal("", {"Title = a # b"}), "no \"#\""));
     EXPECT_TRUE(
         contains(refusal("", {"Steps = 1", "Steps = 2"}), "already set by --set \"Steps = 1\""));
-    // What the file says is still checked.
+    // The entries of the file are still checked.
     EXPECT_TRUE(contains(refusal("set Steps = 0\n", {"Steps = 1"}), "case.prm:1"));
   }
 

@@ -78,14 +78,14 @@ namespace
     EXPECT_TRUE(contains(loading("libincomplete_material.so"), "function_that_nothing_defines"));
   }
 
-  /** A copy of a library that says it was built with other headers. Returns its name. */
+  /** A copy of a library with the mark of other headers. Returns its name. */
   std::string library_of_other_headers(const std::string &original)
   {
     std::ifstream file(directory() + "/" + original, std::ios::binary);
     std::string content{std::istreambuf_iterator<char>(file), {}};
-    const std::size_t place = content.find(present_headers());
-    EXPECT_NE(place, std::string::npos);
-    content[place] = content[place] == '0' ? '1' : '0';
+    const std::size_t position = content.find(present_headers());
+    EXPECT_NE(position, std::string::npos);
+    content[position] = content[position] == '0' ? '1' : '0';
     const std::string name =
         "stale_" + std::to_string(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)) +
         "_of_" + std::to_string(dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD)) + ".so";

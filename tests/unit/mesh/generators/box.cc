@@ -127,26 +127,26 @@ TEST(Box, disorder_moves_inner_nodes_by_its_fraction_and_leaves_the_surface)
   double largest = 0;
   double sum = 0;
   unsigned int n_slid = 0;
-  for (const auto &[id, place] : regular)
+  for (const auto &[id, position] : regular)
   {
     bool is_inside = true;
     for (unsigned int d = 0; d < 2; ++d)
     {
-      const double move = disordered.at(id)[d] - place[d];
+      const double move = disordered.at(id)[d] - position[d];
       largest = std::max(largest, std::abs(move));
       sum += move;
-      const bool at_end = std::abs(place[d]) < 1e-9 || std::abs(place[d] - 4) < 1e-9;
+      const bool at_end = std::abs(position[d]) < 1e-9 || std::abs(position[d] - 4) < 1e-9;
       is_inside = is_inside && !at_end;
       if (at_end)
-        EXPECT_NEAR(sliding.at(id)[d], place[d], 1e-11);
-      else if (std::abs(sliding.at(id)[d] - place[d]) > 1e-6)
+        EXPECT_NEAR(sliding.at(id)[d], position[d], 1e-11);
+      else if (std::abs(sliding.at(id)[d] - position[d]) > 1e-6)
         ++n_slid;
     }
     if (is_inside)
       EXPECT_NE(disordered.at(id), other.at(id));
     else
       for (unsigned int d = 0; d < 2; ++d)
-        EXPECT_NEAR(disordered.at(id)[d], place[d], 1e-11);
+        EXPECT_NEAR(disordered.at(id)[d], position[d], 1e-11);
   }
   EXPECT_LE(largest, 0.2 * 0.5);
   EXPECT_GT(largest, 0.15 * 0.5);
@@ -168,7 +168,7 @@ TEST(Box, is_turned_about_an_axis)
   const auto solid = MeshScene<3>("box", "set Upper corner = 1, 2, 3\nset Cells = 1, 1, 1\n"
                                          "set Rotation = 120\nset Rotation axis = 2, 2, 2")
                          .create_mesh();
-  // A third of a turn about the diagonal takes x to y, y to z, and z to x.
+  // A third of a turn about the diagonal maps x to y, y to z, and z to x.
   for (unsigned int d = 0; d < 3; ++d)
     EXPECT_NEAR(*coordinates(*solid, (d + 1) % 3).rbegin(), d + 1, 1e-14);
 }
@@ -203,7 +203,7 @@ TEST(Box, refuses_what_makes_no_box)
     EXPECT_TRUE(contains(error, message));
     EXPECT_TRUE(contains(error, "scene.prm:"));
   }
-  // Refused by the pattern of the entry or by the box: the place is named in any case.
+  // Refused by the pattern of the entry or by the box: the entry is named in any case.
   for (const std::string entries : {"set Upper corner = nan, 1, 1\nset Cells = 1, 1, 1",
                                     "set Upper corner = inf, 1, 1\nset Cells = 1, 1, 1",
                                     "set Upper corner = 1, 1\nset Cells = 1, 1, 1",

@@ -31,7 +31,7 @@ namespace
   }
 
   template <int dim>
-  std::set<std::vector<double>> places(const Mesh<dim> &mesh)
+  std::set<std::vector<double>> node_positions(const Mesh<dim> &mesh)
   {
     std::set<std::vector<double>> result;
     for (const auto &node : nodes_by_id(Nodes<dim>(mesh, 1)))
@@ -129,7 +129,7 @@ TEST(Cylinder, cells_keep_their_shape_at_the_corners_of_the_core)
 
 TEST(Cylinder, half_and_quarter_are_restrictions_of_the_full_mesh)
 {
-  const auto full = places(*MeshScene<3>("cylinder", bar).create_mesh());
+  const auto full = node_positions(*MeshScene<3>("cylinder", bar).create_mesh());
   const std::vector<std::pair<std::string, std::set<unsigned int>>> cases = {
       {"x", {0}}, {"y", {1}}, {"x, y", {0, 1}}};
   for (const auto &[planes, axes] : cases)
@@ -137,11 +137,11 @@ TEST(Cylinder, half_and_quarter_are_restrictions_of_the_full_mesh)
     const auto mesh =
         MeshScene<3>("cylinder", bar + "set Symmetry planes = " + planes).create_mesh();
     std::set<std::vector<double>> expected;
-    for (const auto &place : full)
+    for (const auto &position : full)
       if (std::all_of(axes.begin(), axes.end(),
-                      [place = place](const unsigned int d) { return place[d] >= 0; }))
-        expected.insert(place);
-    EXPECT_EQ(places(*mesh), expected) << planes;
+                      [position = position](const unsigned int d) { return position[d] >= 0; }))
+        expected.insert(position);
+    EXPECT_EQ(node_positions(*mesh), expected) << planes;
     const double share = axes.size() == 1 ? 0.5 : 0.25;
     EXPECT_EQ(static_cast<double>(mesh->triangulation.n_global_active_cells()), share * 2592);
 
@@ -178,11 +178,11 @@ TEST(Cylinder, lies_along_any_axis_from_its_foot)
     EXPECT_GT(smallest_scaled_jacobian(*mesh), 0.7);
     EXPECT_EQ(mesh->boundary_names.count("symmetry " + other), 1u);
     std::vector<double> lowest(3, 1e9), highest(3, -1e9);
-    for (const auto &place : places(*mesh))
+    for (const auto &position : node_positions(*mesh))
       for (unsigned int d = 0; d < 3; ++d)
       {
-        lowest[d] = std::min(lowest[d], place[d]);
-        highest[d] = std::max(highest[d], place[d]);
+        lowest[d] = std::min(lowest[d], position[d]);
+        highest[d] = std::max(highest[d], position[d]);
       }
     for (unsigned int d = 0; d < 3; ++d)
     {
@@ -201,11 +201,11 @@ TEST(Cylinder, layers_and_rings_are_graded)
                                              "set Cells along axis = 4 to 2 | 3 ratio 4\n")
                         .create_mesh();
   std::set<double> heights, radii;
-  for (const auto &place : places(*mesh))
+  for (const auto &position : node_positions(*mesh))
   {
-    heights.insert(place[2]);
-    if (place[1] == 0)
-      radii.insert(place[0]);
+    heights.insert(position[2]);
+    if (position[1] == 0)
+      radii.insert(position[0]);
   }
   const std::vector<double> expected = {0, 0.5, 1, 1.5, 2, 2 + 8. / 7, 2 + 24. / 7, 10};
   ASSERT_EQ(heights.size(), expected.size());
@@ -233,11 +233,11 @@ TEST(Disc, has_the_cells_and_nodes_of_the_drilled_plate)
   EXPECT_EQ(mesh->triangulation.n_global_active_cells(), 10560u);
   unsigned int within_3_2 = 0;
   unsigned int within_5 = 0;
-  const auto nodes = places(*mesh);
+  const auto nodes = node_positions(*mesh);
   EXPECT_EQ(nodes.size(), 7u * 1801u);
-  for (const auto &place : nodes)
+  for (const auto &position : nodes)
   {
-    const double radius = std::hypot(place[0], place[1]);
+    const double radius = std::hypot(position[0], position[1]);
     within_3_2 += radius < 3.2 + 1e-9;
     within_5 += radius < 5 + 1e-9;
   }
@@ -251,14 +251,14 @@ TEST(Disc, has_the_cells_and_nodes_of_the_drilled_plate)
 TEST(Disc, of_two_dimensions_is_the_section)
 {
   std::set<std::vector<double>> section;
-  for (const auto &place :
-       places(*MeshScene<3>("disc", plate + "set Cells through thickness = 1\n").create_mesh()))
-    section.insert({place[0], place[1]});
+  for (const auto &position : node_positions(
+           *MeshScene<3>("disc", plate + "set Cells through thickness = 1\n").create_mesh()))
+    section.insert({position[0], position[1]});
   const std::string flat = "set Radius = 9\nset Core cells = 20\n"
                            "set Rings = 3 to 3.2 | 5 to 5 | 9 to 9\n";
   const auto mesh = MeshScene<2>("disc", flat).create_mesh();
   EXPECT_EQ(mesh->triangulation.n_global_active_cells(), 1760u);
-  EXPECT_EQ(places(*mesh), section);
+  EXPECT_EQ(node_positions(*mesh), section);
   EXPECT_GT(smallest_scaled_jacobian(*mesh), 0.7);
 
   const auto quarter =

@@ -53,9 +53,9 @@ TEST(GmshFile, binary_files_have_the_same_mesh_and_names_as_text)
     EXPECT_EQ(mesh->group_names, text->group_names);
     EXPECT_EQ(mesh->boundary_names, text->boundary_names);
     EXPECT_EQ(nodes_by_id(Nodes<3>(*mesh, 1)), nodes);
-    const Measures<3> measures(*mesh), of_text(*text);
-    EXPECT_EQ(measures.volume, of_text.volume);
-    EXPECT_EQ(measures.area, of_text.area);
+    const Measures<3> measures(*mesh), text_measures(*text);
+    EXPECT_EQ(measures.volume, text_measures.volume);
+    EXPECT_EQ(measures.area, text_measures.area);
     EXPECT_TRUE(has_remark(mesh->remarks, "\"interface\""));
   }
 }

@@ -28,11 +28,11 @@ namespace
   /** Volumes, areas and names of a mesh, which other forms of its file have as well. */
   void expect_same_mesh(const Mesh<3> &mesh, const Mesh<3> &expected)
   {
-    const Measures<3> measures(mesh), of_expected(expected);
-    EXPECT_EQ(measures.volume.size(), of_expected.volume.size());
-    for (const auto &[id, volume] : of_expected.volume)
+    const Measures<3> measures(mesh), expected_measures(expected);
+    EXPECT_EQ(measures.volume.size(), expected_measures.volume.size());
+    for (const auto &[id, volume] : expected_measures.volume)
       EXPECT_NEAR(measures.volume.at(id), volume, 1e-13);
-    for (const auto &[id, area] : of_expected.area)
+    for (const auto &[id, area] : expected_measures.area)
       EXPECT_NEAR(measures.area.at(id), area, 1e-13);
     EXPECT_EQ(mesh.group_names, expected.group_names);
     EXPECT_EQ(mesh.boundary_names, expected.boundary_names);
