@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a user can mend, and hints at the nearest name."""
+"""What a user can correct, and hints at the nearest name."""
 
 import difflib
 
 
 class TomboloError(Exception):
-    """Something that the user can mend: a sentence, printed without a trace."""
+    """Something that the user can correct: a sentence, printed without a trace."""
 
 
 def nearest(name, known):

@@ -35,17 +35,17 @@ class Grid:
     """Cells or particles of one output, as numpy arrays."""
 
     def __init__(self, path):
-        """Of a VTK file, or of a grid in HDF5 (xdmf.Place)."""
-        if isinstance(path, xdmf.Place):
+        """Of a VTK file, or of a grid in HDF5 (xdmf.GridEntry)."""
+        if isinstance(path, xdmf.GridEntry):
             self.read_xdmf(path)
         else:
             self.read_vtk(path)
         if self.cells.shape[1] > 1:
             self.join_pieces()
 
-    def read_xdmf(self, place):
+    def read_xdmf(self, grid_entry):
         try:
-            read = xdmf.Reader(place)
+            read = xdmf.Reader(grid_entry)
         except xdmf.Damaged as error:
             raise TomboloError(str(error)) from error
         self.points, self.cells = read.points.astype(float), read.cells
@@ -82,10 +82,10 @@ class Grid:
             self.cells = numpy.zeros((0, 1), dtype=int)
 
     def join_pieces(self):
-        """Cells of different ranks have points of their own where they touch: lets them share one of
-        those that are, and were at the start, in one place."""
-        places = numpy.hstack([self.initial_points(), self.points])
-        _, first, number = numpy.unique(places, axis=0, return_index=True, return_inverse=True)
+        """Cells of different ranks have points of their own where they touch: joins those that
+        are, and were at the start, at one position."""
+        positions = numpy.hstack([self.initial_points(), self.points])
+        _, first, number = numpy.unique(positions, axis=0, return_index=True, return_inverse=True)
         self.cells = first[number.reshape(-1)][self.cells]
 
     @staticmethod
@@ -108,19 +108,19 @@ class Grid:
         return self.point_data.get("initial position", self.points).astype(float)
 
     def samples(self, name):
-        """Initial positions and values where an array lives: at points, or at the middle of cells."""
+        """Initial positions and values where an array is defined: at points, or at the middle of cells."""
         if name in self.cell_data:
             return self.initial_points()[self.cells].mean(axis=1), self.cell_data[name]
         return self.initial_points(), self.point_data[name]
 
-    def beyond(self, axis, place):
-        """What lies at larger initial coordinates than the place: whole cells, or points."""
+    def beyond(self, axis, bound):
+        """What lies at larger initial coordinates than the bound: whole cells, or points."""
         if not self.n_points:
             return copy.copy(self)
         coordinate = self.initial_points()[:, axis]
         if self.cells.shape[1] > 1:
-            return self.only(coordinate[self.cells].mean(axis=1) > place)
-        return self.only(coordinate >= place - 1e-9 * max(numpy.ptp(coordinate), abs(place)))
+            return self.only(coordinate[self.cells].mean(axis=1) > bound)
+        return self.only(coordinate >= bound - 1e-9 * max(numpy.ptp(coordinate), abs(bound)))
 
     def only(self, kept):
         """Some of the cells with all points, or some of the particles."""
@@ -153,8 +153,8 @@ def read_series(directory, name="solution.pvd"):
             files.setdefault(float(entry.get("timestep")), {})[kind] = path
     for kind in ("tools",) if name == "tools.pvd" else ("cells", "particles"):
         try:
-            for time, place in xdmf.read_series(directory, kind).items():
-                files.setdefault(time, {}).setdefault(kind, place)
+            for time, grid_entry in xdmf.read_series(directory, kind).items():
+                files.setdefault(time, {}).setdefault(kind, grid_entry)
         except xdmf.Damaged as error:
             raise TomboloError(str(error)) from error
     return dict(sorted(files.items()))

@@ -9,7 +9,7 @@ FILE = "histories.h5"
 
 
 def is_cut_short(file):
-    """Whether a file is shorter than its superblock (version 2 or 3) says: HDF5 1.14 reads those of a run that writes, and
+    """Whether a file is shorter than its superblock (version 2 or 3) states: HDF5 1.14 reads those of a run that writes, and
     does not come back."""
     with open(file, "rb") as stream:
         head = stream.read(48)
@@ -54,7 +54,7 @@ def read_table(path):
             table = tables[path.stem]
             names, units = (list(table.attrs[key]) for key in ("columns", "units"))
             rows = table[:].tolist()
-            while rows and rows[-1][0] != rows[-1][0]:  # without a time: what a full disk did not take
+            while rows and rows[-1][0] != rows[-1][0]:  # without a time: not written to a full disk
                 rows.pop()
             return names, ["" if unit == "1" else unit for unit in units], rows
     except (OSError, KeyError, ValueError) as error:

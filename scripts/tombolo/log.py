@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a script says, on the screen and in a file."""
+"""The output of a script, on the screen and in a file."""
 
 
 class Log:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Parameter files as Tombolo reads them: sections, entries, includes, with the lines where they stand."""
+"""Parameter files as Tombolo reads them: sections, entries, includes, with their lines."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from .errors import TomboloError, nearest
 
 
 class InputError(TomboloError):
-    """What a user has to mend."""
+    """What a user has to correct."""
 
 
 class ParameterFile:

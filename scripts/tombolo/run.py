@@ -35,7 +35,7 @@ class Run:
 
     @property
     def summary(self):
-        """What summary.json says, {} where the run has not ended."""
+        """The contents of summary.json, {} where the run has not ended."""
         path = self.directory / "summary.json"
         try:
             return json.loads(path.read_text("utf-8")) if path.exists() else {}
@@ -46,7 +46,7 @@ class Run:
         """{"cells": grid, "particles": grid} of the output nearest to a time, pieces of all ranks joined.
         A grid has `points`, `cells`, `point_data`, `cell_data` and `units`; numpy and vtk are needed."""
         try:
-            from .grid import Grid, read_series  # only where it is asked for
+            from .grid import Grid, read_series  # only where it is needed
         except ImportError as error:
             raise TomboloError(f"fields of a run need numpy and vtk for Python: {error}") from error
         if "series" not in vars(self):

@@ -104,7 +104,7 @@ class Scene:
         base = Path(self.entries.get("Output directory", "output"))
         runs = {}
         for value in values:
-            place = base / re.sub(r"[^\w.+-]+", "_", f"{entry} {text_of(value)}")
-            place.parent.mkdir(parents=True, exist_ok=True)
-            runs[value] = self.with_changes({entry: value, "Output directory": str(place)}).run(ranks)
+            directory = base / re.sub(r"[^\w.+-]+", "_", f"{entry} {text_of(value)}")
+            directory.parent.mkdir(parents=True, exist_ok=True)
+            runs[value] = self.with_changes({entry: value, "Output directory": str(directory)}).run(ranks)
         return runs

@@ -17,25 +17,25 @@ except ImportError:
     numpy = None
 
 
-def interpolated(places, values, place):
-    """Of a piecewise linear function whose places rise; constant beyond its ends."""
-    if place <= places[0]:
+def interpolated(abscissas, values, abscissa):
+    """Of a piecewise linear function whose abscissas rise; constant beyond its ends."""
+    if abscissa <= abscissas[0]:
         return values[0]
-    if place > places[-1]:
+    if abscissa > abscissas[-1]:
         return values[-1]
-    k = bisect_left(places, place)
-    share = (place - places[k - 1]) / (places[k] - places[k - 1])
+    k = bisect_left(abscissas, abscissa)
+    share = (abscissa - abscissas[k - 1]) / (abscissas[k] - abscissas[k - 1])
     return values[k - 1] + share * (values[k] - values[k - 1])
 
 
 class Table:
-    """A CSV file whose header is made of `name [unit]`: `columns` and `units` by name, an empty place
+    """A CSV file whose header is made of `name [unit]`: `columns` and `units` by name, an empty entry
     being no number. Columns are arrays where numpy is there and `arrays` is true, and lists else. Rows
     that are no numbers, of another length than the header, or without the end of their line, are
     refused, or left out and listed in `damaged_rows`. Where `ends_its_lines` is false the file may end
     without the end of its last line, as those of editors and spreadsheets do. `number` makes numbers of
     texts, and throws ValueError where one is none. Where there is no such file, the table of this name in
-    the histories.h5 beside it is taken."""
+    the histories.h5 beside it is used."""
 
     def __init__(self, path, leaves_out_damaged_rows=False, arrays=True, least_rows=0, ends_its_lines=True, number=float):
         self.path = Path(path)
@@ -99,7 +99,7 @@ class Table:
 
     def frame(self):
         """A DataFrame of pandas, which must be installed."""
-        import pandas  # only where it is asked for
+        import pandas  # only where it is needed
         return pandas.DataFrame(self.columns)
 
 

@@ -14,7 +14,7 @@ class Damaged(Exception):
 
 
 @dataclass(frozen=True)
-class Place:
+class GridEntry:
     """One grid of a series."""
     index: Path
     number: int
@@ -35,12 +35,12 @@ def grids_of(index):
 
 
 def read_series(directory, kind):
-    """{time: Place} of a kind of grid; empty where the run has none."""
+    """{time: GridEntry} of a kind of grid; empty where the run has none."""
     index = Path(directory) / f"{kind}.xdmf"
     if not index.exists():
         return {}
     try:
-        return {float(grid.find("Time").get("Value")): Place(index, number)
+        return {float(grid.find("Time").get("Value")): GridEntry(index, number)
                 for number, grid in enumerate(grids_of(index))}
     except (AttributeError, TypeError, ValueError) as error:
         raise Damaged(f"{index} is damaged: a grid has no time") from error
@@ -49,15 +49,15 @@ def read_series(directory, kind):
 class Reader:
     """The arrays of a grid: points, cells, point_data, cell_data, units."""
 
-    def __init__(self, place):
+    def __init__(self, grid_entry):
         try:
             import h5py  # only where it is needed
         except ImportError as error:
-            raise Damaged(f"to read {place.index.with_suffix('.h5')} python3-h5py is needed, which scripts/setup "
+            raise Damaged(f"to read {grid_entry.index.with_suffix('.h5')} python3-h5py is needed, which scripts/setup "
                           "installs") from error
-        grid = grids_of(place.index)[place.number]
+        grid = grids_of(grid_entry.index)[grid_entry.number]
         self.point_data, self.cell_data, self.units = {}, {}, {}
-        path = place.index.with_suffix(".h5")
+        path = grid_entry.index.with_suffix(".h5")
         try:
             with h5py.File(path, "r") as file:
                 self.points = self.array(file, grid.find("Geometry"))
