@@ -148,16 +148,16 @@ def is_harmless(text):
     return not any(output.startswith(b"/") or b".." in output or output.endswith(b"\\") for output in outputs)
 
 
-def changed_files(generator, seed, of_parameters, of_meshes):
+def changed_files(generator, seed, parameter_changes, mesh_changes):
     """The files of a seed with one of them changed."""
     while True:
         files = dict(seed.files)
         if seed.mesh is not None and generator.random() < 0.9:
-            name, changes = seed.mesh, of_meshes
+            name, changes = seed.mesh, mesh_changes
         else:
             names = sorted(seed.parameter_files())
             sizes = [len(files[name]) + 20 for name in names]
-            name, changes = generator.choices(names, sizes)[0], of_parameters
+            name, changes = generator.choices(names, sizes)[0], parameter_changes
         for _ in range(generator.choice([1, 1, 1, 2, 3, 5])):
             files[name] = changes.change(generator, files[name])
         if is_harmless(files[name]):
@@ -180,8 +180,8 @@ def work(options, all_seeds, vocabulary, numbers, results):
     worker = Worker(options)
     values = sorted({match.group(4) for seed in all_seeds for name in seed.parameter_files()
                      for match in mutations.ENTRY.finditer(seed.files[name])})
-    of_parameters = mutations.ParameterFiles(vocabulary, values)
-    of_meshes = mutations.MeshFiles()
+    parameter_changes = mutations.ParameterFiles(vocabulary, values)
+    mesh_changes = mutations.MeshFiles()
     with_meshes = [seed for seed in all_seeds if seed.mesh is not None]
     others = [seed for seed in all_seeds if seed.mesh is None]
     kinds = [(others, 65), (with_meshes, 27)]
@@ -191,12 +191,12 @@ def work(options, all_seeds, vocabulary, numbers, results):
             generator = random.Random("%d/%d" % (options.seed, number))
             group = generator.choices([kind[0] for kind in kinds], [kind[1] for kind in kinds])[0]
             seed = generator.choice(group)
-            files = changed_files(generator, seed, of_parameters, of_meshes)
+            files = changed_files(generator, seed, parameter_changes, mesh_changes)
             begin = time.monotonic()
             ending, problem, kind, printed = worker.check(seed, files)
             if problem is None and generator.random() < 0.2:
-                problem, of_validation = worker.check_validation(seed, files, kind)
-                printed += "" if problem is None else "\n--validate:\n" + of_validation
+                problem, validation_text = worker.check_validation(seed, files, kind)
+                printed += "" if problem is None else "\n--validate:\n" + validation_text
             if problem is not None or options.only is not None:
                 keep(options, number, seed, files, problem, printed)
             results.put(Result(number, seed.name, "failed" if problem else kind, ending.stopped, problem,

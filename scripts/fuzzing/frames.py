@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The same scene seen from elsewhere: entries of a parameter file, and the numbers of its tables taken back.
+"""The same scene in another frame: entries of a parameter file, and the numbers of its tables transformed back.
 
-A frame has axes that are permuted and mirrored, x' = M x + d + V t, and units that are other ones. What is written
-is transformed entry by entry, by name; what the run leaves is taken back column by column, by name and unit.
+A frame has axes that are permuted and mirrored, x' = M x + d + V t, and other units. What is written
+is transformed entry by entry, by name; the results of the run are transformed back column by column, by name and unit.
 """
 
 import collections
@@ -72,7 +72,7 @@ def moving(frame, components, factor=""):
 
 
 def replaced(text, coordinate, by):
-    """An expression with something in the place of a coordinate."""
+    """An expression with a coordinate replaced by something else."""
     return re.sub(r"\b%s\b" % coordinate, by, text)
 
 
@@ -101,13 +101,13 @@ def tensor(frame, components):
     signs = list(frame.signs) + [1] * (3 - dimension)
     result = []
     for i, j in SYMMETRIC:
-        place = SYMMETRIC.index(tuple(sorted((order[i], order[j]))) if order[i] != order[j] else (order[i],) * 2)
-        result.append(with_sign(components[place], signs[i] * signs[j]))
+        index = SYMMETRIC.index(tuple(sorted((order[i], order[j]))) if order[i] != order[j] else (order[i],) * 2)
+        result.append(with_sign(components[index], signs[i] * signs[j]))
     return result
 
 
 def entry(frame, name, value, kind_of_section=""):
-    """The value of an entry, in the frame. The kind of a section is what its entry `Type` says."""
+    """The value of an entry, in the frame. The kind of a section is the value of its entry `Type`."""
     n = len(frame.order)
     if not has_axes(frame) and frame.shift is None and frame.boost is None:
         return value
@@ -116,8 +116,8 @@ def entry(frame, name, value, kind_of_section=""):
     if name in VECTORS:
         return ", ".join(number(float(x)) for x in point(frame._replace(shift=None), [float(x) for x in value.split(",")]))
     if name == "Locations":
-        places = [place.split(":") for place in value.split(";")]
-        return "; ".join("%s: %s" % (label, entry(frame, "Point", place)) for label, place in places)
+        locations = [coordinates.split(":") for coordinates in value.split(";")]
+        return "; ".join("%s: %s" % (label, entry(frame, "Point", coordinates)) for label, coordinates in locations)
     if name == "Stress":
         return "; ".join(tensor(frame, expressions(frame, value.split("; "))))
     if name == "Angle":
@@ -179,7 +179,7 @@ def vectors_of(columns):
     return result
 
 
-def taken_back(frame, columns):
+def transformed_back(frame, columns):
     """Columns of a run in the frame as those of the scene itself, without those that have no counterpart there."""
     columns = without_units(frame, columns)
     result = dict(columns)
@@ -217,7 +217,7 @@ def at_rest(name, values, times, velocity):
 
 
 def about_origin(frame, columns, result):
-    """Angular momentum about the origin of the scene, in place of that about the origin of the frame: L - d x p."""
+    """Angular momentum about the origin of the scene instead of that about the origin of the frame: L - d x p."""
     n = len(frame.order)
     shift = [float(d) for d in frame.shift] + [0.] * (3 - n)
     momenta = [columns["momentum " + axis][1] for axis in "xyz"[:n]] if "momentum x" in columns else []

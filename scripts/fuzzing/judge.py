@@ -57,7 +57,7 @@ def problem_of_refusal(printed, left, given):
         mistakes = re.findall(r"\n *\d+\. ([^\n]*)", printed)
         if len(mistakes) < 2:
             return "it lists %d mistakes" % len(mistakes)
-    # The place: a file and mostly a line. Nobody knows what took the memory.
+    # The position: a file and mostly a line. What used the memory is unknown.
     for mistake in mistakes:
         if not any(name in mistake for name in given) and "The memory is exhausted" not in mistake:
             return "its message names no file"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Small meshes of blocks, moved, mirrored, doubled and listed in another order, written for gmsh.
 
-A mesh has points, cells and faces with a name. The nodes of a cell and of a face stand in the order of gmsh:
+A mesh has points, cells and faces with a name. The nodes of a cell and of a face are in the order of gmsh:
 around the bottom, then around the top.
 """
 
@@ -35,26 +35,26 @@ def rotations(dimension):
 
 
 def block(cells, lower, upper, names=None):
-    """A block of cells. Its faces are "x min", "x max", ..., or what names has in place of these."""
+    """A block of cells. Its faces are "x min", "x max", ..., or the names that replace these."""
     dimension = len(cells)
     counts = [n + 1 for n in cells]
 
-    def number(place):
-        return sum(i * math.prod(counts[:axis]) for axis, i in enumerate(place))
-    points = [tuple(low + (high - low) * i / n for low, high, i, n in zip(lower, upper, reversed(place), cells))
-              for place in itertools.product(*(range(n) for n in reversed(counts)))]
+    def number(index):
+        return sum(i * math.prod(counts[:axis]) for axis, i in enumerate(index))
+    points = [tuple(low + (high - low) * i / n for low, high, i, n in zip(lower, upper, reversed(index), cells))
+              for index in itertools.product(*(range(n) for n in reversed(counts)))]
     elements, faces = [], []
     for reverse in itertools.product(*(range(n) for n in reversed(cells))):
-        place = reverse[::-1]
-        elements.append([number([i + c for i, c in zip(place, corner)]) for corner in CORNERS[dimension]])
+        index = reverse[::-1]
+        elements.append([number([i + c for i, c in zip(index, corner)]) for corner in CORNERS[dimension]])
         for axis, end in itertools.product(range(dimension), (0, 1)):
-            if place[axis] == end * (cells[axis] - 1):
+            if index[axis] == end * (cells[axis] - 1):
                 name = "%s %s" % ("xyz"[axis], ("min", "max")[end])
                 others = [i for i in range(dimension) if i != axis]
                 corners = [[0], [1]] if dimension == 2 else CORNERS[2]
                 face = []
                 for corner in corners:
-                    node = [place[i] + (end if i == axis else 0) for i in range(dimension)]
+                    node = [index[i] + (end if i == axis else 0) for i in range(dimension)]
                     for other, c in zip(others, corner):
                         node[other] += c
                     face.append(number(node))
@@ -118,10 +118,10 @@ def renumbered(mesh, seed):
     generator = random.Random(seed)
     order = list(range(len(mesh.points)))
     generator.shuffle(order)
-    place = {old: new for new, old in enumerate(order)}
+    new_number = {old: new for new, old in enumerate(order)}
     turns = rotations(mesh.dimension)
-    cells = [[place[cell[i]] for i in generator.choice(turns)] for cell in mesh.cells]
-    faces = [(name, [place[i] for i in face]) for name, face in mesh.faces]
+    cells = [[new_number[cell[i]] for i in generator.choice(turns)] for cell in mesh.cells]
+    faces = [(name, [new_number[i] for i in face]) for name, face in mesh.faces]
     generator.shuffle(cells)
     generator.shuffle(faces)
     return Mesh(mesh.dimension, [mesh.points[i] for i in order], cells, faces)

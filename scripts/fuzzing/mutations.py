@@ -41,8 +41,8 @@ def drop_line(generator, text):
 
 def double_line(generator, text):
     lines = lines_of(text)
-    place = generator.randrange(len(lines))
-    lines.insert(generator.choice([place, generator.randrange(len(lines) + 1)]), lines[place])
+    index = generator.randrange(len(lines))
+    lines.insert(generator.choice([index, generator.randrange(len(lines) + 1)]), lines[index])
     return b"\n".join(lines)
 
 
@@ -65,8 +65,8 @@ def repeat_lines(generator, text):
     lines = lines_of(text)
     begin = generator.randrange(len(lines))
     piece = lines[begin:begin + generator.randint(1, 12)]
-    place = generator.randrange(len(lines) + 1)
-    lines[place:place] = piece * generator.choice([1, 1, 2, 50])
+    index = generator.randrange(len(lines) + 1)
+    lines[index:index] = piece * generator.choice([1, 1, 2, 50])
     return b"\n".join(lines)
 
 
@@ -92,23 +92,23 @@ def random_bytes(generator, n):
 
 
 def insert_bytes(generator, text):
-    place = generator.randrange(len(text) + 1)
+    index = generator.randrange(len(text) + 1)
     piece = generator.choice([random_bytes(generator, generator.randint(1, 30)), b"\0", b"\r\n", b"\t", b"\n",
                               b"\xff\xfe", b"\xef\xbb\xbf", b"\xc3", b"a" * generator.choice([100, 200000]),
                               b"\x1b[31m", b"\v", b"\f"])
-    return text[:place] + piece + text[place:]
+    return text[:index] + piece + text[index:]
 
 
 def change_letter(generator, text):
     """A typing mistake: a letter left out, doubled, exchanged with the next, or another one."""
-    places = [match.start() for match in re.finditer(rb"[A-Za-z]", text)]
-    if not places:
+    letters = [match.start() for match in re.finditer(rb"[A-Za-z]", text)]
+    if not letters:
         return text
-    place = generator.choice(places)
-    letter, after = text[place:place + 1], text[place + 1:place + 2]
-    return text[:place] + generator.choice([
+    index = generator.choice(letters)
+    letter, after = text[index:index + 1], text[index + 1:index + 2]
+    return text[:index] + generator.choice([
         b"" + after, letter * 2 + after, after + letter, letter.swapcase() + after,
-        bytes([generator.randrange(97, 123)]) + after]) + text[place + 2:]
+        bytes([generator.randrange(97, 123)]) + after]) + text[index + 2:]
 
 
 def change_number(generator, text):
@@ -159,8 +159,8 @@ RARE = [change_line_ends, nothing_left]
 
 
 class ParameterFiles:
-    """Changes that know sections and entries. `vocabulary` holds the declared entries of the seeds,
-    as (section path, name, default value), and all values that stand in them."""
+    """Changes of sections and entries. `vocabulary` holds the declared entries of the seeds,
+    as (section path, name, default value), and all values that they have."""
 
     def __init__(self, vocabulary, values):
         self.vocabulary = vocabulary
@@ -229,22 +229,22 @@ class ParameterFiles:
         rest = text[:block.start()] + text[block.end():]
         if generator.random() < 0.3:
             return rest
-        place = rest.find(b"\n", generator.randrange(len(rest) + 1))
+        index = rest.find(b"\n", generator.randrange(len(rest) + 1))
         copies = generator.choice([1, 1, 2])
-        return rest[:place] + b"\n" + (block.group() + b"\n") * copies + rest[place:]
+        return rest[:index] + b"\n" + (block.group() + b"\n") * copies + rest[index:]
 
     def open_sections(self, generator, text):
-        place = text.find(b"\n", generator.randrange(len(text) + 1))
+        index = text.find(b"\n", generator.randrange(len(text) + 1))
         n = generator.choice([1, 2, 100, 5000])
         piece = b"\nsubsection deep" * n + generator.choice([b"", b"\nset x = 1"])
         piece += generator.choice([b"", b"\nend" * n, b"\nend" * (n + 1)])
-        return text[:place] + piece + text[place:]
+        return text[:index] + piece + text[index:]
 
     def include(self, generator, text):
-        place = text.find(b"\n", generator.randrange(len(text) + 1))
+        index = text.find(b"\n", generator.randrange(len(text) + 1))
         name = generator.choice([b"", b".", b"..", b"nowhere.prm", b"/dev/null", b"a/b/c.prm", b"case.prm",
                                  b"common.prm", b"mesh.msh"])
-        return text[:place] + b"\ninclude " + name + text[place:]
+        return text[:index] + b"\ninclude " + name + text[index:]
 
 
 def text_sections(text):
@@ -257,13 +257,13 @@ def insert_into(text, block, sections):
     lines = lines_of(text)
     depth = 0
     matched = 0
-    place = None
+    index = None
     for number, line in enumerate(lines):
         words = line.strip()
         if words.startswith(b"subsection "):
             if depth == matched and matched < len(sections) and words[11:].strip() == sections[matched]:
                 matched += 1
-                place = number + 1
+                index = number + 1
                 if matched == len(sections):
                     break
             depth += 1
@@ -274,9 +274,9 @@ def insert_into(text, block, sections):
     inner = lines_of(block.rstrip(b"\n"))
     if matched > 0:
         inner = inner[matched:len(inner) - matched]
-    if place is None:
-        place = len(lines)
-    return b"\n".join(lines[:place] + inner + lines[place:])
+    if index is None:
+        index = len(lines)
+    return b"\n".join(lines[:index] + inner + lines[index:])
 
 
 # Words of mesh files, which some change puts where they do not belong.
@@ -291,11 +291,11 @@ MESH_WORDS = [b"$Nodes", b"$EndNodes", b"$Elements", b"$EndElements", b"$Entitie
 
 def put_mesh_word(generator, text):
     lines = lines_of(text)
-    place = generator.randrange(len(lines) + 1)
-    if generator.random() < 0.5 and place < len(lines):
-        lines[place] = generator.choice(MESH_WORDS)
+    index = generator.randrange(len(lines) + 1)
+    if generator.random() < 0.5 and index < len(lines):
+        lines[index] = generator.choice(MESH_WORDS)
     else:
-        lines.insert(place, generator.choice(MESH_WORDS))
+        lines.insert(index, generator.choice(MESH_WORDS))
     return b"\n".join(lines)
 
 

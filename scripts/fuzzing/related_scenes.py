@@ -9,10 +9,10 @@ import random
 from . import frames, meshes, scene_files, scenes
 
 # frame: frames.Frame; numbering: a seed of the order of all that is listed, or None; is_whole: whether the body
-# stands on both sides of its planes of symmetry; source: "file" or "box", who makes the mesh.
+# is on both sides of its planes of symmetry; source: "file" or "box", the origin of the mesh.
 View = collections.namedtuple("View", "frame numbering is_whole source")
 
-OF_MOTION = ("velocity", "displacement", "clamp")
+MOTION_TYPES = ("velocity", "displacement", "clamp")
 LISTS = ("Parts", "Materials", "Conditions", "Contacts")
 
 
@@ -82,11 +82,11 @@ def legal(scene):
         scene["contacts"] = [dict(contact, method="penalty") for contact in scene["contacts"]]
         scene["second body"] = None
     scene["conditions"] = [condition for i, condition in enumerate(scene["conditions"])
-                           if condition["type"] not in OF_MOTION
-                           or not any(other["type"] in OF_MOTION for other in scene["conditions"][:i])]
+                           if condition["type"] not in MOTION_TYPES
+                           or not any(other["type"] in MOTION_TYPES for other in scene["conditions"][:i])]
     if scene["rigid"] is not None:
         scene["contacts"] = [dict(contact, method="penalty") for contact in scene["contacts"]]
-        scene["conditions"] = [condition for condition in scene["conditions"] if condition["type"] not in OF_MOTION]
+        scene["conditions"] = [condition for condition in scene["conditions"] if condition["type"] not in MOTION_TYPES]
     return scene
 
 
@@ -104,7 +104,7 @@ def make_static(scene):
              method="surface" if contact["method"] == "surface" else "penalty") for contact in scene["contacts"][:1]]
     load = {"type": "traction", "axis": 0, "end": "max", "size": 1e-4, "in time": "t", "free": False,
             "direction": 0 if "y" in scene["symmetry"] else 1}
-    kept = [condition for condition in scene["conditions"] if condition["type"] not in OF_MOTION + ("traction",)]
+    kept = [condition for condition in scene["conditions"] if condition["type"] not in MOTION_TYPES + ("traction",)]
     scene["conditions"] = kept + [{"type": "clamp", "axis": 0, "end": "min", "size": 0., "in time": "1", "free": False,
                                    "direction": 0}, load]
 
@@ -154,15 +154,15 @@ class Writer(scene_files.Writer):
         self.view = view
         self.kinds = []
         scene = dict(scene, symmetry=[] if view.is_whole else scene["symmetry"])
-        self.planes = []  # of symmetry, of a whole: axis and place
+        self.planes = []  # of symmetry, of a whole: axis and coordinate
         super().__init__(scene, perturbation, fixed_step)
 
-    # How entries look in the view.
+    # Entries in the view.
 
     def number(self, value, length=0, mass=0, time=0, temperature=0):
         text = super().number(value, length, mass, time, temperature)
-        of_length, of_mass, of_time, of_temperature = self.view.frame.units
-        factor = of_length ** length * of_mass ** mass * of_time ** time * of_temperature ** temperature
+        length_unit, mass_unit, time_unit, temperature_unit = self.view.frame.units
+        factor = length_unit ** length * mass_unit ** mass * time_unit ** time * temperature_unit ** temperature
         return text if factor == 1. else frames.number(float(text) * factor)
 
     def begin(self, name):
@@ -185,7 +185,7 @@ class Writer(scene_files.Writer):
         if self.view.is_whole:
             value = self.in_whole(name, value)
         if self.view.source == "box" and self.scene["second body"] is not None and name.lower().endswith("boundary"):
-            value = self.of_meshes(value)
+            value = self.mesh_boundaries(value)
         super().set(name, frames.entry(self.view.frame, name, value, kind))
 
     def in_whole(self, name, value):
@@ -264,8 +264,8 @@ class Writer(scene_files.Writer):
         for axis, plane in self.planes:
             mesh = meshes.doubled(mesh, axis, plane)
 
-        def placed(place):
-            return frames.point(frame, [float(self.length(x)) for x in place])
+        def placed(position):
+            return frames.point(frame, [float(self.length(x)) for x in position])
         mesh = meshes.mapped(mesh, placed, frames.determinant(frame) < 0)
         if self.view.numbering is not None:
             mesh = meshes.renumbered(mesh, self.view.numbering)
@@ -274,7 +274,7 @@ class Writer(scene_files.Writer):
         self.set("Type", "file")
         if self.scene["refined"] is not None:
             axis = self.scene["refined"]["axis"]
-            self.set("Refine where", "%s < %s" % ("xyz"[axis], self.place(axis, self.scene["refined"]["share"])))
+            self.set("Refine where", "%s < %s" % ("xyz"[axis], self.coordinate(axis, self.scene["refined"]["share"])))
         self.section("file", {"File": "mesh.msh"})
         self.adaptive()
         self.end()
@@ -295,7 +295,7 @@ class Writer(scene_files.Writer):
                                  "Cells": ", ".join(map(str, cells[:self.dim]))})
             self.end()
 
-    def of_meshes(self, boundary):
+    def mesh_boundaries(self, boundary):
         """The names that a boundary of both bodies has there."""
         up = "xyz"[self.dim - 1]
         known = {"slave": "a.%s max" % up, "master": "b.%s min" % up, up + " min": "a.%s min" % up,
@@ -438,13 +438,13 @@ class Writer(scene_files.Writer):
 
     def output(self):
         super().output()
-        # No place is as near to one node as to another.
-        places = [self.upper, self.lower, [low + share * (high - low) for low, high, share in zip(
+        # No point has the same distance to two nodes.
+        points = [self.upper, self.lower, [low + share * (high - low) for low, high, share in zip(
             self.lower, self.upper, (0.4137, 0.5719, 0.4523))]]
         self.begin("Output")
         self.set("Further outputs", "part history")
         if self.scene["rotation"] == 0.:
-            labels = ["p%d: %s" % (i, ", ".join(map(self.length, place))) for i, place in enumerate(places)]
+            labels = ["p%d: %s" % (i, ", ".join(map(self.length, point))) for i, point in enumerate(points)]
             self.section("probes", {"Locations": "; ".join(labels)})
         if any(not scenes.is_thermal(condition) for condition in self.scene["conditions"]):
             self.section("condition history", {"Moments about": ", ".join(map(self.length, self.lower))})
@@ -452,7 +452,7 @@ class Writer(scene_files.Writer):
 
 
 def tree_of(lines):
-    """Sections and entries by their lines; what stands in sections of one name is in one section."""
+    """Sections and entries by their lines; the contents of sections of one name are in one section."""
     tree = {}
     path = [tree]
     for line in lines:

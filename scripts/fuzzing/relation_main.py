@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""scripts/fuzz --relations N: runs random scenes and related ones, and says where they differ."""
+"""scripts/fuzz --relations N: runs random scenes and related ones, and reports where they differ."""
 
 import collections
 import json
@@ -43,7 +43,7 @@ def keep(options, judge, number, result):
     return target
 
 
-def judged(options, judge, number, say):
+def judged(options, judge, number, print_line):
     """The results of the relations of a scene."""
     results = []
     scene, found = chosen(options, number)
@@ -52,11 +52,12 @@ def judged(options, judge, number, say):
         results.append(result)
         if result.problem is None:
             continue
-        say("FAILED  scene %d, %s" % (number, result.problem.text))
+        print_line("FAILED  scene %d, %s" % (number, result.problem.text))
         if options.shrink and result.problem.kind == relation.kind:
-            smaller, other, problem = relations.shrunk(judge, scene, relation, result.problem, number, say=say)
+            smaller, other, problem = relations.shrunk(judge, scene, relation, result.problem, number,
+                                                       print_line=print_line)
             result = result._replace(scene=smaller, relation=other, problem=problem)
-        say("  kept in " + keep(options, judge, number, result))
+        print_line("  kept in " + keep(options, judge, number, result))
     return results
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Relations: what a scene and another one of the same motion have in common.
 
-A relation changes how a scene is written (a view), or how it is run. All tables of both runs are taken back to the
+A relation changes how a scene is written (a view), or how it is run. All tables of both runs are transformed back to the
 scene itself and compared, column by column.
 
 Steps follow from estimates that depend on numbers, so that both are run with one given step, but in relations of units,
@@ -27,16 +27,16 @@ KINDS = ("axes", "units", "decimal units", "moved", "flight", "numbering", "whol
 SAME = 1e-9
 SAME_AT_REST = 1e-6
 SAME_WITH_SPRINGS = 1e-3
-# Far from the origin coordinates have fewer digits, which springs of contacts see first.
+# Far from the origin coordinates have fewer digits, which affects springs of contacts first.
 SAME_ELSEWHERE = 1e-7
 PERTURBATION_ELSEWHERE = 1e-9
 TABLES = ("statistics", "conditions", "contact", "sections", "parts", "rigid_bodies", "probes")
 # Columns that count what touches by round-off, or what an equation needs.
-OF_ROUND_OFF = re.compile(".*(nodes|area in contact|static iterations|static residual|thermal steps|smoothed kinetic energy)$")
+ROUND_OFF = re.compile(".*(nodes|area in contact|static iterations|static residual|thermal steps|smoothed kinetic energy)$")
 COUNTS = re.compile(".*(cells|bonds|particles|fragments|refinements|refills|particles .*)$")
 # Columns that depend on the velocity of the frame.
-OF_FLIGHT = re.compile(".*(kinetic|work|total|power|eroded|heat of bodies|heat of tool|refinement loss|energy of rotation|"
-                       "moment|torque).*|largest speed")
+FLIGHT_COLUMNS = re.compile(".*(kinetic|work|total|power|eroded|heat of bodies|heat of tool|refinement loss|energy of rotation|"
+                            "moment|torque).*|largest speed")
 # The least of a quantity that counts, over that of waves with a strain of one.
 FLOORS = {"energy": 1e-12, "momentum": 1e-7, "pressure": 1e-6}
 
@@ -49,7 +49,7 @@ def relation_of(scene, kind, seed):
     frame = view.frame
     writer = related_scenes.Writer(scene, view)
 
-    def of_frame(text, **changes):
+    def in_frame(text, **changes):
         return Relation(kind, text, view._replace(frame=frame._replace(**changes)), 1, False)
     if kind == "whole" and depends_on_directions(scene):
         return None
@@ -57,24 +57,24 @@ def relation_of(scene, kind, seed):
         ways = [axes for axes in frames.all_axes(dim)[1:] if not depends_on_directions(scene) or math.prod(axes[1]) > 0]
         order, signs = generator.choice(ways)
         text = ", ".join(("-" if sign < 0 else "") + "xyz"[axis] for axis, sign in zip(order, signs))
-        return of_frame("axes %s" % text, order=order, signs=signs)
+        return in_frame("axes %s" % text, order=order, signs=signs)
     if kind == "units":
         powers = [generator.randint(-20, 20) for _ in range(3)] + [generator.randint(-4, 4)]
-        return of_frame("units 2^%s" % powers, units=tuple(2. ** power for power in powers))
+        return in_frame("units 2^%s" % powers, units=tuple(2. ** power for power in powers))
     if kind == "decimal units":
         units = tuple(generator.choice([1., 1e3, 1e-3, 1e-6]) for _ in range(3)) + (generator.choice([1., 1e3, 1e-3]),)
-        return of_frame("units %s" % (units,), units=units)
+        return in_frame("units %s" % (units,), units=units)
     if kind == "moved":
         shift = [generator.uniform(-2., 2.) * max(writer.extents()) for _ in range(dim)]
-        return of_frame("moved by %s cells" % ["%.3g" % x for x in shift], shift=tuple(writer.length(x) for x in shift))
+        return in_frame("moved by %s cells" % ["%.3g" % x for x in shift], shift=tuple(writer.length(x) for x in shift))
     if kind == "flight":
         boost = [0. if "xyz"[i] in scene["symmetry"] else generator.uniform(-0.01, 0.01) for i in range(dim)]
-        # Mass that is added has the velocity of the body, and nodes without cells stand still: both see the frame.
+        # Mass that is added has the velocity of the body, and nodes without cells are at rest: both depend on the frame.
         gains = scene["scaling"] is not None and scene["scaling"]["target"] is not None
         if (scene["static"] or scene["damping"] and scene["damping"]["rate"] or scene["rigid"] or gains
                 or scene["erosion"] is not None):
             return None
-        return of_frame("in flight with %s" % ["%.3g" % v for v in boost], boost=tuple(writer.speed(v) for v in boost))
+        return in_frame("in flight with %s" % ["%.3g" % v for v in boost], boost=tuple(writer.speed(v) for v in boost))
     if kind == "numbering":
         return Relation(kind, "another numbering", view._replace(numbering=seed), 1, False)
     if kind == "whole":
@@ -93,8 +93,8 @@ def relation_of(scene, kind, seed):
 
 
 def depends_on_directions(scene):
-    """Whether results depend on which axes are turned round: sub-cells of smoothed hexahedra stand at every other corner, counted
-    along axes that follow from places, not from the order of a cell's nodes."""
+    """Whether results depend on which axes are turned round: sub-cells of smoothed hexahedra are at every other corner,
+    counted along axes that follow from positions, not from the order of a cell's nodes."""
     return scene["dimension"] == 3 and has_smoothed_cells(scene)
 
 
@@ -107,9 +107,9 @@ def has_smoothed_cells(scene):
 def without_counterpart(scene, relation, columns):
     """The columns that both runs have in common, of the run of the scene itself."""
     result = {name: column for name, column in columns.items()
-              if name not in scene_runs.SHARES and not OF_ROUND_OFF.fullmatch(name) and not name.startswith("relative error")}
+              if name not in scene_runs.SHARES and not ROUND_OFF.fullmatch(name) and not name.startswith("relative error")}
     if relation.kind == "flight":
-        result = {name: column for name, column in result.items() if not OF_FLIGHT.fullmatch(name)}
+        result = {name: column for name, column in result.items() if not FLIGHT_COLUMNS.fullmatch(name)}
     if relation.kind == "whole":
         normal = tuple(" " + axis for axis in scene["symmetry"])
         result = {name: column for name, column in result.items() if not name.endswith(normal)
@@ -122,8 +122,8 @@ def is_of_all(unit):
     return unit.startswith("M") and not unit.startswith("M/")
 
 
-def taken_back(scene, relation, columns):
-    columns = frames.taken_back(relation.view.frame, columns)
+def transformed_back(scene, relation, columns):
+    columns = frames.transformed_back(relation.view.frame, columns)
     if relation.view.is_whole:
         share = 0.5 ** len(scene["symmetry"])
         columns = {name: (unit, [share * value for value in values] if is_of_all(unit) else values)
@@ -173,7 +173,7 @@ def difference_of(scene, relation, first, other):
     pairs = {}
     for table in one:
         columns = without_counterpart(scene, relation, one[table])
-        others = taken_back(scene, relation, two[table])
+        others = transformed_back(scene, relation, two[table])
         if set(columns) - set(others):
             return math.inf, "%s: columns %s" % (table, sorted(set(columns) - set(others))[0])
         pairs.update({(table, name): (unit, values, others[name][1]) for name, (unit, values) in columns.items()})
@@ -307,7 +307,7 @@ class Judge(scene_runs.Judge):
         return SAME_ELSEWHERE if relation.kind in ("moved", "flight") else SAME
 
 
-def shrunk(judge, scene, relation, problem, seed, tries=60, say=None):
+def shrunk(judge, scene, relation, problem, seed, tries=60, print_line=None):
     """The simplest scene found that fails in the same relation, and how."""
     position = n_in_vain = 0
     while tries > 0:
@@ -323,8 +323,8 @@ def shrunk(judge, scene, relation, problem, seed, tries=60, say=None):
             result = judge.related(candidate, other)
             if result.problem is not None and result.problem.kind == problem.kind:
                 scene, relation, problem, n_in_vain = candidate, other, result.problem, 0
-                if say is not None:
-                    say("  simpler: %s" % problem.text)
+                if print_line is not None:
+                    print_line("  simpler: %s" % problem.text)
                 continue
         position += 1
     return scene, relation, problem

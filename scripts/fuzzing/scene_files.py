@@ -33,7 +33,7 @@ class Writer:
         return self.number(value, 1)
 
     def speed(self, value):
-        """That of the process: slower where the process takes longer."""
+        """That of the process: slower where the process needs longer."""
         return self.number(value / self.time_factor(), 1, 0, -1)
 
     def time_factor(self):
@@ -112,7 +112,7 @@ class Writer:
             0.5 if scene["mesh"] != "box" else 1.) * (0.5 if scene["refined"] is not None else 1.)
 
     def duration(self):
-        """That takes about as many steps as the scene says."""
+        """That needs about as many steps as the scene has."""
         scene = self.scene
         poisson = scene["poisson"]
         speed = math.sqrt((1. - poisson) / ((1. + poisson) * (1. - 2. * poisson)))
@@ -196,7 +196,7 @@ class Writer:
         self.set("Type", scene["mesh"])
         if scene["refined"] is not None:
             axis = scene["refined"]["axis"]
-            self.set("Refine where", "%s < %s" % ("xyz"[axis], self.place(axis, scene["refined"]["share"])))
+            self.set("Refine where", "%s < %s" % ("xyz"[axis], self.coordinate(axis, scene["refined"]["share"])))
         self.begin(scene["mesh"])
         cells = scene["cells"]
         if scene["mesh"] == "box":
@@ -247,7 +247,7 @@ class Writer:
         self.set("Steps between checks", adaptive["interval"])
         self.end()
 
-    def place(self, axis, share):
+    def coordinate(self, axis, share):
         """The coordinate of an axis at a share of the extent, off the nodes of regular meshes."""
         return self.length(self.lower[axis] + (share + 1e-4) * (self.upper[axis] - self.lower[axis]))
 
@@ -258,10 +258,10 @@ class Writer:
         other = "first" if scene["second material"] is None else "second"
         parts = {
             "one": lambda: {"a": ["all", first, "first"]},
-            "halves": lambda: {"a": ["x < " + self.place(0, 0.5), first, "first"], "b": ["otherwise", second, other]},
-            "core": lambda: {"a": ["x < %s && y < %s" % (self.place(0, 0.55), self.place(1, 0.7)), first, "first"],
+            "halves": lambda: {"a": ["x < " + self.coordinate(0, 0.5), first, "first"], "b": ["otherwise", second, other]},
+            "core": lambda: {"a": ["x < %s && y < %s" % (self.coordinate(0, 0.55), self.coordinate(1, 0.7)), first, "first"],
                              "b": ["otherwise", second, other]},
-            "layer": lambda: {"a": ["x > %s && x < %s" % (self.place(0, 0.33), self.place(0, 0.67)), first, "first"],
+            "layer": lambda: {"a": ["x > %s && x < %s" % (self.coordinate(0, 0.33), self.coordinate(0, 0.67)), first, "first"],
                               "b": ["otherwise", second, other]}}[scene["layout"]]()
         if scene["conversion"] is not None:
             for name, (_, formulation, material) in list(parts.items()):
@@ -327,8 +327,8 @@ class Writer:
         if scene["rounded rows"] and scene["configuration"] != "current":
             self.set("Row precision", "single")
         if scenes.can_share_dilatation(scene):
-            of_cells = scene["dilatation of cells"] and not scene["filter"]
-            self.set("Dilatation", "of cells" if of_cells else "of particles")
+            uses_cells = scene["dilatation of cells"] and not scene["filter"]
+            self.set("Dilatation", "of cells" if uses_cells else "of particles")
         self.bonds(material)
 
     def smoothed_particles(self, material):
@@ -531,9 +531,9 @@ class Writer:
             if scene["mesh"] == "box":
                 self.set("Boundary", "%s %s" % (self.axes[axis], condition["end"]))
             else:
-                place = self.lower[axis] + (0.2 if condition["end"] == "min" else 0.8) * extent
+                bound = self.lower[axis] + (0.2 if condition["end"] == "min" else 0.8) * extent
                 self.set("Where", "%s %s %s" % (self.axes[axis], "<" if condition["end"] == "min" else ">",
-                                                self.length(place)))
+                                                self.length(bound)))
         duration = self.time(self.duration())
         in_time = {"1": "1", "t": "t/%s" % duration, "sin": "sin(6.28*t/%s)" % duration}[condition["in time"]]
         components = ["0"] * self.dim
@@ -588,7 +588,8 @@ class Writer:
         temperature = "%s + %s*%s" % (self.temperature(300), self.temperature(200), where[0]) if scene["temperature"] else None
         if self.perturbation is not None:
             size, phase = self.perturbation
-            noise = "*".join("sin(%g*%s+%g)" % (17.3 + 5 * i + phase, place, phase) for i, place in enumerate(where))
+            noise = "*".join("sin(%g*%s+%g)" % (17.3 + 5 * i + phase, coordinate, phase)
+                             for i, coordinate in enumerate(where))
             speed = size * max(1e-6, scene["motion"]["speed"] if scene["motion"] is not None else 0.)
             velocity = ["%s + %s*%s" % (component, self.speed(speed), noise) for component in velocity]
             if scene["heat"] is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""scripts/fuzz --scenes N: runs random scenes and says what failed."""
+"""scripts/fuzz --scenes N: runs random scenes and reports what failed."""
 
 import collections
 import json
@@ -48,7 +48,7 @@ def work(options, numbers, results):
                 if options.shrink:
                     print("scene %d: %s" % (number, result.problem.text), flush=True)
                     scene, problem = scene_runs.shrunk(judge, result.scene, result.problem,
-                                                       say=lambda text: print(text, flush=True))
+                                                       print_line=lambda text: print(text, flush=True))
                     result = result._replace(scene=scene, problem=problem)
                     keep(options, result, directory)
             results.append(result)

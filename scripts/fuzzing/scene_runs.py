@@ -42,11 +42,11 @@ PERTURBATION = 1e-13
 GROWTH = 100.
 CHAOS = 1e-4
 PATIENCE = 60.  # seconds until a run hangs
-OF_THE_START = range(121, 128)  # codes of tests/loaded/start_loaded.c
+START_CODES = range(121, 128)  # codes of tests/loaded/start_loaded.c
 
-# What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("statics|wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
-                            "resumed_from_step|earlier_wall_seconds")
+# Entries of a summary on the machine and the time.
+PROCESS_ENTRIES = re.compile("statics|wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
+                             "resumed_from_step|earlier_wall_seconds")
 # Columns that are errors, or shares of what may be next to nothing.
 SHARES = ("energy error", "momentum drift", "angular momentum drift", "heat balance error", "lattice mode share",
           "kinetic over internal energy")
@@ -90,7 +90,7 @@ class Run:
                 results[os.path.relpath(name, self.output())] = file.read()
         with open(self.output("summary.json"), encoding="utf-8") as file:
             summary = json.load(file)
-        results["summary.json"] = {key: value for key, value in summary.items() if not OF_THE_PROCESS.fullmatch(key)}
+        results["summary.json"] = {key: value for key, value in summary.items() if not PROCESS_ENTRIES.fullmatch(key)}
         return results
 
 
@@ -102,8 +102,8 @@ class Judge:
         self.mpiexec = mpiexec
         self.directory = directory
         self.patience = patience
-        self.of_mpi = os.path.join(directory, "mpi")  # what it leaves lying about while it runs
-        os.makedirs(self.of_mpi, exist_ok=True)
+        self.mpi_directory = os.path.join(directory, "mpi")  # what it leaves lying about while it runs
+        os.makedirs(self.mpi_directory, exist_ok=True)
 
     def run(self, name, scene, ranks=1, options=(), **changes):
         """Runs a scene in a directory of this name; where options are given, on what is there."""
@@ -121,14 +121,14 @@ class Judge:
         environment = dict(loaded.environment(ranks), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                            OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe", OMPI_MCA_hwloc_base_binding_policy="none",
                            OMPI_MCA_mpi_yield_when_idle="1", OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
-                           TMPDIR=self.of_mpi)
+                           TMPDIR=self.mpi_directory)
         printed_name = os.path.join(self.directory, name + ".txt")
         with open(printed_name, "wb") as printed:
             process = subprocess.Popen(launcher + loaded.start_of(self.program) + list(options) + ["case.prm"],
                                        cwd=directory, stdin=subprocess.DEVNULL, stdout=printed,
                                        stderr=subprocess.STDOUT, env=environment)
             code = ended(process, self.patience)
-        if code in OF_THE_START:
+        if code in START_CODES:
             raise RuntimeError("the process that has %s loaded has ended" % self.program)
         with open(printed_name, "rb") as printed:
             return Run(directory, code, printed.read().decode(errors="replace"))
@@ -283,7 +283,7 @@ def largest(values):
 
 
 def problem_of_balances(run, scene, figures):
-    """Energy, momentum and heat of a run that ended by itself. A run that stops has said why."""
+    """Energy, momentum and heat of a run that ended by itself. A run that stops has printed why."""
     table = run.table()
     _, energy_scale, momentum_scale, _ = scales_of(scene, table)
     if run.code == 0:
@@ -358,7 +358,7 @@ def inputs_of(scene):
     return scene_files.files_of(scene), scene["ranks"], scene["ranks"] > 1 and scene["resumed on"]
 
 
-def shrunk(judge_of_scenes, scene, problem, tries=200, say=None):
+def shrunk(judge_of_scenes, scene, problem, tries=200, print_line=None):
     """The simplest scene found that fails in the same way, and how."""
     patience, judge_of_scenes.patience = judge_of_scenes.patience, min(judge_of_scenes.patience, 15.)
     position = n_in_vain = 0
@@ -375,8 +375,8 @@ def shrunk(judge_of_scenes, scene, problem, tries=200, say=None):
         n_in_vain += 1
         if result.problem is not None and result.problem.kind == problem.kind:
             scene, problem, n_in_vain = candidates[position], result.problem, 0
-            if say is not None:
-                say("  simpler: %s" % problem.text)
+            if print_line is not None:
+                print_line("  simpler: %s" % problem.text)
         else:
             position += 1
     judge_of_scenes.patience = patience

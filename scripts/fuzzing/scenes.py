@@ -14,7 +14,7 @@ import random
 
 ELEMENTS = ["hexahedron", "fully integrated hexahedron", "lagrange hexahedron"]
 PARTICLES = "momentum consistent particle"
-# What may stand in the place of particles, and of fully integrated elements.
+# What may replace particles, and fully integrated elements.
 SMOOTHED_PARTICLES, SMOOTHED_CELLS = "smoothed particle", "smoothed cells"
 PLASTIC = ["j2 plasticity", "chaboche"]
 BACK_STRESSES = [[[1., 0.]], [[10., 30.], [0.3, 0.]]]  # moduli over the yield stress, rates of recovery
@@ -103,7 +103,7 @@ def drawn_adaptive(generator):
 
 
 def name_of(scene, formulation):
-    """What stands in the place of a formulation of the scene."""
+    """What replaces a formulation of the scene."""
     if formulation == PARTICLES and scene["smoothed particles"]:
         return SMOOTHED_PARTICLES
     if formulation == ELEMENTS[1] and scene["smoothed cells"]:

@@ -2,7 +2,7 @@
 """Valid inputs in a form that runs in a fraction of a second.
 
 A seed is a set of files (name: text) with the one that the program is given, the program and its
-options. Meshes get few cells and runs few steps: how many steps a file makes is asked of the
+options. Meshes get few cells and runs few steps: how many steps a file makes is requested from the
 program (--dry-run), and its times are shortened accordingly.
 """
 
@@ -24,7 +24,7 @@ NOT_VALID = ("twenty_mistakes.prm", "bodies.prm", "turned_particle.prm")
 # Scenes whose supports of particles need more cells than a reduced scene has.
 NOT_REDUCIBLE = ("cut_smoothed_slice.prm", "titanium_cost.prm",
                  os.path.join("elastic_wave", "smoothed_particles.prm"))
-OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
+PARTS_ENTRY = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
 INCLUDE = re.compile(rb"^\s*include\s+(\S.*?)\s*$", re.M)
 MESH_FILE = re.compile(rb"^\s*set\s+File\s*=\s*(\S.*?)\s*$", re.M)
 
@@ -117,8 +117,8 @@ def with_its_files(root, main):
             open_names.append(os.path.normpath(os.path.join(directory, other.decode())))
         for other in MESH_FILE.findall(files[name]):
             mesh = os.path.normpath(os.path.join(directory, other.decode()))
-            if mesh in body_meshes.OF_TESTS:
-                files[mesh] = body_meshes.OF_TESTS[mesh]().text().encode()
+            if mesh in body_meshes.TEST_MESHES:
+                files[mesh] = body_meshes.TEST_MESHES[mesh]().text().encode()
             elif os.path.isfile(os.path.join(root, mesh)):
                 files[mesh] = read(os.path.join(root, mesh))
     return files
@@ -249,7 +249,7 @@ def collect(project):
                 texts = b"\n".join(files.values())
                 files = {other: text.replace(b"@OUTPUT@", b"output") for other, text in files.items()}
                 label = os.path.relpath(os.path.join(directory, name), project)
-                if OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
+                if PARTS_ENTRY.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
                         re.search(rb"^\s*set\s+Output directory", texts, re.M) and \
                         not re.search(rb"^\s*set\s+Stages", texts, re.M):  # a directory each
                     seeds.append(Seed(label, files, path))

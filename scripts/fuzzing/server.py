@@ -27,10 +27,10 @@ class Limits:
 
     def __init__(self, scale=1., memory=0):
         self.set_up = 20. * scale  # until the run writes its log
-        self.steps = 1. * scale  # then it is asked to end
+        self.steps = 1. * scale  # then it is requested to end
         self.end = 10. * scale  # and must have ended
         self.patience = 30. * scale
-        self.memory = memory  # beyond what the program takes by itself
+        self.memory = memory  # beyond what the program uses by itself
         self.file_size = 300000000
 
 
@@ -69,7 +69,7 @@ class ForkServer:
         return line
 
     def run(self, directory, output, arguments, limits, steps_on):
-        """Runs the program in a directory. steps_on() says whether a run is beyond its set-up, so that
+        """Runs the program in a directory. steps_on() returns whether a run is beyond its set-up, so that
         SIGTERM must end it in good order."""
         # What is loaded is known once it serves; the first run has no limit.
         memory = self.size + limits.memory if self.size > 0 else 0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Relations between scenes: what is written in another frame is the same scene, what comes back is the same
-table, and a difference is noticed.
+table, and a difference is detected.
 
 The program is a stand-in that moves a body as a whole, with the fault that its environment names.
 """
@@ -136,9 +136,9 @@ class FrameTest(unittest.TestCase):
         """A coordinate of the scene, as an expression in the frame, is that of the point there."""
         for order, signs in frames.all_axes(3):
             frame = frame_of(order, signs, shift=("0.25", "-3", "7"))
-            place = [1.5, -2.25, 4.]
-            x, y, z = frames.point(frame, place)
-            for name, value in zip("xyz", place):
+            position = [1.5, -2.25, 4.]
+            x, y, z = frames.point(frame, position)
+            for name, value in zip("xyz", position):
                 self.assertEqual(eval(frames.expression(frame, name), {"x": x, "y": y, "z": z}), value)
 
     def test_vectors_and_tensors_turn_alike(self):
@@ -156,18 +156,18 @@ class FrameTest(unittest.TestCase):
                                          for (i, j), value in zip(frames.SYMMETRIC, other)))
 
     def test_tables_come_back(self):
-        place, momentum = [1., -2., 3.], [0.5, 0.25, -4.]
+        position, momentum = [1., -2., 3.], [0.5, 0.25, -4.]
 
-        def columns(place, momentum):
-            turn = [place[1] * momentum[2] - place[2] * momentum[1], place[2] * momentum[0] - place[0] * momentum[2],
-                    place[0] * momentum[1] - place[1] * momentum[0]]
+        def columns(position, momentum):
+            turn = [position[1] * momentum[2] - position[2] * momentum[1], position[2] * momentum[0] - position[0] * momentum[2],
+                    position[0] * momentum[1] - position[1] * momentum[0]]
             return {"time": ("T", [0.])} | {"%s %s" % (name, axis): (unit, [value]) for name, unit, values in (
-                ("momentum", "M L/T", momentum), ("p position", "L", place), ("angular momentum", "M L^2/T", turn))
+                ("momentum", "M L/T", momentum), ("p position", "L", position), ("angular momentum", "M L^2/T", turn))
                 for axis, value in zip("xyz", values)}
         for order, signs in frames.all_axes(3):
             frame = frame_of(order, signs, shift=("10", "20", "40"))
-            other = columns(frames.point(frame, place), frames.point(frame._replace(shift=None), momentum))
-            self.assertEqual(frames.taken_back(frame, other), columns(place, momentum))
+            other = columns(frames.point(frame, position), frames.point(frame._replace(shift=None), momentum))
+            self.assertEqual(frames.transformed_back(frame, other), columns(position, momentum))
 
     def test_units_are_read(self):
         for unit, dimension, powers in (

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The judge of random scenes notices what is wrong, and a scene is a function of its number alone.
+"""The judge of random scenes detects what is wrong, and a scene is a function of its number alone.
 
 The program is a stand-in that writes the results of a run, with the fault that its environment names.
 """

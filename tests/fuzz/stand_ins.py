@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A stand-in for a program and one for mpirun, which tells it the number of ranks; the packages of the fuzzer."""
+"""A stand-in for a program and one for mpirun, which sets its number of ranks; the packages of the fuzzer."""
 
 import os
 import sys

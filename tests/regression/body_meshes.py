@@ -27,15 +27,15 @@ class Mesh:
             self.names.append((dim, name))
         return self.names.index((dim, name)) + 1
 
-    def add_block(self, name, coordinates, place, boundaries, by_rows=False):
-        """A lattice of these coordinates by axis. `place` moves a node; `boundaries` takes (axis,
+    def add_block(self, name, coordinates, position, boundaries, by_rows=False):
+        """A lattice of these coordinates by axis. `position` moves a node; `boundaries` maps (axis,
         end) to the name of a boundary. The cells are numbered along the last axis first, or
         `by_rows` along the first one like the nodes."""
         counts = [len(axis) for axis in coordinates]
         numbers = {}
         for index in itertools.product(*(range(n) for n in reversed(counts))):
             index = index[::-1]
-            point = place(*(coordinates[d][index[d]] for d in range(self.dim)))
+            point = position(*(coordinates[d][index[d]] for d in range(self.dim)))
             self.nodes.append(tuple(point) + (0.,) * (3 - self.dim))
             numbers[index] = len(self.nodes)
         group = self.group(self.dim, name)
@@ -53,10 +53,10 @@ class Mesh:
             for index in itertools.product(*(range(counts[d] - 1) for d in others)):
                 face = []
                 for corner in ([(0,), (1,)] if self.dim == 2 else square):
-                    place_of = [fixed] * self.dim
+                    node_index = [fixed] * self.dim
                     for d, i, c in zip(others, index, corner):
-                        place_of[d] = i + c
-                    face.append(numbers[tuple(place_of)])
+                        node_index[d] = i + c
+                    face.append(numbers[tuple(node_index)])
                 self.elements.append((1 if self.dim == 2 else 3, group, face))
 
     def add_ring(self, name, centre, inner, outer, spacing):
@@ -276,8 +276,8 @@ def growing(first, length, n):
             low = ratio
         else:
             high = ratio
-    places = [first * sum(ratio ** j for j in range(i)) for i in range(n)]
-    return places + [length]
+    coordinates = [first * sum(ratio ** j for j in range(i)) for i in range(n)]
+    return coordinates + [length]
 
 
 def cut():
@@ -292,14 +292,14 @@ def cut():
     inwards = [face[d] + flank[d] for d in (0, 1)]
     depth = radius / math.sin(half) - radius
 
-    def place(a, b):
+    def position(a, b):
         x, y = (face[d] * a + flank[d] * b for d in (0, 1))
         if a == 0. and b == 0.:
             x, y = (depth * c / math.hypot(*inwards) for c in inwards)
         return x - 1e-3, y
 
     first = radius / math.tan(half)
-    mesh.add_block("tool", [growing(first, 3., 24), growing(first, 1.7, 16)], place, {})
+    mesh.add_block("tool", [growing(first, 3., 24), growing(first, 1.7, 16)], position, {})
     return mesh
 
 
@@ -325,13 +325,13 @@ def cylinders():
         columns = lines(fine, 12, 12, reach)
         rows = lines(fine / 2., 6, 16, 3. * fine)
 
-        def place(x, y):
+        def position(x, y):
             rise = radius - math.sqrt(radius ** 2 - x ** 2)
             return x, sign * (rise * (1. - y / size) + y)
 
         heights = rows if sign > 0. else list(reversed(rows))
         face = 0 if sign > 0. else 1
-        mesh.add_block(name, [columns, heights], place,
+        mesh.add_block(name, [columns, heights], position,
                        {(1, face): f"{name} face", (1, 1 - face): f"{name} end",
                         (0, 0): f"{name} axis"})
     return mesh
@@ -346,12 +346,12 @@ def spheres():
         columns = growing(1. / n, size, n)
         heights = [sign * z for z in growing(0.5 / n, size, n - 2)][::int(sign)]
 
-        def place(x, y, z):
+        def position(x, y, z):
             rise = 0.5 * (x ** 2 + y ** 2) / radius
             return tuple(round(c, 9) for c in (x, y, z + sign * rise * (1. - abs(z) / size)))
 
         face = 0 if sign > 0. else 1
-        mesh.add_block(name, [columns, columns, heights], place,
+        mesh.add_block(name, [columns, columns, heights], position,
                        {(2, face): f"{name} face", (2, 1 - face): f"{name} end",
                         (0, 0): "left", (1, 0): "front"})
     return mesh
@@ -380,13 +380,13 @@ def pressed_plate():
 
 def flat_shoulder():
     """Two plates of 76.2 by 31.75 by 3.18 with a joint in the plane x = 0 and a cylinder of the radius
-    7.62 on their upper faces, in mm. Lines of the mesh stand where the clamps begin, four fifths of the
-    width from the joint. The joint is open by 1e-6, so that no two nodes are at one place."""
+    7.62 on their upper faces, in mm. Lines of the mesh are where the clamps begin, four fifths of the
+    width from the joint. The joint is open by 1e-6, so that no two nodes are at one position."""
     mesh = Mesh(3)
     across = [5e-7] + even(0., 9., 9)[1:] + graded(9., 25.4, 7, 3.)[1:] + even(25.4, 31.75, 2)[1:]
     along, heights = even(-7.62, 68.58, 44), even(-3.18, 0., 2)
-    for name, places in (("left", [-x for x in reversed(across)]), ("right", across)):
-        mesh.add_block(name, [places, along, heights], lambda *point: [round(x, 9) for x in point],
+    for name, columns in (("left", [-x for x in reversed(across)]), ("right", across)):
+        mesh.add_block(name, [columns, along, heights], lambda *point: [round(x, 9) for x in point],
                        {(0, 0): "left side" if name == "left" else "right joint",
                         (0, 1): "left joint" if name == "left" else "right side",
                         (1, 0): "ends", (1, 1): "ends", (2, 0): "bottom", (2, 1): "top"})
@@ -416,11 +416,11 @@ def tube(n=8):
     """The quarter of a thick-walled tube of the radii 1 and 2."""
     mesh = Mesh(2)
 
-    def place(r, angle):
+    def position(r, angle):
         x, y = r * math.cos(angle), r * math.sin(angle)
         return (0. if angle == math.pi / 2 else x), y
 
-    mesh.add_block("tube", [even(1., 2., n), even(0., math.pi / 2, 2 * n)], place,
+    mesh.add_block("tube", [even(1., 2., n), even(0., math.pi / 2, 2 * n)], position,
                    {(0, 0): "bore", (0, 1): "outside", (1, 0): "plane y", (1, 1): "plane x"})
     return mesh
 
@@ -497,8 +497,8 @@ def cone():
     return surface
 
 
-# What nobody but the tests reads, by the name of the file.
-OF_TESTS = {
+# What only the tests read, by the name of the file.
+TEST_MESHES = {
     **{f"{make.__name__}.msh": make
        for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, spheres, punch, static_drag,
                     static_stack, cup)},
@@ -529,13 +529,13 @@ SHIPPED = {
 def write(name, directory):
     """Writes a file of OF_TESTS; its path."""
     path = Path(directory) / name
-    path.write_text(OF_TESTS[name]().text(), encoding="utf-8")
+    path.write_text(TEST_MESHES[name]().text(), encoding="utf-8")
     return path
 
 
 def main():
     here = Path(__file__).resolve().parent
-    for name in OF_TESTS:
+    for name in TEST_MESHES:
         write(name, here)
     for name, make in SHIPPED.items():
         (here.parents[1] / "parameter_files" / name).write_text(make().text(), encoding="utf-8")

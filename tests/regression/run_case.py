@@ -7,7 +7,7 @@ usage: run_case.py CASE.json --program PATH [--output DIRECTORY] [--mpiexec PATH
 A case is a JSON object:
 
   "what"    one sentence: what the case proves
-  "let"     names and texts; "{name}" anywhere below stands for the text
+  "let"     names and texts; "{name}" anywhere below means the text
   "runs"    list of {"name", "file", "ranks", "set": {"Section/Entry": value}, "options": [...]};
             the file is looked for beside the case, then in the project;
             the mesh it names may be one that body_meshes.py writes
@@ -17,7 +17,7 @@ A case is a JSON object:
 
   "sets"    names and settings; a run with "with": [names] has these as well
 
-A run or a check with "for": {"name": [texts]} stands for one of each combination, and one with
+A run or a check with "for": {"name": [texts]} means one of each combination, and one with
 "for": {"name other": [[text, text]]} for one of each of these pairs. --jobs makes so many runs of one
 rank at a time; no run may need another one. --report prints the checks as rows of a table in
 Markdown. Exit code 0 only if every run ended as it should and every check holds.
@@ -116,7 +116,7 @@ def compressed_array(element):
 
 
 class Results:
-    """What expressions of checks can ask of the runs, by name."""
+    """The functions of expressions of checks, by name."""
 
     def __init__(self, output):
         self.output = Path(output)
@@ -282,20 +282,20 @@ class Results:
     def interior_error(self, run, margin, axis=0, component=0):
         """Relative L2 error of a stress component (of xx, yy, zz, xy, yz, xz) against the exact one, over
         the particles farther than margin from both ends of the axis."""
-        places = self.field(run, "particles", "initial position")
-        lower, upper = (bound(place[axis] for place in places) for bound in (min, max))
-        rows = zip(places, self.field(run, "particles", "volume"),
+        positions = self.field(run, "particles", "initial position")
+        lower, upper = (bound(position[axis] for position in positions) for bound in (min, max))
+        rows = zip(positions, self.field(run, "particles", "volume"),
                    self.field(run, "particles", "stress"), self.field(run, "particles", "exact stress"))
         error = scale = 0.
-        for place, volume, stress, exact in rows:
-            if lower + margin < place[axis] < upper - margin:
+        for position, volume, stress, exact in rows:
+            if lower + margin < position[axis] < upper - margin:
                 error += volume[0] * (stress[component] - exact[component]) ** 2
                 scale += volume[0] * exact[component] ** 2
         return math.sqrt(error / scale)
 
     def spread(self, run, kind, name, component=0, where=None, about=None):
         """The largest deviation of a component from a value (its mean), relative to it. `where`
-        takes a tuple of initial coordinates."""
+        receives a tuple of initial coordinates."""
         values = [value[component] for value in self.field(run, kind, name)]
         if where is not None:
             points = self.field(run, kind, "initial position")
@@ -339,7 +339,7 @@ class Results:
         for point, value in zip(points, values):
             nearest = heapq.nsmallest(n_neighbours + 1, zip((math.dist(point, other)
                                                              for other in points), values))
-            differences += (value - sum(of_other for _, of_other in nearest[1:]) / n_neighbours) ** 2
+            differences += (value - sum(other_value for _, other_value in nearest[1:]) / n_neighbours) ** 2
         return math.sqrt(differences / sum(value ** 2 for value in values))
 
 
@@ -380,7 +380,7 @@ def scene_of(run, case):
 
 
 def text_of(path):
-    """What stands in a parameter file and in those that it includes."""
+    """The text of a parameter file and of those that it includes."""
     text = path.read_text(encoding="utf-8")
     included = re.findall(r"^\s*include\s+(\S+)", text, re.MULTILINE)
     return "\n".join([text] + [text_of(path.parent / name) for name in included])
@@ -390,7 +390,7 @@ def write_meshes(runs, case, output):
     """Writes the meshes that scenes or their settings name into the working directory of the runs."""
     scenes = {scene_of(run, case) for run in runs}
     text = json.dumps(runs) + "".join(map(text_of, scenes))
-    for name in body_meshes.OF_TESTS:
+    for name in body_meshes.TEST_MESHES:
         if name in text:
             mesh = body_meshes.write(name, output)
             for beside in {scene.parent / name for scene in scenes}:
