@@ -21,15 +21,15 @@ PICTURES_OF_TABLES = [("statistics.csv", histories.draw_energies, "energies.png"
 
 
 def parse_cut(text):
-    """An axis and a place on it, from "x" or "x=1.5"."""
-    axis, _, place = text.partition("=")
+    """An axis and a coordinate on it, from "x" or "x=1.5"."""
+    axis, _, coordinate = text.partition("=")
     if axis.strip() not in AXES:
         raise argparse.ArgumentTypeError(f'"{axis}" is not one of {", ".join(AXES)}')
-    return AXES.index(axis.strip()), float(place or 0)
+    return AXES.index(axis.strip()), float(coordinate or 0)
 
 
 def parse_slice(text):
-    """An axis and a place on it, from "x=1.5"."""
+    """An axis and a coordinate on it, from "x=1.5"."""
     if "=" not in text:
         raise argparse.ArgumentTypeError(f'"{text}" has no place, such as x=1.5')
     return parse_cut(text)
@@ -60,7 +60,7 @@ def parse_arguments():
 
 
 def chosen_fields(wanted, default, results):
-    """The fields asked for, each of which must exist, or the default."""
+    """The requested fields, each of which must exist, or the default."""
     names = results.array_names()
     result = []
     for text in wanted or default:

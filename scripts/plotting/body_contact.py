@@ -60,10 +60,10 @@ def draw_cylinders(directory, path):
     largest = 2 * load / (numpy.pi * half)
     results = Results(directory / "hertz_cylinders")
     grid = results.grids_at(results.times(None)[-1])["cells"]
-    place, force = grid.initial_points(), grid.point_data["contact force"][:, 1]
-    surface = numpy.flatnonzero((force > 0) & (place[:, 1] >= 0))
-    surface = surface[numpy.argsort(place[surface, 0])]
-    x, force = place[surface, 0], force[surface]
+    position, force = grid.initial_points(), grid.point_data["contact force"][:, 1]
+    surface = numpy.flatnonzero((force > 0) & (position[:, 1] >= 0))
+    surface = surface[numpy.argsort(position[surface, 0])]
+    x, force = position[surface, 0], force[surface]
     spacing = x[1] - x[0]
     tributary = numpy.full(len(x), spacing)
     tributary[0] *= 0.5
@@ -133,11 +133,11 @@ def draw_plate(directory, path):
     rows = [(f"plate: force on the side {side} [N/m]", abs(table[f"{side} mean force y"][-1]), 160.)
             for side in ("below", "above")]
     last = results.grids_at(times[-1])
-    place = last["particles"].initial_points()
-    in_middle = numpy.abs(place[:, 0]) < 1e-6
-    centre = numpy.flatnonzero(in_middle & (numpy.abs(place[:, 1] - 1e-3) < 1e-6))[0]
+    position = last["particles"].initial_points()
+    in_middle = numpy.abs(position[:, 0]) < 1e-6
+    centre = numpy.flatnonzero(in_middle & (numpy.abs(position[:, 1] - 1e-3) < 1e-6))[0]
     force = numpy.abs(last["particles"].point_data["contact force"][:, 1])
-    near = (numpy.abs(place[:, 0]) < 2.1e-3) & (place[:, 1] > 1.9e-3)
+    near = (numpy.abs(position[:, 0]) < 2.1e-3) & (position[:, 1] > 1.9e-3)
     share = numpy.sum(force[near]) / (numpy.count_nonzero(near) * 0.5e-3) / 1e4
     measured = [results.grids_at(time)["particles"].point_data["nodal temperature"][centre]
                 for time in times]

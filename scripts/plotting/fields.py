@@ -167,7 +167,7 @@ def draw_body(plot, grids, field, camera, norm, colours, magnify):
 
 
 def cut_open(grids, cut):
-    """The grids, or what lies beyond the cut, an axis and a place on it."""
+    """The grids, or what lies beyond the cut, an axis and a coordinate on it."""
     if cut is None:
         return grids
     parts = {kind: grid.beyond(*cut) for kind, grid in grids.items()}
@@ -176,17 +176,17 @@ def cut_open(grids, cut):
 
 def sliced(grids, slice_):
     """What now lies in a slice: cells that its plane passes through, particles that reach it. The
-    slice is an axis and a place on it."""
-    axis, place = slice_
+    slice is an axis and a coordinate on it."""
+    axis, position = slice_
     result = {}
     for kind, grid in grids.items():
         coordinate = grid.points[:, axis]
         if grid.cells.shape[1] > 1:
             corners = coordinate[grid.cells]
-            kept = (corners.min(axis=1) <= place) & (corners.max(axis=1) > place)
+            kept = (corners.min(axis=1) <= position) & (corners.max(axis=1) > position)
         else:
             radius = 0.5 * particle_sizes(grid)
-            kept = (coordinate - radius <= place) & (coordinate + radius > place)
+            kept = (coordinate - radius <= position) & (coordinate + radius > position)
         if kept.any():
             result[kind] = grid.only(kept)
     return result
@@ -196,7 +196,7 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
                slice_=None):
     """Writes the picture of one field; None where no file has it. The colours span the limits, or
     what there is. The pictures show all that there is, or as many times the initial size of the
-    body as the frame says: what flew away would make the rest small."""
+    body by the size of the frame: what flew away would make the rest small."""
     times = [time for time in times
              if any(grid.has(field.array) for grid in results.grids_at(time).values())]
     if not times:
@@ -242,8 +242,8 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
         if not camera.axes:
             plot.axis("off")
     if camera.axes:
-        for label, place in zip(camera.axes, (figure.supxlabel, figure.supylabel)):
-            place(heading(label, results.units.label("L")), fontsize=9)
+        for label, set_label in zip(camera.axes, (figure.supxlabel, figure.supylabel)):
+            set_label(heading(label, results.units.label("L")), fontsize=9)
     figure.colorbar(ScalarMappable(norm, colours), ax=plots, label=field.label(results.units),
                     shrink=0.9, aspect=30, pad=0.02)
     return style.save(figure, path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What the tables of a run say over time: energies, momenta, probes, dimensions."""
+"""The tables of a run over time: energies, momenta, probes, dimensions."""
 
 import numpy
 

@@ -45,23 +45,23 @@ class Neighbours:
 
     @staticmethod
     def find(points, count):
-        places = vtkPoints()
-        places.SetData(numpy_to_vtk(numpy.ascontiguousarray(points), deep=True))
+        cloud_points = vtkPoints()
+        cloud_points.SetData(numpy_to_vtk(numpy.ascontiguousarray(points), deep=True))
         cloud = vtkPolyData()
-        cloud.SetPoints(places)
+        cloud.SetPoints(cloud_points)
         locator = vtkStaticPointLocator()
         locator.SetDataSet(cloud)
         locator.BuildLocator()
         numbers, found = numpy.empty((len(points), count), dtype=int), vtkIdList()
-        for point, place in enumerate(points):
-            locator.FindClosestNPoints(count, place, found)
+        for point, position in enumerate(points):
+            locator.FindClosestNPoints(count, position, found)
             numbers[point] = [found.GetId(k) for k in range(count)]
         return numbers
 
 
 def stretches(start, now):
-    """Left stretch tensors (n, 3, 3) of the motion of points to their places now, by least squares over the neighbours
-    at the start that are not torn off; the identity where too few are left. Their determinant is 1."""
+    """Left stretch tensors (n, 3, 3) of the motion of points to their present positions, by least squares over the
+    neighbours at the start that are not torn off; the identity where too few are left. Their determinant is 1."""
     dim, n = dimension_of(start), len(start)
     count = min(n, 9 if dim == 2 else 19)
     result = numpy.tile(numpy.eye(3), (n, 1, 1))
@@ -85,8 +85,8 @@ def stretches(start, now):
     logarithm = numpy.log(size)
     largest = numpy.abs(logarithm).max(axis=1, initial=0, keepdims=True)
     size = numpy.exp(logarithm * numpy.minimum(1, math.log(LARGEST_STRETCH) / numpy.maximum(largest, 1e-300)))
-    places = numpy.flatnonzero(is_known)[:, None, None]
-    result[places, numpy.arange(dim)[:, None], numpy.arange(dim)] = (turn * size[:, None, :]) @ turn.transpose(0, 2, 1)
+    rows = numpy.flatnonzero(is_known)[:, None, None]
+    result[rows, numpy.arange(dim)[:, None], numpy.arange(dim)] = (turn * size[:, None, :]) @ turn.transpose(0, 2, 1)
     return result
 
 

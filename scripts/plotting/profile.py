@@ -43,8 +43,8 @@ def interface_position(grids, axis, extent):
 
 def draw_samples(plot, grid, field, axis, resolution, is_particles):
     """One kind of samples with its range; the exact samples (coordinates, values) or None."""
-    places, values = grid.samples(field.array)
-    section = Section(places[:, axis], field.of(values.astype(float)), resolution)
+    positions, values = grid.samples(field.array)
+    section = Section(positions[:, axis], field.of(values.astype(float)), resolution)
     colour = style.PARTICLE_COLOUR if is_particles else style.ELEMENT_COLOUR
     size = 3.2 if len(section.coordinate) < 400 else 1.2
     if section.is_grouped:
@@ -57,8 +57,8 @@ def draw_samples(plot, grid, field, axis, resolution, is_particles):
     exact = "exact " + field.array
     if not grid.has(exact):
         return None
-    places, values = grid.samples(exact)
-    return places[:, axis], field.of(values.astype(float))
+    positions, values = grid.samples(exact)
+    return positions[:, axis], field.of(values.astype(float))
 
 
 def draw_exact(plot, exact):

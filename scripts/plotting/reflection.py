@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .style import EXACT_COLOUR, panels, pyplot, save
 
-# What tells the series of a panel apart: column and how a value of it is said.
+# What distinguishes the series of a panel: column and the format of its values.
 SETTINGS = {
     "element": "{}",
     "spacing_ratio": "spacing {}",
@@ -87,8 +87,8 @@ def exact_reflection(wavelength, ratio):
 
 def draw_exact(axis, ratio, wavelengths, label):
     low, high = math.log(min(wavelengths)), math.log(max(wavelengths))
-    places = [math.exp(low + (high - low) * i / 100) for i in range(101)]
-    axis.plot(places, [exact_reflection(place, ratio) for place in places], color=EXACT_COLOUR,
+    samples = [math.exp(low + (high - low) * i / 100) for i in range(101)]
+    axis.plot(samples, [exact_reflection(sample, ratio) for sample in samples], color=EXACT_COLOUR,
               linewidth=0.8, label=label)
 
 
@@ -98,11 +98,11 @@ def series_of(rows):
     for row in rows:
         key = tuple(row[name] for name in SETTINGS)
         series.setdefault(key, {})[float(row["wavelength [h]"])] = row
-    return {key: places for key, places in series.items() if len(places) >= 3}
+    return {key: row_at for key, row_at in series.items() if len(row_at) >= 3}
 
 
 def label_of(key, varied):
-    """What tells a series apart; strengths of no filter and the like are left out."""
+    """What distinguishes a series; strengths of no filter and the like are left out."""
     parts = []
     for index in varied:
         column = list(SETTINGS)[index]
@@ -115,7 +115,7 @@ def label_of(key, varied):
 
 def draw_group(axis, name, pair, series):
     varied = [index for index in range(len(SETTINGS)) if len({key[index] for key in series}) > 1]
-    wavelengths = sorted({place for places in series.values() for place in places})
+    wavelengths = sorted({wavelength for row_at in series.values() for wavelength in row_at})
     if pair == "FE-FE":
         ratio_index = list(SETTINGS).index("spacing_ratio")
         for number, ratio in enumerate(sorted({Fraction(key[ratio_index]) for key in series})):
@@ -125,7 +125,7 @@ def draw_group(axis, name, pair, series):
     markers = "os^Dv<>ph*"
     colours = pyplot.rcParams["axes.prop_cycle"].by_key()["color"]
     has_short_waves = pair.startswith("particles")
-    for number, (key, places) in enumerate(series.items()):
+    for number, (key, row_at) in enumerate(series.items()):
         style = {"color": colours[number % len(colours)], "marker": markers[number % len(markers)],
                  "markersize": 3.5, "linestyle": "none" if pair == "FE-FE" else "-",
                  "label": label_of(key, varied) or None}
@@ -134,14 +134,14 @@ def draw_group(axis, name, pair, series):
             lines["unsmoothed [%]"] = {"color": style["color"], "linestyle": ":"}
         for column, how in lines.items():
             # Below there is round-off only.
-            points = [(place, float(row[column])) for place, row in sorted(places.items())
+            points = [(wavelength, float(row[column])) for wavelength, row in sorted(row_at.items())
                       if row[column] and float(row[column]) > 1e-5]
             if points:
                 axis.plot(*zip(*points), **how)
     axis.set_xscale("log")
     axis.set_yscale("log")
-    ticks = [place for place in (5, 7, 10, 14, 20, 28, 40, 60, 80)
-             if wavelengths[0] <= place <= wavelengths[-1]]
+    ticks = [wavelength for wavelength in (5, 7, 10, 14, 20, 28, 40, 60, 80)
+             if wavelengths[0] <= wavelength <= wavelengths[-1]]
     axis.set_xticks(ticks, [str(tick) for tick in ticks])
     axis.set_xticks([], minor=True)
     axis.yaxis.set_major_formatter("{x:g}")
@@ -152,7 +152,7 @@ def draw_group(axis, name, pair, series):
 
 
 def draw(rows, wanted, picture):
-    """Writes the picture of the groups that are wanted, of all if None; its path, or None where there
+    """Writes the picture of the requested groups, of all if None; its path, or None where there
     is nothing to draw."""
     groups = {}
     for row in rows:
@@ -175,7 +175,7 @@ def draw(rows, wanted, picture):
         return save(figure, picture)
 
 
-def said(row, column):
+def cell_text(row, column):
     return f"{float(row[column]):.3f}" if column in PERCENT and row[column] else row[column] or "–"
 
 
@@ -186,20 +186,20 @@ def needs(column, rows):
               "unsmoothed [%]": "smoothed [%]"}.get(column)
     return (any(row[column] not in ("", "–") for row in rows)
             and not all(row[column] == DEFAULTS.get(column) for row in rows)
-            and not (before and all(said(row, column) == said(row, before) for row in rows)))
+            and not (before and all(cell_text(row, column) == cell_text(row, before) for row in rows)))
 
 
 def print_tables(rows):
     groups = {}
     for row in rows:
         groups.setdefault(row["group"], []).append(row)
-    for name, of_group in groups.items():
-        columns = [column for column in TABLE_COLUMNS if needs(column, of_group)]
+    for name, group_rows in groups.items():
+        columns = [column for column in TABLE_COLUMNS if needs(column, group_rows)]
         print(f"\n**{name}**\n")
         print("| " + " | ".join(TABLE_COLUMNS[column] for column in columns) + " |")
         print("|" + " --- |" * len(columns))
-        for row in of_group:
-            print("| " + " | ".join(said(row, column) for column in columns) + " |")
+        for row in group_rows:
+            print("| " + " | ".join(cell_text(row, column) for column in columns) + " |")
 
 
 def main():

@@ -88,7 +88,7 @@ def von_mises(stress):
 
 
 class Units:
-    """The names of the units; the symbols L, M, T, K where the run gave none."""
+    """The names of the units; the symbols L, M, T, K where the run has none."""
 
     def __init__(self, labels):
         self.labels = labels
@@ -135,7 +135,7 @@ class Results(Run):
         return {kind: grid for kind, grid in grids.items() if grid is not None}
 
     def times(self, wanted):
-        """The outputs nearest to the wanted times; all but the start where none are wanted."""
+        """The outputs nearest to the requested times; all but the start where none are requested."""
         available = list(self.files)
         if not wanted:
             return available[1:] if len(available) > 1 else available

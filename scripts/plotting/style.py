@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How all pictures look."""
+"""The style of all pictures."""
 
 import matplotlib
 
@@ -31,7 +31,7 @@ pyplot.rcParams.update({
 
 
 def panels(n_panels, n_columns, width, height, **options):
-    """A figure with n_panels axes in rows of n_columns; the places left over stay empty."""
+    """A figure with n_panels axes in rows of n_columns; the rest of the last row stays empty."""
     n_columns = min(n_columns, n_panels)
     n_rows = -(-n_panels // n_columns)
     figure, axes = pyplot.subplots(n_rows, n_columns, squeeze=False, layout="constrained",

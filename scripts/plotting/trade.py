@@ -99,7 +99,7 @@ def pareto(study):
     return figure
 
 
-def places(labels):
+def coordinates(labels):
     """Coordinates of labels: their numbers, or 0, 1, ...; and whether they are numbers."""
     numbers = [number_of(label) for label in labels]
     if None in numbers:
@@ -126,25 +126,25 @@ def lines(study):
         first, *others = grid["axes"]
         factor = study.factors[first["knob"]]
         labels = [factor["labels"][v] for v in first["values"]]
-        x, are_numbers = places(labels)
+        x, are_numbers = coordinates(labels)
         values = []
         combinations = list(itertools.product(*(o["values"] for o in others)))
         for index, combination in enumerate(combinations):
             choice = {o["knob"]: v for o, v in zip(others, combination)}
             points, lost = [], []
-            for place, value in zip(x, first["values"]):
+            for x_value, value in zip(x, first["values"]):
                 run = study.run({**choice, first["knob"]: value})
                 if run["error"] is None:
-                    lost.append(place)
+                    lost.append(x_value)
                 else:
-                    points.append((place, abs(run["error"])))
+                    points.append((x_value, abs(run["error"])))
             name = study.label(study.run({**choice, first["knob"]: first["values"][0]}),
                                without=(first["knob"],))
             style = {"color": COLOURS[index % len(COLOURS)],
                      "marker": MARKERS[index // len(COLOURS) % len(MARKERS)], "markersize": 4}
             axis.plot([p[0] for p in points], [p[1] for p in points], label=name or None, **style)
-            for place in lost:  # no result: a cross at the lower edge
-                axis.plot(place, 0.02 + 0.03 * (index % 8), marker="x", markersize=5, clip_on=False,
+            for x_value in lost:  # no result: a cross at the lower edge
+                axis.plot(x_value, 0.02 + 0.03 * (index % 8), marker="x", markersize=5, clip_on=False,
                           color=style["color"], transform=axis.get_xaxis_transform())
             values += [p[1] for p in points]
         scale_values(study, axis, values)

@@ -51,20 +51,20 @@ class Members:
         self.headings = rows[0]
         state = self.headings.index(STATE)
         self.factors = self.headings[1:state]
-        # What short names stand for.
+        # The meaning of short names.
         self.short = {"error": self.headings[state + 1], "cost": self.headings[state + 2]}
         self.runs = [dict(zip(self.headings, row)) for row in rows[1:]]
         # The order of values is that in which they come first.
-        self.places = {factor: {} for factor in self.factors}
+        self.label_indices = {factor: {} for factor in self.factors}
         for run in self.runs:
-            for factor, places in self.places.items():
-                places.setdefault(run[factor], len(places))
+            for factor, label_indices in self.label_indices.items():
+                label_indices.setdefault(run[factor], len(label_indices))
 
     def key(self, run, factors):
         return tuple(run[factor] for factor in factors)
 
     def in_order(self, keys, factors):
-        return sorted(keys, key=lambda key: [self.places[f][label] for f, label in zip(factors, key)])
+        return sorted(keys, key=lambda key: [self.label_indices[f][label] for f, label in zip(factors, key)])
 
     def column(self, name, among=None):
         known = among if among is not None else self.headings
@@ -84,7 +84,7 @@ class Members:
             factor = self.column(factor.strip(), self.factors)
             if not equals:
                 raise TableError(f'"{condition}" is not FACTOR = VALUE')
-            # An empty one stands for a factor that the run leaves as the file has it.
+            # An empty one means a factor that the run leaves as the file has it.
             wanted = [label.strip() for label in labels.split(" / ")]
             self.runs = [run for run in self.runs if run[factor] in wanted]
         if not self.runs:
@@ -128,7 +128,7 @@ def list_table(members, rows, values, digits):
     values = [members.column(name) for name in values]
     lines = ["| " + " | ".join(rows + [value.rpartition("/")[2] for value in values]) + " |",
              "|" + "---|" * (len(rows) + len(values))]
-    order = {key: place for place, key in enumerate(
+    order = {key: index for index, key in enumerate(
         members.in_order({members.key(run, rows) for run in members.runs}, rows))}
     for run in sorted(members.runs, key=lambda run: order[members.key(run, rows)]):
         texts = [rounded(run[value], digits) for value in values]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What was asked: entries of the parameter file that differ from their defaults."""
+"""The input of a run: entries of the parameter file that differ from their defaults."""
 
 import re
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ class Entry:
     section: str
     name: str
     value: str
-    default: str  # "mandatory" for an entry without one, None where the page does not know the entry
+    default: str  # "mandatory" for an entry without one, None where the page does not have the entry
     differs: bool
 
 

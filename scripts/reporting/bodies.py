@@ -28,7 +28,7 @@ class Snapshot:
     centres: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
     shapes: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3, 3)))  # of the ellipsoids that particles are
     particle_values: dict = field(default_factory=dict)
-    force_places: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
+    force_points: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
     forces: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
     tool_points: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
     tool_faces: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3), dtype=int))
@@ -117,7 +117,7 @@ class Bodies:
         return units.quantity(time, self.run.results.units.label("T"))
 
     def chosen_fields(self, wanted):
-        """The fields asked for, or those of interest that there are. The last readable output has those
+        """The requested fields, or those of interest that exist. The last readable output has those
         of parts that appear in the run."""
         names = set()
         for time in (self.times[0], self.times[-1]):
@@ -203,7 +203,7 @@ class Bodies:
         rows = numpy.vstack(both)
         rows = numpy.unique(rows[numpy.isfinite(rows).all(axis=1) & rows[:, 3:].any(axis=1)], axis=0)
         largest = numpy.argsort(-numpy.linalg.norm(rows[:, 3:], axis=1), kind="stable")[:MAXIMUM_ARROWS]
-        shot.force_places, shot.forces = rows[largest, :3], rows[largest, 3:]
+        shot.force_points, shot.forces = rows[largest, :3], rows[largest, 3:]
 
     def add_tools(self, shot):
         path = self.run.tools.get(shot.time)
@@ -273,7 +273,7 @@ class Bodies:
         kept = length > 0.02 * self.large_force
         relative = shot.forces[kept] / self.large_force
         excess = numpy.maximum(length[kept] / self.large_force / LONGEST_ARROW, 1)[:, None]
-        tips = shot.force_places[kept]
+        tips = shot.force_points[kept]
         return tips - ARROW_LENGTH * self.size * relative / excess, tips
 
     def arrow_text(self):

@@ -22,7 +22,7 @@ class Chart:
     title: str
     table: object
     names: list
-    quantity: str = ""  # what the vertical axis says; the title where it is empty
+    quantity: str = ""  # the label of the vertical axis; the title where it is empty
     short: dict = field(default_factory=dict)  # {column: text of the legend}
     dashed: tuple = ()  # columns that often lie on others
 
@@ -79,7 +79,7 @@ def rounded(values):
 
 
 class Drawing:
-    """One chart in its place on the page: the marks of the axes and the lines."""
+    """One chart of the page: the marks of the axes and the lines."""
 
     def __init__(self, time, lines):
         first, last = float(time.min()), float(time.max())
@@ -101,17 +101,17 @@ class Drawing:
         parts = []
         values, digits = ticks(*self.x_range)
         for value in values:
-            place = self.x(value)
-            parts.append(f'<path class="grid" d="M{place:.1f} {TOP}V{HEIGHT - BOTTOM}"/>'
-                         f'<text x="{place:.1f}" y="{HEIGHT - BOTTOM + 15}" text-anchor="middle">'
+            x = self.x(value)
+            parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}"/>'
+                         f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 15}" text-anchor="middle">'
                          f'{tick_text(value, digits)}</text>')
         scale = 10.0**self.exponent
         values, digits = ticks(self.y_range[0] / scale, self.y_range[1] / scale)
         for value in values:
-            place = self.y(value * scale)
+            y = self.y(value * scale)
             kind = "zero" if abs(value) < 1e-12 else "grid"
-            parts.append(f'<path class="{kind}" d="M{LEFT} {place:.1f}H{WIDTH - RIGHT}"/>'
-                         f'<text x="{LEFT - 6}" y="{place + 4:.1f}" text-anchor="end">{tick_text(value, digits)}</text>')
+            parts.append(f'<path class="{kind}" d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}"/>'
+                         f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{tick_text(value, digits)}</text>')
         power = f" × 10{str(self.exponent).translate(units.SUPERSCRIPTS)}" if self.exponent else ""
         parts.append(f'<text class="heading" x="4" y="11">{escape(heading)}{power}</text>')
         parts.append(f'<text class="heading" x="{WIDTH - RIGHT}" y="{HEIGHT - 6}" text-anchor="end">'

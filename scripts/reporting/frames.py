@@ -11,7 +11,7 @@ from .bodies import evenly
 
 MAXIMUM_FRAMES = 41
 MAXIMUM_BYTES = 9_000_000  # before base64, which adds a third
-PARTICLE_BYTES = 12  # of the place and the shape
+PARTICLE_BYTES = 12  # of the position and the shape
 # Bodies fly out of the box of the view; this many of its sizes beyond it, they are left out.
 REACH = 1.0
 LINE_WIDTH = 0.005  # of tools in two dimensions, of the size of the bodies
@@ -40,7 +40,7 @@ def bytes_of(shot, n_fields):
 
 
 class Quantiser:
-    """Places in the box of the view and its surroundings as whole numbers from 0 to 65535."""
+    """Positions in the box of the view and its surroundings as whole numbers from 0 to 65535."""
 
     def __init__(self, bodies, shots):
         low, high = bodies.box
@@ -99,13 +99,13 @@ class Packer:
             self.earlier[key] = (text, number)
 
     def frame(self, number, shot):
-        place, fields = self.quantiser, self.bodies.fields
-        kept_faces = place.inside(shot.points)[shot.faces].all(axis=1) if len(shot.faces) else numpy.zeros(0, bool)
-        kept = place.inside(shot.centres)
+        quantiser, fields = self.quantiser, self.bodies.fields
+        kept_faces = quantiser.inside(shot.points)[shot.faces].all(axis=1) if len(shot.faces) else numpy.zeros(0, bool)
+        kept = quantiser.inside(shot.centres)
         self.n_lost += int((~kept).sum() + (~kept_faces).sum())
-        frame = {"time": self.bodies.time_text(shot.time), "positions": packed(place.of(shot.points), "<u2"),
+        frame = {"time": self.bodies.time_text(shot.time), "positions": packed(quantiser.of(shot.points), "<u2"),
                  "faceValues": packed(self.values(shot.face_values, kept_faces), "u1"),
-                 "particles": packed(place.of(shot.centres[kept]), "<u2"),
+                 "particles": packed(quantiser.of(shot.centres[kept]), "<u2"),
                  "particleValues": packed(self.values(shot.particle_values, kept), "u1")}
         self.once(frame, number, "faces", packed(shot.faces[kept_faces], "<u4"))
         shapes = shot.shapes[kept]
@@ -114,12 +114,12 @@ class Packer:
         entries = numpy.stack([shapes[:, [0, 1, 2], [0, 1, 2]], shapes[:, [1, 2, 0], [2, 0, 1]]])
         self.once(frame, number, "shapes", packed((entries / largest * 127).round(), "i1"))
         tails, tips = self.bodies.arrows(shot)
-        frame["arrows"] = packed(place.of(numpy.hstack([tails, tips]).reshape(-1, 3)), "<u2")
+        frame["arrows"] = packed(quantiser.of(numpy.hstack([tails, tips]).reshape(-1, 3)), "<u2")
         triangles = shot.tool_points[shot.tool_faces] if len(shot.tool_faces) else numpy.zeros((0, 3, 3))
         if triangles.shape[1] == 2:
-            seen = place.inside(triangles.reshape(-1, 3)).reshape(-1, 2).any(axis=1)
+            seen = quantiser.inside(triangles.reshape(-1, 3)).reshape(-1, 2).any(axis=1)
             triangles = ribbons(triangles[seen], LINE_WIDTH * self.bodies.size)
-        self.once(frame, number, "tools", packed(place.of(triangles.reshape(-1, 3)), "<u2"))
+        self.once(frame, number, "tools", packed(quantiser.of(triangles.reshape(-1, 3)), "<u2"))
         return frame
 
     def values(self, values, kept):

@@ -107,8 +107,8 @@ def view_html(view, arrow_text):
                            ("elements", "elements", has["elements"]), ("particles", "particles", has["particles"]),
                            ("edges", "edges of cells", has["elements"]), ("forces", "contact forces", has["forces"]),
                            ("tools", "tools", has["tools"]), ("axes", "axes", True)))
-    looks = "".join(f'<button type="button" data-look="{look}">{text}</button>'
-                    for text, look in (("Reset", ""), ("along x", "90,0"), ("along y", "0,0"), ("along z", "0,90")))
+    view_buttons = "".join(f'<button type="button" data-look="{angles}">{text}</button>'
+                           for text, angles in (("Reset", ""), ("along x", "90,0"), ("along y", "0,0"), ("along z", "0,90")))
     frames = [frame["time"] for frame in view["frames"]]
     arrows = f'<p class="hint">{escape(arrow_text)}</p>' if arrow_text and has["forces"] else ""
     return (f'<div class="card" id="viewer"><div class="controls"><label>Field <select aria-label="Field">{options}</select>'
@@ -117,7 +117,7 @@ def view_html(view, arrow_text):
             f'Arrow keys turn it, plus and minus zoom."></canvas><canvas class="overlay" aria-hidden="true"></canvas></div>'
             f'<div class="bar"><b></b><span class="low"></span><div class="colours"></div><span class="high"></span>'
             f'<span></span><span class="about"></span></div>'
-            f'<div class="controls" style="margin:12px 0 4px">{switches}{looks}</div>'
+            f'<div class="controls" style="margin:12px 0 4px">{switches}{view_buttons}</div>'
             f'<p class="hint">Drag to turn, drag with shift or two fingers to move. After a click into the view, the wheel '
             f"zooms. Positions have 16 bits, colours 8; {len(frames)} outputs are shown. Grey has no value.</p>{arrows}</div>")
 

@@ -19,7 +19,7 @@ from .charts import tick_text, ticks
 
 MAXIMUM_TIMES, FEWEST_TIMES = 9, 3
 MAXIMUM_FIELDS = 3
-POLYGONS = 400_000  # of all times of a field, which take about half a minute
+POLYGONS = 400_000  # of all times of a field, which need about half a minute
 MANY_PARTICLES = 20_000
 WIDTH, LEAST_HEIGHT, LARGEST_HEIGHT, RESOLUTION = 5.2, 1.6, 3.9, 155  # inches, pixels per inch
 # Grey that is readable on white and on black.
@@ -158,9 +158,9 @@ class Painter:
             count = int(numpy.clip(12 * seen_length / self.view_size, 2, 8))
             values, digits = ticks(low[axis] * self.length.factor, high[axis] * self.length.factor, count)
             for value in values:
-                place = seen[0] + direction * (value / self.length.factor - low[axis]) / extent
-                plot.plot(*numpy.array([place, place + tick * outward]).T, color=INK, linewidth=0.8)
-                plot.annotate(tick_text(value, digits), place, 11 * outward, textcoords="offset points", color=INK,
+                tick_point = seen[0] + direction * (value / self.length.factor - low[axis]) / extent
+                plot.plot(*numpy.array([tick_point, tick_point + tick * outward]).T, color=INK, linewidth=0.8)
+                plot.annotate(tick_text(value, digits), tick_point, 11 * outward, textcoords="offset points", color=INK,
                               fontsize=8, ha="center", va="center")
             plot.annotate(f"{'xyz'[axis]} [{self.length.label}]" if self.length.label else "xyz"[axis],
                           seen.mean(axis=0), 30 * outward * (1.25, 0.9), textcoords="offset points", color=INK, fontsize=8.5,

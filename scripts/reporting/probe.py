@@ -7,8 +7,8 @@ MARK = b"."
 
 
 def fatal_items(items, read):
-    """The items whose reading ends the process. Errors that `read` raises are left to the caller, who
-    meets them again."""
+    """The items whose reading ends the process. Errors that `read` raises are left to the caller, which
+    reads these items again."""
     items, fatal, first = list(items), set(), 0
     while first < len(items):
         n_read = n_read_by_child(items[first:], read)
@@ -26,7 +26,7 @@ def n_read_by_child(items, read):
     if child == 0:
         try:
             os.close(to_read)
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # what a dying process says is said by the caller
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # the caller reports the output of a process that dies
             for item in items:
                 try:
                     read(item)

@@ -9,8 +9,8 @@ from .bodies import Bodies
 from .run_files import RunFiles
 
 
-def make_report(directory, cut=None, fields=None, place=""):
-    """The text of the page and the notices in it. A place, as HTML, says of what it is a part."""
+def make_report(directory, cut=None, fields=None, stage_line=""):
+    """The text of the page and the notices in it. `stage_line`, HTML, states the stage that it shows."""
     run = RunFiles(directory)
     report = page.Page(run.title())
     bodies = Bodies(run, cut, fields)
@@ -24,7 +24,7 @@ def make_report(directory, cut=None, fields=None, place=""):
     report.add("asked", "What was asked", asked_html(run))
     report.add("audit", "Audit and costs", audit_html(run))
     # Last: reading the pictures may have found damage.
-    report.head = head_html(run, place)
+    report.head = head_html(run, stage_line)
     report.foot = foot_html(run)
     return report.text(), run.notices
 
@@ -35,17 +35,17 @@ def bodies_of(run, bodies):
         if run.results.files:
             run.note("error", "No output of solution.pvd can be read: the report has no pictures.")
         return None, []
-    of_view = bodies.readable_times(frames.view_times(bodies, run.note))
-    of_pictures = bodies.readable_times(pictures.picture_times(bodies))
-    if not of_pictures:
+    view_times = bodies.readable_times(frames.view_times(bodies, run.note))
+    drawn_times = bodies.readable_times(pictures.picture_times(bodies))
+    if not drawn_times:
         return None, []
-    bodies.set_ranges(sorted(set(of_view) | set(of_pictures)))
-    if len(of_view) < len(bodies.times) - len(bodies.failed):
-        run.note("note", f"The 3-D view shows {len(of_view)} of {len(bodies.times)} outputs, so that the file stays small.")
+    bodies.set_ranges(sorted(set(view_times) | set(drawn_times)))
+    if len(view_times) < len(bodies.times) - len(bodies.failed):
+        run.note("note", f"The 3-D view shows {len(view_times)} of {len(bodies.times)} outputs, so that the file stays small.")
     if not bodies.fields:
         run.note("note", "No field changes in place or time: there is nothing to show in colour.")
-    drawn = pictures.make_pictures(bodies, of_pictures)
-    return frames.make_view(bodies, of_view, run.note), drawn
+    drawn = pictures.make_pictures(bodies, drawn_times)
+    return frames.make_view(bodies, view_times, run.note), drawn
 
 
 def add_histories(report, run):
@@ -200,7 +200,7 @@ def is_number(text):
         return False
 
 
-def head_html(run, place):
+def head_html(run, stage_line):
     summary = run.summary
     versions = summary.get("versions") if isinstance(summary.get("versions"), dict) else {}
     facts = []
@@ -213,7 +213,7 @@ def head_html(run, place):
             facts.append(text.format(summary[key]))
     kind = {"finished": "finished", "stopped": "stopped"}.get(run.state, "")
     spans = "".join(f"<span>{escape(fact)}</span>" for fact in facts)
-    return (f'<header><div><h1>{escape(run.title())}</h1>{place}<p class="facts"><span class="state {kind}">{escape(run.state)}</span>'
+    return (f'<header><div><h1>{escape(run.title())}</h1>{stage_line}<p class="facts"><span class="state {kind}">{escape(run.state)}</span>'
             f"{spans}</p>{page.notices_html(run.notices)}{page.tiles_html(tiles(run))}</div></header>\n")
 
 

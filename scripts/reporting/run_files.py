@@ -26,14 +26,14 @@ DRIFT_TO_MENTION = 1e-9
 
 @dataclass
 class Notice:
-    """Something that a reader of the report must know: "error", "warning" or "note"."""
+    """A remark for the reader of the report: "error", "warning" or "note"."""
     level: str
     text: str
 
 
 class RunFiles:
     """The output directory of a run. Reading goes on where a file is missing or damaged; `notices`
-    says what was found."""
+    contains what was found."""
 
     def __init__(self, directory):
         self.directory = Path(directory)

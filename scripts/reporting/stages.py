@@ -35,9 +35,9 @@ def make_stage_reports(stages, target, cut, fields):
     pages, rows = [], []
     for number, stage in enumerate(stages, 1):
         path, name = stage / "report.html", escape(stage.name)
-        place = (f'<p class="facts"><span>Stage {number} of {len(stages)}: {name}</span>'
-                 f'<a href="{address(target, path)}">all stages</a></p>')
-        text, notices = make_report(stage, cut, fields, place)
+        stage_line = (f'<p class="facts"><span>Stage {number} of {len(stages)}: {name}</span>'
+                      f'<a href="{address(target, path)}">all stages</a></p>')
+        text, notices = make_report(stage, cut, fields, stage_line)
         pages.append((path, text, notices))
         run = RunFiles(stage)
         state = escape(run.state)

@@ -22,7 +22,7 @@ NAMED = {(0, 0, 1, 0): ("s", 1, "nµm"), (0, 1, 0, 0): ("m", 1, "nµm"), (1, 0, 
          (0, 0, 0, 1): ("K", 1, ""), (0, 0, -1, 0): ("1/s", 1, "kM"), (0, 1, -2, 0): ("m/s²", 1, ""),
          (0, 2, 0, 0): ("m²", 1, ""), (0, 3, 0, 0): ("m³", 1, "")}
 PREFIX_VALUES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
-# At this size a quantity takes its next prefix; the others do at a thousand.
+# At this size a quantity has its next prefix; the others at a thousand.
 STAYS_UNTIL = {"m/s": 1e5, "K": math.inf}
 
 TOKEN = re.compile(r"\s*(?:([A-Za-zµμ]+)|(\d+)|(\^-?\d+)|([/()]))")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs scripts/plot on output directories made here and looks at the pictures."""
+"""Runs scripts/plot on output directories made here and checks the pictures."""
 
 import os
 import shutil
@@ -102,39 +102,39 @@ class PlotTest(unittest.TestCase):
                 self.assertGreater(n_colours, 50, picture)
 
     def test_times_fields_and_place_can_be_chosen(self):
-        place = Path(self.temporary.name) / "chosen"
+        directory = Path(self.temporary.name) / "chosen"
         finished = plot(self.without_tables, "--times", "5.9", "--fields", "velocity x", "--profiles",
-                        "velocity x", "--magnify", "20", "--output", place)
+                        "velocity x", "--magnify", "20", "--output", directory)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         self.assertLessEqual({"profile_velocity_x.png", "field_velocity_x.png"},
-                             {path.name for path in place.iterdir()})
-        self.assertFalse((place / "field_displacement.png").exists())
+                             {path.name for path in directory.iterdir()})
+        self.assertFalse((directory / "field_displacement.png").exists())
 
     def test_a_body_can_be_cut_open(self):
-        place = Path(self.temporary.name) / "cut"
+        directory = Path(self.temporary.name) / "cut"
         for axis in ("y=0.6", "z=0.6"):
             finished = plot(self.without_tables, "--times", "6", "--fields", "stress xx", "--cut", axis,
-                            "--output", place)
+                            "--output", directory)
             self.assertEqual(finished.returncode, 0, finished.stderr)
-            n_drawn, n_colours = colours_of(place / "field_stress_xx.png")
+            n_drawn, n_colours = colours_of(directory / "field_stress_xx.png")
             self.assertGreater(n_drawn, 5000)
             self.assertGreater(n_colours, 50)
         for wrong, message in (("r", '"r" is not one of'), ("y=7", "nothing of the body")):
-            finished = plot(self.without_tables, "--cut", wrong, "--output", place)
+            finished = plot(self.without_tables, "--cut", wrong, "--output", directory)
             self.assertNotEqual(finished.returncode, 0)
             self.assertIn(message, finished.stderr)
 
     def test_a_slice_is_drawn_with_its_axes(self):
-        place = Path(self.temporary.name) / "slice"
+        directory = Path(self.temporary.name) / "slice"
         for slice_ in ("x=4.9", "y=0.3", "z=0.3"):
             finished = plot(self.without_tables, "--times", "6", "--fields", "stress xx", "--slice", slice_,
-                            "--output", place)
+                            "--output", directory)
             self.assertEqual(finished.returncode, 0, finished.stderr)
-            n_drawn, _ = colours_of(place / "field_stress_xx.png")
+            n_drawn, _ = colours_of(directory / "field_stress_xx.png")
             self.assertGreater(n_drawn, 5000)
         for wrong, message in (("x", "has no place"), ("r=1", '"r" is not one of'),
                                ("y=7", "nothing of the body lies in the slice")):
-            finished = plot(self.without_tables, "--slice", wrong, "--output", place)
+            finished = plot(self.without_tables, "--slice", wrong, "--output", directory)
             self.assertNotEqual(finished.returncode, 0)
             self.assertIn(message, finished.stderr)
 
@@ -142,7 +142,7 @@ class PlotTest(unittest.TestCase):
         grids = results.Results(self.rod).grids_at(6)
         for axis, cells, particles in ((1, 12 * 3, 13 * 4), (2, 12 * 3, 13 * 4)):
             slice_ = fields.sliced(grids, (axis, 0.45))
-            # One of three layers of cells, and one of four of particles: places are 0, 0.4, 0.8, 1.2.
+            # One of three layers of cells, and one of four of particles: positions are 0, 0.4, 0.8, 1.2.
             self.assertEqual(len(slice_["cells"].cells), cells)
             self.assertEqual(slice_["particles"].n_points, particles)
         moved = results.Results(self.rod).grids_at(6)
@@ -159,11 +159,11 @@ class PlotTest(unittest.TestCase):
     def test_particles_are_stretched_and_turned_as_their_surroundings(self):
         start = numpy.array(list(numpy.ndindex(5, 5, 5)), dtype=float)
         for dim in (2, 3):
-            places = start[start[:, 2] == 0] if dim == 2 else start
+            points = start[start[:, 2] == 0] if dim == 2 else start
             stretch = numpy.diag([2, 0.5, 1.0])
             turn = numpy.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
-            found = particle_shapes.stretches(places, places @ (turn @ stretch).T)
-            numpy.testing.assert_allclose(found, numpy.tile(turn @ stretch @ turn.T, (len(places), 1, 1)), atol=1e-12)
+            found = particle_shapes.stretches(points, points @ (turn @ stretch).T)
+            numpy.testing.assert_allclose(found, numpy.tile(turn @ stretch @ turn.T, (len(points), 1, 1)), atol=1e-12)
 
     def test_a_particle_that_is_torn_off_is_a_ball_and_its_neighbours_are_as_before(self):
         start = numpy.array(list(numpy.ndindex(5, 5, 5)), dtype=float)
@@ -208,11 +208,11 @@ class PlotTest(unittest.TestCase):
         self.assertGreater(inside.max(), 0.9999)
 
     def test_a_frame_is_a_number_above_zero(self):
-        place = Path(self.temporary.name) / "frame"
-        finished = plot(self.without_tables, "--times", "6", "--fields", "velocity", "--frame", "1.5", "--output", place)
+        directory = Path(self.temporary.name) / "frame"
+        finished = plot(self.without_tables, "--times", "6", "--fields", "velocity", "--frame", "1.5", "--output", directory)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         for wrong in ("0", "-1", "inf", "wide"):
-            finished = plot(self.without_tables, "--frame", wrong, "--output", place)
+            finished = plot(self.without_tables, "--frame", wrong, "--output", directory)
             self.assertEqual(finished.returncode, 2, wrong)
             self.assertIn(wrong, finished.stderr)
 
@@ -251,8 +251,8 @@ class PlotTest(unittest.TestCase):
                 ("solution/cells_0003.0001.vtu", lambda content: content[:-200], "cells_0003.0001.vtu ends early"),
                 ("statistics.csv", lambda content: content[:-3], "row 10 of .*statistics.csv is not a line of"),
                 ("solution.pvd", lambda content: content[:-20], "solution.pvd is damaged")):
-            with tempfile.TemporaryDirectory() as place:
-                damaged = Path(place) / "sheet"
+            with tempfile.TemporaryDirectory() as directory:
+                damaged = Path(directory) / "sheet"
                 shutil.copytree(self.sheet, damaged, ignore=shutil.ignore_patterns("pictures"))
                 (damaged / name).write_bytes(change((damaged / name).read_bytes()))
                 with self.assertRaisesRegex(results.PlotError, message):
@@ -268,8 +268,8 @@ class PlotTest(unittest.TestCase):
         # Faces between cells of two ranks are no outer ones.
         self.assertEqual(len(fields.outer_faces(cells.cells)[0]), 2 * (3 * 3 + 12 * 3 + 12 * 3))
         self.assertEqual(particles.n_points, 13 * 4 * 4)
-        places, values = cells.samples("exact stress")
-        numpy.testing.assert_allclose(values[:, 0], make_output.pulse(places[:, 0], 6), atol=1e-12)
+        positions, values = cells.samples("exact stress")
+        numpy.testing.assert_allclose(values[:, 0], make_output.pulse(positions[:, 0], 6), atol=1e-12)
 
     def test_the_interface_is_where_the_shared_nodes_are(self):
         grids = results.Results(self.rod).grids_at(4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A headless Chromium that is told what to do through a pipe (the DevTools protocol)."""
+"""A headless Chromium that receives commands through a pipe (the DevTools protocol)."""
 
 import json
 import os
@@ -35,9 +35,9 @@ class Browser:
         os.close(to_write)
         self.number, self.read = 0, b""
         self.session = None
-        targets = self.ask("Target.getTargets")["targetInfos"]
+        targets = self.request("Target.getTargets")["targetInfos"]
         page = next(target["targetId"] for target in targets if target["type"] == "page")
-        self.session = self.ask("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
+        self.session = self.request("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
 
     def __enter__(self):
         return self
@@ -49,8 +49,8 @@ class Browser:
         os.close(self.to_write)
         self.profile.cleanup()
 
-    def ask(self, method, **parameters):
-        """Sends a command and waits for its answer, as long as the browser takes."""
+    def request(self, method, **parameters):
+        """Sends a command and waits for its answer, as long as the browser needs."""
         self.number += 1
         message = {"id": self.number, "method": method, "params": parameters}
         if self.session:
@@ -71,18 +71,18 @@ class Browser:
 
     def open(self, path, width=1400, height=1000, is_phone=False, is_dark=False):
         """Shows a file in a window of this size, and waits until its programs have run."""
-        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, mobile=is_phone,
-                 deviceScaleFactor=2 if is_phone else 1)
-        self.ask("Emulation.setEmulatedMedia",
-                 features=[{"name": "prefers-color-scheme", "value": "dark" if is_dark else "light"}])
-        self.ask("Page.enable")
-        self.ask("Page.navigate", url=path.resolve().as_uri())
+        self.request("Emulation.setDeviceMetricsOverride", width=width, height=height, mobile=is_phone,
+                     deviceScaleFactor=2 if is_phone else 1)
+        self.request("Emulation.setEmulatedMedia",
+                     features=[{"name": "prefers-color-scheme", "value": "dark" if is_dark else "light"}])
+        self.request("Page.enable")
+        self.request("Page.navigate", url=path.resolve().as_uri())
         while self.run("location.protocol === 'file:' && document.readyState") != "complete":
             time.sleep(0.05)
 
     def run(self, program):
         """The value of an expression, which may be a promise."""
-        answer = self.ask("Runtime.evaluate", expression=program, awaitPromise=True, returnByValue=True)
+        answer = self.request("Runtime.evaluate", expression=program, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(json.dumps(answer["exceptionDetails"])[:2000])
         return answer["result"].get("value")

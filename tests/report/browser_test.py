@@ -14,7 +14,7 @@ import browser  # noqa: E402
 
 SKIPPED = 77
 
-# Before the programs of the page: remembers what goes wrong.
+# Before the programs of the page: records what goes wrong.
 LISTENER = """<script>
 window.problems = [];
 window.addEventListener("error", (event) => problems.push(event.message));

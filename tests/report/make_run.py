@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Writes the whole output of a run, as small as can be: that of tests/plot with a wall, what was asked
+"""Writes the whole output of a run, as small as can be: that of tests/plot with a wall, the input
 and a log."""
 
 import json
@@ -49,13 +49,13 @@ SUMMARY = {"ended": "finished", "title": TITLE, "dimension": 3, "nodes": 208, "f
 
 
 def write_wall(directory, dim):
-    place = numpy.array([[0, -1, 0], [0, 2, 0]] if dim == 2 else [[0, -1, -1], [0, 2, -1], [0, 2, 2], [0, -1, 2]], float)
+    points = numpy.array([[0, -1, 0], [0, 2, 0]] if dim == 2 else [[0, -1, -1], [0, 2, -1], [0, 2, 2], [0, -1, 2]], float)
     cells = numpy.array([[0, 1]] if dim == 2 else [[0, 1, 2], [0, 2, 3]])
     entries = []
     for number, time in enumerate(make_output.TIMES):
         name = f"solution/tools_{number:04}.vtu"
-        make_output.write_grid(directory / name, place, cells, VTK_LINE if dim == 2 else VTK_TRIANGLE,
-                               {"initial position": place, "displacement": 0 * place}, {})
+        make_output.write_grid(directory / name, points, cells, VTK_LINE if dim == 2 else VTK_TRIANGLE,
+                               {"initial position": points, "displacement": 0 * points}, {})
         entries.append(f'<DataSet timestep="{time}" group="" part="0" name="tools" file="{name}"/>')
     (directory / "tools.pvd").write_text('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n'
                                          + "\n".join(entries) + "\n</Collection></VTKFile>\n", encoding="utf-8")

@@ -31,11 +31,11 @@ NO_PICTURE = mock.patch.object(pictures.Painter, "draw", lambda painter, shot, o
 
 def main(*arguments):
     """What the command returns and prints as errors, in this process."""
-    said = io.StringIO()
-    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()), NO_PICTURE:
+    printed = io.StringIO()
+    with contextlib.redirect_stderr(printed), contextlib.redirect_stdout(io.StringIO()), NO_PICTURE:
         try:
             reporting.__main__.main([str(argument) for argument in arguments])
-            return 0, said.getvalue()
+            return 0, printed.getvalue()
         except SystemExit as ending:
             return 1, str(ending.code)
 
@@ -155,9 +155,9 @@ class WholeRun(unittest.TestCase):
         self.assertEqual(len(faces), 2 * (3 * 3 + 12 * 3 + 12 * 3))
         self.assertEqual(last["faces"], 0)  # the faces are those of the first frame
         particles = numpy.frombuffer(base64.b64decode(last["particles"]), "<u2").reshape(-1, 3)
-        places = numpy.array(view["low"]) + particles / 65535 * numpy.array(view["span"])
+        positions = numpy.array(view["low"]) + particles / 65535 * numpy.array(view["span"])
         written = bodies.Grid(self.rod / "solution/particles_0003.pvtu").points
-        numpy.testing.assert_allclose(places, written, atol=2e-4)
+        numpy.testing.assert_allclose(positions, written, atol=2e-4)
         self.assertGreater(len(base64.b64decode(last["arrows"])), 0)
         self.assertGreater(len(base64.b64decode(first["tools"])), 0)
 
@@ -205,9 +205,9 @@ class WholeRun(unittest.TestCase):
         shutil.copy(self.rod / "log.txt", run)
         target = Path(self.temporary.name) / "mine.html"
         target.write_text("mine", encoding="utf-8")
-        code, said = main(run, "--output", target)
+        code, printed = main(run, "--output", target)
         self.assertEqual(code, 1)
-        self.assertIn("is no report", said)
+        self.assertIn("is no report", printed)
         self.assertEqual(target.read_text("utf-8"), "mine")
         self.assertEqual(main(run, "--output", target, "--overwrite")[0], 0)
         self.assertEqual(main(run, "--output", target)[0], 0)
@@ -219,21 +219,21 @@ class WholeRun(unittest.TestCase):
         for arguments, message in (((self.rod / "nowhere",), "there is no directory"), ((empty,), "is not the output of a run"),
                                    ((self.rod, "--fields", "velocty"), 'no file has a field "velocty"'),
                                    ((self.rod, "--output", empty), "is a directory")):
-            code, said = main(*arguments)
+            code, printed = main(*arguments)
             self.assertEqual(code, 1)
-            self.assertIn(message, said)
+            self.assertIn(message, printed)
         self.assertEqual(list(empty.iterdir()), [])
 
     def test_columns_that_are_not_finite_leave_gaps(self):
-        with tempfile.TemporaryDirectory() as place:
-            Path(place, "t.csv").write_text("time [s],energy error\n0,0\n1,inf\n2,nan\n3,\n4,1\n", encoding="utf-8")
-            text, numbers = charts.draw(charts.Chart("Error", Table(Path(place, "t.csv")), ["energy error"]))
+        with tempfile.TemporaryDirectory() as directory:
+            Path(directory, "t.csv").write_text("time [s],energy error\n0,0\n1,inf\n2,nan\n3,\n4,1\n", encoding="utf-8")
+            text, numbers = charts.draw(charts.Chart("Error", Table(Path(directory, "t.csv")), ["energy error"]))
         self.assertEqual(numbers["y"], [[0.0, None, None, None, 1.0]])
         self.assertNotIn("nan", text)
 
 
 class DamagedRun(unittest.TestCase):
-    """The report of a damaged output is made and says what is missing."""
+    """The report of a damaged output is made and states what is missing."""
 
     @classmethod
     def setUpClass(cls):
@@ -255,9 +255,9 @@ class DamagedRun(unittest.TestCase):
             text, notices = report.make_report(self.run_directory)
         reader = Reader(text)
         self.assertEqual(reader.mistakes, [])
-        said = " ".join(notice.text for notice in notices)
+        notice_text = " ".join(notice.text for notice in notices)
         for message in messages:
-            self.assertRegex(said, message)
+            self.assertRegex(notice_text, message)
             self.assertRegex(reader.text, message)
         return reader
 
