@@ -32,7 +32,7 @@ read_operators = lru_cache(maxsize=2)(StripOperators)
 
 
 def compute(task):
-    """The result of a case, or the error that stops the study, and the seconds that it took."""
+    """The result of a case, or the error that stops the study, and the seconds that it needed."""
     case, strip, file = task
     start = time.monotonic()
     try:

@@ -67,6 +67,6 @@ class BlochOperator:
         source, offset, to, of = numpy.nonzero(blocks)
         target = source + offset - self.reach
         is_inside = (target >= 0) & (target < n_columns)
-        places = (2 * target + to)[is_inside], (2 * source + of)[is_inside]
+        indices = (2 * target + to)[is_inside], (2 * source + of)[is_inside]
         values = blocks[source, offset, to, of][is_inside]
-        return scipy.sparse.csr_matrix((values, places), shape=(2 * n_columns, 2 * n_columns))
+        return scipy.sparse.csr_matrix((values, indices), shape=(2 * n_columns, 2 * n_columns))

@@ -21,8 +21,8 @@ class ReflectionResult:
     """What came back. Amplitudes are those of discrete Fourier transforms in time at the frequency
     of the carrier, over that of the incident wave. The reflected wave is the difference to a run
     without an interface; it is looked at in a window on the left side, at least a wavelength and
-    ten spacings from the interface, and is taken apart into the lattice's exact waves there. Values
-    are NaN where the lattice carries no such incident wave."""
+    ten spacings from the interface, and is decomposed into the lattice's exact waves there. Values
+    are NaN where the lattice has no such incident wave."""
     reflection: float = math.nan  # of the wave of the incident type; the same in v and in v̂
     converted: float = math.nan  # of the other type
     total: float = math.nan  # of all waves: root of reflected over incident energy flux
@@ -75,13 +75,13 @@ class PartialWaves:
 
 
 class Layout:
-    """Where the burst starts and waves are measured, and the columns and steps that this takes:
+    """Where the burst starts and waves are measured, and the columns and steps that this needs:
     `first` ... `last` with the interface, and to `last_without` without it."""
 
     def __init__(self, case, waves, time_step):
         spacing, right_spacing = case.left_spacing, case.right_spacing
 
-        # Places. The incident wave is measured in the mirror image of the window of the reflected
+        # Positions. The incident wave is measured in the mirror image of the window of the reflected
         # one, so that both have travelled equally far.
         period_along = 2 * math.pi / waves.carrier.wave_number
         self.incident, self.transmitted = (
@@ -201,8 +201,8 @@ def fit(field, window, modes, spacing):
     """The amplitudes at x = 0 of modes that together come nearest to a field in a window, and the
     root mean square of the rest."""
     roots = numpy.sqrt(window.weights)[:, None]
-    places = spacing * window.columns
-    basis = [roots * numpy.multiply.outer(numpy.exp(1j * mode.wave_number * places),
+    x = spacing * window.columns
+    basis = [roots * numpy.multiply.outer(numpy.exp(1j * mode.wave_number * x),
                                           mode.polarization) for mode in modes]
     basis = numpy.array(basis).reshape(len(modes), field.size).T
     target = (roots * field).reshape(-1)
@@ -216,7 +216,7 @@ def energy_flux(amplitudes, modes):
 
 
 def measure_partial_waves(case, waves, layout, fields, result):
-    """Takes the incident, the reflected and the transmitted wave apart into those of the
+    """Decomposes the incident, the reflected and the transmitted wave into those of the
     lattices."""
     incident, reflected, transmitted = (
         fit(layout.within(field, window), window, modes, spacing) for field, window, modes, spacing
@@ -224,14 +224,14 @@ def measure_partial_waves(case, waves, layout, fields, result):
                (waves.incident, waves.reflected, waves.transmitted),
                (case.left_spacing, case.left_spacing, case.right_spacing)))
     k_x = waves.carrier.wave_number
-    of_carrier = next((one for one, mode in zip(incident[0], waves.incident)
-                       if abs(mode.wave_number - k_x) < 1e-6 * k_x and mode.type == case.wave), 0)
-    flux = of_carrier**2 * waves.carrier.group_velocity
+    carrier_amplitude = next((one for one, mode in zip(incident[0], waves.incident)
+                              if abs(mode.wave_number - k_x) < 1e-6 * k_x and mode.type == case.wave), 0)
+    flux = carrier_amplitude**2 * waves.carrier.group_velocity
     result.reflection = result.converted = 0
-    for one, mode in zip(reflected[0] / of_carrier, waves.reflected):
+    for one, mode in zip(reflected[0] / carrier_amplitude, waves.reflected):
         if not mode.is_short:
             setattr(result, "reflection" if mode.type == case.wave else "converted", one)
-    result.fit_error = reflected[1] / of_carrier
+    result.fit_error = reflected[1] / carrier_amplitude
     result.total = math.sqrt(energy_flux(reflected[0], waves.reflected) / flux)
     result.transmitted_energy = energy_flux(transmitted[0], waves.transmitted) / flux
 
@@ -243,11 +243,11 @@ def measure_fields(smoothing, layout, incident, reflected, result):
                 / amplitude(layout.within(other, layout.incident), layout.incident))
 
     def smoothed(field):
-        return (of_left.matrix(1, len(field)) @ field.reshape(-1)).reshape(-1, 2)
+        return (left_smoothing.matrix(1, len(field)) @ field.reshape(-1)).reshape(-1, 2)
 
     result.unsmoothed = ratio(reflected, incident)
     # Far from the interface v is v̂ smoothed by the left side's lattice in both runs.
-    of_left = smoothing.homogeneous(-1)
+    left_smoothing = smoothing.homogeneous(-1)
     result.smoothed = ratio(smoothed(reflected), smoothed(incident))
 
 
@@ -258,17 +258,17 @@ def send_burst(case, operators):
     k_x, k_y = wave_number * math.cos(case.angle), wave_number * math.sin(case.angle)
     time_step = case.step_factor * operators.stable_step
     reduced = operators.reduce(k_y)
-    of_left = LatticeWaves(reduced.update, -1, spacing, k_y, time_step)
-    of_right = LatticeWaves(reduced.update, 1, case.right_spacing, k_y, time_step)
+    left_waves = LatticeWaves(reduced.update, -1, spacing, k_y, time_step)
+    right_waves = LatticeWaves(reduced.update, 1, case.right_spacing, k_y, time_step)
 
-    carrier = of_left.mode(k_x, case.wave)
+    carrier = left_waves.mode(k_x, case.wave)
     result = ReflectionResult(
         time_step=time_step, frequency=carrier.frequency, group_velocity=carrier.group_velocity,
         phase_error=math.sqrt(carrier.eigenvalue) / (case.wave_speed() * wave_number) - 1)
     if carrier.group_velocity < SLOWEST * math.cos(case.angle):
         return result
-    onward, back = of_left.by_side(carrier.frequency)
-    waves = PartialWaves(carrier, onward, back, of_right.by_side(carrier.frequency)[0])
+    onward, back = left_waves.by_side(carrier.frequency)
+    waves = PartialWaves(carrier, onward, back, right_waves.by_side(carrier.frequency)[0])
 
     layout = Layout(case, waves, time_step)
     with_interface = {name: getattr(reduced, name)
@@ -280,7 +280,7 @@ def send_burst(case, operators):
                     [(with_interface, layout.first, layout.last),
                      (without, layout.first, layout.last_without)])
     (there, incident), last_velocities = motion.run(
-        Burst(of_left, carrier, layout.burst_begin, layout.burst_length), spacing,
+        Burst(left_waves, carrier, layout.burst_begin, layout.burst_length), spacing,
         carrier.frequency, layout.n_steps)
     result.n_steps, result.n_columns = layout.n_steps, layout.last - layout.first + 1
 

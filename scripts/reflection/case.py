@@ -17,7 +17,7 @@ class ReflectionCase:
     waves are 1."""
     left: str = "FE"  # where the wave comes from: FE or particles
     right: str = "FE"
-    is_one_part: bool = False  # particles on both sides that see each other
+    is_one_part: bool = False  # particles on both sides with common supports
     element: str = "fully integrated hexahedron"
     spacing_ratio: float = 1  # spacing of the right side over that of the left
     row_spacing: float = 1  # along the interface, of both sides
@@ -62,8 +62,8 @@ class ReflectionCase:
 
 
 class Strip:
-    """A lattice of columns with the interface at x = 0, high enough that the row in the middle sees
-    neither of the edges, and wide enough that the outermost probed columns see neither the ends nor
+    """A lattice of columns with the interface at x = 0, high enough that the row in the middle reaches
+    neither of the edges, and wide enough that the outermost probed columns reach neither the ends nor
     the interface. Both are checked on every probe. Operators are probed in columns -n_probed ...
     n_probed of the middle row. Strips of equal scenes are equal."""
 
@@ -72,7 +72,7 @@ class Strip:
         neighbours = case.neighbour_reach()
         margin = (REACHES_PER_OPERATOR + REACHES_OF_EDGES) * neighbours
         self.reach = REACHES_PER_OPERATOR * neighbours  # of one operator
-        # The two outermost probed columns see no interface; they are compared with each other.
+        # The two outermost probed columns reach no interface; they are compared with each other.
         self.n_probed = margin + 2
         self.n_columns = 2 * margin + 4  # cells on each side
         self.n_rows = 2 * margin + 2  # cells

@@ -83,12 +83,12 @@ class StripOperators:
         n_nodes, n_probed = (int(number) for number in numbers[:2])
         self.stable_step, self.filter_rate = numbers[2:4]
         parts = numpy.split(numbers[4:], numpy.cumsum([2 * n_nodes, 3 * n_nodes, n_probed]))
-        place = self.places(parts[0].reshape(-1, 2))
+        index = self.lattice_indices(parts[0].reshape(-1, 2))
         shape = 2 * strip.n_columns + 1, strip.n_rows + 1
         nodes = numpy.empty(shape, int)
-        nodes[place[:, 0], place[:, 1]] = numpy.arange(n_nodes)
+        nodes[index[:, 0], index[:, 1]] = numpy.arange(n_nodes)
         self.masses = parts[1].reshape(-1, 3)[nodes[:, strip.middle]]
-        sources = numpy.argsort(place[parts[2].astype(int), 0])
+        sources = numpy.argsort(index[parts[2].astype(int), 0])
         require(len(sources) == 2 * strip.n_probed + 1,
                 "The strip has not the nodes that were to be probed.")
         responses = parts[3].reshape(5, n_probed, 2, n_nodes, 2)[:, sources][:, :, :, nodes]
@@ -98,16 +98,16 @@ class StripOperators:
         for near in (self.smoothing, self.interpolation, self.short_wave_part, self.stiffness):
             self.check_far_columns(near)
 
-    def places(self, position):
+    def lattice_indices(self, position):
         """Column (from 0) and row of each node."""
         case, strip = self.strip.case, self.strip
         x, y = position.T
         column = numpy.where(x < 0, x / case.left_spacing, x / case.right_spacing)
-        place = numpy.stack([column, y / case.row_spacing], axis=1)
-        whole = numpy.rint(place)
-        n_places = (2 * strip.n_columns + 1) * (strip.n_rows + 1)
-        require(abs(place - whole).max() < 1e-6
-                and len(numpy.unique(whole, axis=0)) == len(place) == n_places,
+        index = numpy.stack([column, y / case.row_spacing], axis=1)
+        whole = numpy.rint(index)
+        n_lattice_nodes = (2 * strip.n_columns + 1) * (strip.n_rows + 1)
+        require(abs(index - whole).max() < 1e-6
+                and len(numpy.unique(whole, axis=0)) == len(index) == n_lattice_nodes,
                 "The nodes of the strip are no lattice.")
         return whole.astype(int) + (strip.n_columns, 0)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What the file of a reflection study says."""
+"""The contents of the file of a reflection study."""
 
 import itertools
 import math
@@ -21,7 +21,7 @@ ENTRIES = {
     "Plugin libraries": (
         "", None, "Shared objects with further elements, loaded before all else is read."),
 }
-OF_A_GROUP = {
+GROUP_ENTRIES = {
     "Title": ("", None, "What the group shows."),
     "Pairs": (
         MANDATORY, ListOf(PAIRS),
@@ -61,7 +61,7 @@ OF_A_GROUP = {
 
 @dataclass
 class Row:
-    """A case with its place in the table."""
+    """A case with its row in the table."""
     case: ReflectionCase
     ratio: str  # as it was given
     degrees: float
@@ -79,7 +79,7 @@ class Group:
 
 class ReflectionSettings(DescribedFile):
     """Reads all groups. Throws InputError."""
-    entries, kind, names, entries_of_each = ENTRIES, "Group", "Groups", OF_A_GROUP
+    entries, kind, names, entries_of_each = ENTRIES, "Group", "Groups", GROUP_ENTRIES
 
     def __init__(self, file):
         super().__init__(file)

@@ -11,7 +11,7 @@ from .operators import StudyError
 
 @dataclass
 class LatticeMode:
-    """A plane wave p exp(i (k_x x + k_y y - ω t)) that the discretization carries unchanged."""
+    """A plane wave p exp(i (k_x x + k_y y - ω t)) that the discretization transports unchanged."""
     wave_number: float  # k_x [1/L], within the first Brillouin zone
     eigenvalue: float  # of the update operator [1/T^2]
     frequency: float  # ω under central differences [1/T]
@@ -23,7 +23,7 @@ class LatticeMode:
 
 class LatticeWaves:
     """The update operator's eigenvectors at (k_x, k_y) far to a side, -1 or 1, of columns that are
-    `spacing` apart, with the frequencies ω = (2/Δt) asin(Δt √λ / 2) that central differences give
+    `spacing` apart, with the frequencies ω = (2/Δt) asin(Δt √λ / 2) of central differences
     them."""
 
     def __init__(self, update, side, spacing, k_y, time_step):
@@ -90,6 +90,6 @@ class LatticeWaves:
             is_below = self.eigenpairs(between)[0][:, numbers, branch] < target
             first = (is_below[1:] != starts_below).argmax(axis=0)
             low, high = between[first, numbers], between[first + 1, numbers]
-        modes = [self.complete(*place) for place in zip(0.5 * (low + high), branch)]
+        modes = [self.complete(*start) for start in zip(0.5 * (low + high), branch)]
         return ([mode for mode in modes if mode.group_velocity > 0],
                 [mode for mode in modes if mode.group_velocity <= 0])

@@ -13,7 +13,7 @@ from reflection.case import ReflectionCase, Strip  # noqa: E402
 from reflection.operators import Probes, StripOperators  # noqa: E402
 
 
-def take_programs():
+def read_programs():
     """Of the command line: strip_operators and tombolo."""
     for variable in ("TOMBOLO_STRIP_OPERATORS", "TOMBOLO_PROGRAM"):
         os.environ[variable] = str(Path(sys.argv.pop(1)).resolve())

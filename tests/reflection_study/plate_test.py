@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 import numpy
-from cases import into_particles, results_of, take_programs
+from cases import into_particles, results_of, read_programs
 from tombolo import Scene
 
 WAVELENGTH, LENGTH, GAP, END_TIME = 12, 48, 12, 92
@@ -21,9 +21,9 @@ def transform_in_plate(smoothing, time_step, frequency):
     """Of the axial velocity at x = -9, in the middle of a plate through which the program sends a
     Hann burst from the left; the edges of the plate are so far away that nothing arrives from them.
     Of elements alone without a smoothing."""
-    place = f"(x+{GAP + LENGTH})/{LENGTH}"
+    phase = f"(x+{GAP + LENGTH})/{LENGTH}"
     carrier = f"cos({2 * math.pi / WAVELENGTH!r}*x)"
-    burst = f"{AMPLITUDE}*(0.5-0.5*cos(2*pi*{place}))*{carrier}"
+    burst = f"{AMPLITUDE}*(0.5-0.5*cos(2*pi*{phase}))*{carrier}"
     particles = {"Formulation": "momentum consistent particle", "momentum consistent particle": {
         "Shape functions": "moving least squares", "Smoothing": smoothing}}
     elements = {"Formulation": "fully integrated hexahedron"}
@@ -41,7 +41,7 @@ def transform_in_plate(smoothing, time_step, frequency):
             "Material: m": {"Model": "elastic", "elastic": {
                 "Density": 1, "Young's modulus": 1, "Poisson's ratio": 0}},
             "Initial condition: burst": {
-                "Velocity": f"if({place} > 0 && {place} < 1, {burst}, 0); 0"},
+                "Velocity": f"if({phase} > 0 && {phase} < 1, {burst}, 0); 0"},
             "Time step": {"Fixed": time_step},
             "Output": {"Write solution": False, "Number": 1,
                        "probes": {"Locations": "station: -9, 80"}},
@@ -68,5 +68,5 @@ class Plate(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    take_programs()
+    read_programs()
     unittest.main()

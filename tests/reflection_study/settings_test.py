@@ -12,7 +12,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from cases import take_programs
+from cases import read_programs
 from reflection.settings import ReflectionSettings
 from tombolo.parameter_file import InputError, ParameterFile
 
@@ -96,5 +96,5 @@ class Settings(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    take_programs()
+    read_programs()
     unittest.main()

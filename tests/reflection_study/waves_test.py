@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy
 from cases import (ReflectionCase, into_particles, operators_of, out_of_particles, results_of,
-                   take_programs)
+                   read_programs)
 from reflection.waves import LatticeWaves
 
 DISCRETIZATIONS = (("paper", "paper"), ("fe matched", "paper"), ("affine", "paper"),
@@ -67,11 +67,11 @@ class Reflection(unittest.TestCase):
         self.assertLess(filtered.unsmoothed, 0.002)
 
     def test_of_cell_averages_is_a_tenth_of_a_percent(self):
-        of_averages, of_paper = results_of(into_particles("affine", shape_functions="cell averages"),
-                                           into_particles("paper"))
-        print("reflected:", of_averages.reflection, "and", of_paper.reflection)
-        self.assertLess(of_averages.reflection, 0.0012)
-        self.assertLess(of_averages.reflection, 0.1 * of_paper.reflection)
+        averages, paper = results_of(into_particles("affine", shape_functions="cell averages"),
+                                     into_particles("paper"))
+        print("reflected:", averages.reflection, "and", paper.reflection)
+        self.assertLess(averages.reflection, 0.0012)
+        self.assertLess(averages.reflection, 0.1 * paper.reflection)
 
     def test_of_a_wave_that_the_lattice_does_not_carry_is_not_a_number(self):
         # At the largest frequency of the paper's particles energy stands still.
@@ -134,24 +134,24 @@ class Waves(unittest.TestCase):
     def test_have_the_dispersion_of_the_lattice(self):
         operators, = operators_of([into_particles("paper")])
         reduced = operators.reduce(0)
-        of_elements, of_particles = (LatticeWaves(reduced.update, side, 1, 0, 0.1)
-                                     for side in (-1, 1))
+        element_waves, particle_waves = (LatticeWaves(reduced.update, side, 1, 0, 0.1)
+                                         for side in (-1, 1))
         phi = abs(reduced.smoothing.homogeneous(1).symbol(math.pi)[0, 0] - 1) / 4
         for k in (0.2, 0.5, 1):
             symbol = 1 - 2 * phi * (1 - math.cos(k))
-            for waves, expected in ((of_elements, 2 * math.sin(k / 2)),
-                                    (of_particles, symbol * math.sin(k))):
+            for waves, expected in ((element_waves, 2 * math.sin(k / 2)),
+                                    (particle_waves, symbol * math.sin(k))):
                 found = math.sqrt(waves.mode(k, "P").eigenvalue)
                 self.assertAlmostEqual(found, expected, delta=1e-12)
         # Under central differences the group velocity is cos(k/2)/cos(ωΔt/2).
-        mode = of_elements.mode(1, "P")
+        mode = element_waves.mode(1, "P")
         expected = math.cos(0.5) / math.cos(0.05 * mode.frequency)
         self.assertAlmostEqual(mode.group_velocity, expected, delta=1e-8)
         # Every frequency has a physical and a short wave of P and of S type among particles.
-        self.assertEqual(len(of_particles.by_side(0.3)[1]), 4)
-        self.assertEqual(len(of_elements.by_side(0.3)[1]), 2)
+        self.assertEqual(len(particle_waves.by_side(0.3)[1]), 4)
+        self.assertEqual(len(element_waves.by_side(0.3)[1]), 2)
 
 
 if __name__ == "__main__":
-    take_programs()
+    read_programs()
     unittest.main()
