@@ -45,11 +45,11 @@ def distance(curve, measured):
     begin, end = max(curve.x[0], measured.x[0]), min(curve.x[-1], measured.x[-1])
     if not begin < end:
         raise NoValue(f"the curves do not overlap: {curve.text_of_ends()}, and {measured.text_of_ends()}")
-    places = sorted({begin, end, *(x for x in curve.x + measured.x if begin < x < end)})
-    differences = [interpolated(curve.x, curve.y, x) - interpolated(measured.x, measured.y, x) for x in places]
-    # Exact: the difference is linear between the places.
+    abscissas = sorted({begin, end, *(x for x in curve.x + measured.x if begin < x < end)})
+    differences = [interpolated(curve.x, curve.y, x) - interpolated(measured.x, measured.y, x) for x in abscissas]
+    # Exact: the difference is linear between the abscissas.
     integral = sum((next_x - x) / 3 * (one**2 + one * other + other**2)
-                   for x, next_x, one, other in zip(places, places[1:], differences, differences[1:]))
+                   for x, next_x, one, other in zip(abscissas, abscissas[1:], differences, differences[1:]))
     return math.sqrt(max(integral, 0) / (end - begin)) / measured.range()
 
 

@@ -15,7 +15,7 @@ WITHOUT_RESULT = sys.float_info.max / 4
 def find_minimize():
     """SciPy's; throws InputError where it is not installed."""
     try:
-        from scipy.optimize import minimize  # only where it is asked for
+        from scipy.optimize import minimize  # only where it is needed
     except ImportError as error:
         raise InputError("Search/Kind = least needs SciPy for Python, which scripts/study installs (on Debian: apt-get install "
                          f"python3-scipy): {error}.") from error
@@ -34,7 +34,7 @@ class LeastError:
         study, run = self.study, self.run
         n_values = len(study.search_entries)
         middle = [0.5] * n_values
-        simplex = [middle] + [[0.5 + 0.25 * (place == one) for place in range(n_values)] for one in range(n_values)]
+        simplex = [middle] + [[0.5 + 0.25 * (index == one) for index in range(n_values)] for one in range(n_values)]
         ended = find_minimize()(self.error_of, middle, method="Nelder-Mead", bounds=[(0, 1)] * n_values, options={
             "initial_simplex": simplex, "xatol": study.search_tolerance, "fatol": float("inf"), "maxfev": study.search_runs})
         self.write_trials()

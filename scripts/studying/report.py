@@ -83,8 +83,8 @@ class StudyReport:
         compared = [(self.study.value_name() if self.is_search else "error", self.errors)]
         if not self.is_search:
             compared.append(("time", [run.cost for run in self.runs]))
-        compared += [(name, [self.found_of(run)[place] for run in self.runs])
-                     for place, name in enumerate(self.study.found_names())]
+        compared += [(name, [self.found_of(run)[index] for run in self.runs])
+                     for index, name in enumerate(self.study.found_names())]
         steps = {}
         for _, family in sorted(families.items(), key=lambda item: [-1 if one is None else one for one in item[0]]):
             values = sorted(family)
@@ -129,11 +129,11 @@ class StudyReport:
         def number(value):
             return f"{value:.10g}" if math.isfinite(value) else ""
 
-        for place, run in enumerate(self.runs):
+        for index, run in enumerate(self.runs):
             values = run.values if not self.is_search else []
             values = values + [math.nan] * (len(study.targets) - len(values))
             writer.writerow([run.name, *(self.label_of(run, factor) for factor in range(len(study.factors))), run.state,
-                             number(self.errors[place]), number(run.cost), int(place in self.front),
+                             number(self.errors[index]), number(run.cost), int(index in self.front),
                              *map(number, [*self.found_of(run), *values, *run.columns]), run.n_executions, run.message])
         return file.getvalue()
 
@@ -149,10 +149,10 @@ class StudyReport:
             "knobs": [{"name": factor.name, "labels": factor.labels()} for factor in study.factors],
             "grids": [{"text": grid.text, "axes": [{"knob": factor, "values": values} for factor, values in grid.axes]}
                       for grid in study.grids],
-            "members": [{"name": run.name, "choice": list(run.choice), "state": run.state, "error": finite(self.errors[place]),
-                         "cost": finite(run.cost), "on_front": place in self.front, "message": run.message,
+            "members": [{"name": run.name, "choice": list(run.choice), "state": run.state, "error": finite(self.errors[index]),
+                         "cost": finite(run.cost), "on_front": index in self.front, "message": run.message,
                          "found": dict(zip(study.found_names(), map(finite, self.found_of(run))))}
-                        for place, run in enumerate(self.runs)],
+                        for index, run in enumerate(self.runs)],
             "sentences": self.sentences()}, indent=2, ensure_ascii=False) + "\n"
 
     def markdown(self):
@@ -161,12 +161,12 @@ class StudyReport:
                  *(["remark"] if self.is_search else [study.cost_name, "front"]),
                  *study.found_names(), *(column.text for column in study.columns)]
         rows = [heads, ["---"] * len(heads)]
-        for place, run in enumerate(self.runs):
+        for index, run in enumerate(self.runs):
             has_result = run.state == "measured"
             rows.append([*(self.label_of(run, factor) for factor in range(len(study.factors))),
-                         rounded(self.errors[place]) if has_result else run.state,
+                         rounded(self.errors[index]) if has_result else run.state,
                          *([run.message] if self.is_search else
-                           [rounded(run.cost, 3) if has_result else run.message, "yes" if place in self.front else ""]),
+                           [rounded(run.cost, 3) if has_result else run.message, "yes" if index in self.front else ""]),
                          *map(rounded, [*self.found_of(run), *run.columns])])
         table = "\n".join("| " + " | ".join(row) + " |" for row in rows)
         return f"# {study.title}\n\n{table}\n\n" + "".join(f"- {sentence}\n" for sentence in self.sentences())

@@ -63,7 +63,7 @@ def make_runs(study):
         return files[path]
 
     def entries_of(path, pattern):
-        """Those that an entry with `*` for names stands for: of all sections of the file that match."""
+        """Those that an entry with `*` for names means: of all sections of the file that match."""
         if "*" not in pattern:
             return [pattern]
         section, _, entry = pattern.rpartition("/")
@@ -95,7 +95,7 @@ def make_runs(study):
 
 
 def words_of(screen):
-    """What the program says after "Error: " or "The run stopped: ", on one line."""
+    """What the program prints after "Error: " or "The run stopped: ", on one line."""
     text = screen.read_text("utf-8", errors="replace") if screen.exists() else ""
     for mark in ("\nError: ", "\nThe run stopped: "):
         begin = text.rfind(mark)
@@ -171,7 +171,7 @@ class Runner:
         return ("refused" if code == 1 else "stopped"), words
 
     def run_measurement(self):
-        """Throws NoValue with what the program says where it fails."""
+        """Throws NoValue with what the program prints where it fails."""
         if not self.study.measurement:
             return
         screen = Path(f"{self.output}.measurement.txt")
@@ -180,7 +180,7 @@ class Runner:
             raise NoValue("it could not be measured: " + (lines[-1] if lines else f"see {screen}"))
 
     def find_unit(self):
-        """Executes the run as it is and takes the unit of the search from it."""
+        """Executes the run as it is and reads the unit of the search from it."""
         self.one.state, self.one.message = self.execute([])
         if self.one.state == "measured":
             try:
@@ -225,7 +225,7 @@ class Runner:
 
 
 class Executor:
-    """Makes the runs that have not been made before, as many at a time as the study says."""
+    """Makes the runs that have not been made before, as many at a time as the study has."""
 
     def __init__(self, study, program, directory, log):
         self.study, self.program, self.directory, self.log = study, program, directory, log
@@ -233,7 +233,7 @@ class Executor:
         self.lock = threading.Lock()
 
     def end_of(self, command, screen, has_limit=True):
-        """The exit code of a program whose screen is written to a file, negative after a signal, None where it took longer
+        """The exit code of a program whose screen is written to a file, negative after a signal, None where it ran longer
         than the time limit. A program that is ended is ended with what it has started."""
         screen.unlink(missing_ok=True)  # what there was, not what a link leads to
         try:
@@ -253,7 +253,7 @@ class Executor:
 
     @staticmethod
     def end(process):
-        """A program that hangs may not listen to SIGTERM; mpirun passes it on and ends its ranks."""
+        """A program that hangs may ignore SIGTERM; mpirun passes it on and ends its ranks."""
         for sent, patience in ((signal.SIGTERM, 2), (signal.SIGKILL, None)):
             try:
                 os.killpg(process.pid, sent)

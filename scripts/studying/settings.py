@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a study file says."""
+"""The contents of a study file."""
 
 import itertools
 import math
@@ -74,7 +74,7 @@ ENTRIES = {
                                       "` | `; empty: if it ends."),
     "Search/At most": ("", None, "Bounds of the magnitudes of the values, separated by commas."),
 }
-OF_A_FACTOR = {
+FACTOR_ENTRIES = {
     "Entries": (MANDATORY, None, "The entry of the parameter file that this factor sets, as `Section/Entry`; several that are set "
                 "together are joined by ` & `. `*` stands for any name: the entry is set in all sections that the parameter file "
                 "has. `Base file` is the parameter file itself."),
@@ -107,11 +107,11 @@ class Grid:
 
 class StudySettings(DescribedFile):
     """Reads everything. Throws InputError."""
-    entries, kind, names, entries_of_each = ENTRIES, "Factor", "Factors", OF_A_FACTOR
+    entries, kind, names, entries_of_each = ENTRIES, "Factor", "Factors", FACTOR_ENTRIES
 
     def __init__(self, file):
         self.directory, self.notes = file.path.parent, []
-        self.take_former_names(file)
+        self.accept_former_names(file)
         super().__init__(file)
         self.title = self.get("Title")
         self.output = Path(self.get("Output directory"))
@@ -142,7 +142,7 @@ class StudySettings(DescribedFile):
 
     # Entries
 
-    def take_former_names(self, file):
+    def accept_former_names(self, file):
         for path, entry in list(file.entries.items()):
             name = FORMER_NAMES.get(path, path)
             section, slash, rest = name.partition("/")
@@ -171,7 +171,7 @@ class StudySettings(DescribedFile):
         except ValueError as error:
             self.fail(entry, str(error))
 
-    def place_of(self, entry, names, wanted, kind):
+    def index_of(self, entry, names, wanted, kind):
         if wanted not in names:
             self.fail(entry, f'"{wanted}" is no {kind}; allowed is {", ".join(names)}.' + nearest(wanted, names))
         return names.index(wanted)
@@ -230,10 +230,10 @@ class StudySettings(DescribedFile):
         return ["%.6g" % (first * (last / first)**share if match[4] else first + (last - first) * share) for share in shares]
 
     def factor_number(self, entry, name):
-        return self.place_of(entry, [factor.name for factor in self.factors], name, "factor")
+        return self.index_of(entry, [factor.name for factor in self.factors], name, "factor")
 
     def value_number(self, entry, factor, label):
-        return self.place_of(entry, self.factors[factor].labels(), label, f"value of the factor {self.factors[factor].name}")
+        return self.index_of(entry, self.factors[factor].labels(), label, f"value of the factor {self.factors[factor].name}")
 
     def read_grid(self, text):
         grid = Grid(text)

@@ -16,8 +16,8 @@ import sys
 import time
 from pathlib import Path
 
-# What hangs is stopped after a second. All else may take as long as it likes: even the start of
-# Python can take a second on a busy machine.
+# What hangs is stopped after a second. All else has no limit: even the start of
+# Python can need a second on a busy machine.
 HANGS = ("--set", "Factor: behaviour/Values = hangs", "--set", "Time limit = 1")
 
 HERE = Path(__file__).resolve().parent

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Stands for tombolo in the tests of studies: ends in all the ways in which programs end, as its
-entry Behaviour says, and leaves value = slope * x + offset in summary.json and statistics.csv."""
+entry Behaviour requests, and writes value = slope * x + offset in summary.json and statistics.csv."""
 
 import json
 import os
