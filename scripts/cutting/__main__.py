@@ -56,7 +56,7 @@ def draw_forces(arguments):
     for directory, label, colour in runs:
         table = Table(Path(directory) / "contact.csv")
         position = table[f"{arguments.contact} position x"]
-        travel = [place - position[0] for place in position]
+        travel = [x - position[0] for x in position]
         for axis, sign, what, line in (("x", 1.0, "cutting", "-"), ("y", -1.0, "feed", "--")):
             force = [sign * value / arguments.width
                      for value in table[f"{arguments.contact} mean force {axis}"]]

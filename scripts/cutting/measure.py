@@ -73,11 +73,11 @@ def measure(directory, contact="tool", window=(0.4, 1.0), width=1.0):
                  if n > 0]
         if len(pairs) < 2:
             continue
-        of_contact, values = zip(*pairs)
+        contact_times, values = zip(*pairs)
         result[f"{what} temperature of the contact"] = mean_over(
-            of_contact, values, max(begin, of_contact[0]), end)
+            contact_times, values, max(begin, contact_times[0]), end)
         result[f"{what} temperature of the contact over the travel"] = mean_over(
-            of_contact, values, of_contact[0], stop)
+            contact_times, values, contact_times[0], stop)
     statistics = Table(directory / "statistics.csv")
     result.update(largest_of(statistics, ("energy error", "heat balance error")))
     if "particles that fly off" in statistics:
@@ -128,10 +128,10 @@ def chip_speed_ratio(directory, contact="tool", window=(0.4, 1.0), depth=1.0, ra
                     continue
                 relative = grid.point_data["velocity"].astype(float).copy()
                 relative[:, 0] -= speed
-                of_chip = chip_speed(grid.points, relative, grid.point_data["contact force"], edge,
-                                     depth, rake)
-                if of_chip is not None:
-                    ratios.append(of_chip / speed)
+                measured_speed = chip_speed(grid.points, relative, grid.point_data["contact force"], edge,
+                                            depth, rake)
+                if measured_speed is not None:
+                    ratios.append(measured_speed / speed)
     except PlotError as error:
         raise CutError(str(error)) from error
     return sum(ratios) / len(ratios) if ratios else None

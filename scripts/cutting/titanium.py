@@ -17,7 +17,7 @@ SCENE = ROOT / "parameter_files/machining/titanium_smoothed.prm"
 TESTS = ROOT / "parameter_files/machining/titanium_tests.csv"
 RAKE = 15.0
 WIDTH, BELOW, TRAVEL = 0.6e-3, 0.2e-3, 0.32e-3  # of the work piece, metal below the edge, of the tool
-RUN_SPEED = 50.0  # of the tool in the time that the inertia sees [m/s]
+RUN_SPEED = 50.0  # of the tool in the time that governs the inertia [m/s]
 TOOL_EFFUSIVITY = 17320.0
 QUANTITIES = ("cutting force", "feed force", "chip ratio")
 
@@ -55,7 +55,7 @@ def has_finished(directory):
 
 
 def lattice(thickness, spacing):
-    """The spacing nearest to that asked for at which the edge is between two rows, and the spacings
+    """The spacing nearest to the requested one at which the edge is between two rows, and the spacings
     in the depth, a number and a half."""
     in_depth = max(1, round(thickness / spacing - 0.5 + 1e-9)) + 0.5
     return thickness / in_depth, in_depth
@@ -128,10 +128,10 @@ def print_table(tests, results):
     print("| m/min, um | spacing um | F_c (test) | F_f (test) | chip (test) | hottest | energy | fly off "
           "| s |")
     print("|---|---|---|---|---|---|---|---|---|")
-    for condition, of_spacing in results.items():
+    for condition, spacing_results in results.items():
         test = tests[condition]
-        rows = [(f"{dp * 1e6:.2f}", numbers) for dp, numbers in sorted(of_spacing.items(), reverse=True)]
-        limit = {name: extrapolated([(dp, numbers[name]) for dp, numbers in of_spacing.items()])
+        rows = [(f"{dp * 1e6:.2f}", numbers) for dp, numbers in sorted(spacing_results.items(), reverse=True)]
+        limit = {name: extrapolated([(dp, numbers[name]) for dp, numbers in spacing_results.items()])
                  for name in QUANTITIES}
         for spacing, numbers in rows + [("0", limit)]:
             shown = " | ".join(f"{numbers[name]:.4g} ({test[name]:g})" for name in QUANTITIES)
@@ -152,17 +152,17 @@ def draw(tests, results, picture):
                                     constrained_layout=True)
     for column, speed in enumerate(speeds):
         thicknesses = sorted(thickness for v, thickness in tests if v == speed)
-        of_speed = [tests[speed, thickness] for thickness in thicknesses]
+        speed_tests = [tests[speed, thickness] for thickness in thicknesses]
         for row, name in enumerate(QUANTITIES):
             plot = plots[row][column]
-            values = [test[name] for test in of_speed]
+            values = [test[name] for test in speed_tests]
             if row == 0:
-                below = [v - test["lower end of two sigma"] for v, test in zip(values, of_speed)]
-                above = [test["upper end of two sigma"] - v for v, test in zip(values, of_speed)]
+                below = [v - test["lower end of two sigma"] for v, test in zip(values, speed_tests)]
+                above = [test["upper end of two sigma"] - v for v, test in zip(values, speed_tests)]
                 plot.errorbar(thicknesses, values, [below, above], fmt="ko", capsize=4,
                               label="tests, two sigma")
                 plot.plot(thicknesses,
-                          [test["cutting force of the published model"] for test in of_speed],
+                          [test["cutting force of the published model"] for test in speed_tests],
                           "s", color="0.6", label="published model, 5 um")
                 plot.set_title(f"{speed:g} m/min")
             else:
@@ -182,14 +182,14 @@ def draw_results(plot, speed, thicknesses, results, name):
     # Side by side, since all belong to the same thickness.
     colours = ("#c9dcf0", "#7fb0dc", "#3a7ebf", "#1f4f8a")
     for thickness in thicknesses:
-        of_spacing = results.get((speed, thickness), {})
-        order = sorted(of_spacing, reverse=True)
+        spacing_results = results.get((speed, thickness), {})
+        order = sorted(spacing_results, reverse=True)
         for k, dp in enumerate(order):
             shade = colours[len(colours) - len(order) + k] if len(order) <= len(colours) else colours[-1]
             first = thickness == thicknesses[-1]
-            plot.plot(thickness + 1.5 * (k + 1), of_spacing[dp][name], "^", color=shade,
+            plot.plot(thickness + 1.5 * (k + 1), spacing_results[dp][name], "^", color=shade,
                       label=f"here, {('coarse', 'middle', 'fine', 'finest')[min(k, 3)]}" if first else None)
-        limit = extrapolated([(dp, numbers[name]) for dp, numbers in of_spacing.items()])
+        limit = extrapolated([(dp, numbers[name]) for dp, numbers in spacing_results.items()])
         if not math.isnan(limit):
             plot.plot(thickness + 1.5 * (len(order) + 1), limit, "*", color="C3", markersize=9,
                       label="here, extrapolated" if thickness == thicknesses[-1] else None)
@@ -231,7 +231,7 @@ def main():
                 results.setdefault(condition, {})[dp] = numbers_of(directory, condition[1])
             except CutError as error:
                 print(f"{name} at {spacing:g} um: {error}", file=sys.stderr)
-    results = {condition: of_spacing for condition, of_spacing in results.items() if of_spacing}
+    results = {condition: spacing_results for condition, spacing_results in results.items() if spacing_results}
     if not results:
         sys.exit("error: there are no results")
     print_table(tests, results)

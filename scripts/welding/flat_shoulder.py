@@ -18,7 +18,7 @@ CURVES = ((2.11, 268, 276, 0.002), (3.10, 600, 666, 1.2), (4.16, 836, 739, 1.6),
           (24.6, 1253, 722, 3.7), (29.0, 1101, 543, 1.5))
 # At 19.2 s across the plates, 27 mm along the joint: distance from it [mm], temperatures at the right
 # and the left of it [°C].
-PROFILE_TIME, PROFILE_PLACE = 19.2, 27e-3
+PROFILE_TIME, PROFILE_Y = 19.2, 27e-3
 PROFILE = ((0.57, 1242, 1207), (4.21, 977, 975), (5.13, 892, 900), (7.17, 735, 722), (9.55, 546, 525),
            (12.33, 342, 324), (15.57, 176, 165), (17.39, 119, 111))
 # Heat in plates and tool [J] that the published fields of temperature hold, with the density of the scene.
@@ -61,7 +61,7 @@ def enthalpies(directory):
 
 
 def line_across(directory):
-    """Places across and temperatures of the upper faces of both plates on the line of nodes next to that of the
+    """Positions across and temperatures of the upper faces of both plates on the line of nodes next to that of the
     example, by the sign of x, at the output next to its time."""
     results = Results(directory)
     if not results.files:
@@ -70,17 +70,17 @@ def line_across(directory):
     if abs(time - PROFILE_TIME) > 0.1:
         raise PlotError(f"{directory} has no output at {PROFILE_TIME:g}")
     grid = results.grids_at(time)["cells"]
-    place = grid.initial_points()
+    position = grid.initial_points()
     temperature = grid.point_data["nodal temperature"].reshape(-1)
-    plates = place[grid.cells].mean(axis=1)
+    plates = position[grid.cells].mean(axis=1)
     sides = {}
     for sign in (1, -1):
-        of_side = numpy.unique(grid.cells[(sign * plates[:, 0] > 0) & (plates[:, 2] < 0)])
-        top = of_side[numpy.abs(place[of_side, 2]) < 1e-9]
-        away = numpy.abs(place[top, 1] - PROFILE_PLACE)
+        side_nodes = numpy.unique(grid.cells[(sign * plates[:, 0] > 0) & (plates[:, 2] < 0)])
+        top = side_nodes[numpy.abs(position[side_nodes, 2]) < 1e-9]
+        away = numpy.abs(position[top, 1] - PROFILE_Y)
         line = top[away < away.min() + 1e-9]
-        line = line[numpy.argsort(sign * place[line, 0])]
-        sides[sign] = (sign * place[line, 0], temperature[line])
+        line = line[numpy.argsort(sign * position[line, 0])]
+        sides[sign] = (sign * position[line, 0], temperature[line])
     return sides
 
 
@@ -94,9 +94,9 @@ def difference(value, reference):
     return f"{100 * (value / reference - 1):+6.1f} %"
 
 
-def show(of_time, enthalpy, across):
+def show(time_rows, enthalpy, across):
     print("time   largest temperature      heat of friction        plastic heat")
-    for time, t, t_of, f, f_of, p, p_of in of_time:
+    for time, t, t_of, f, f_of, p, p_of in time_rows:
         print(f"{time:5.2f}  {t:5.0f} ({t_of:4.0f} {difference(t, t_of)})  {f:5.0f} ({f_of:4.0f} {difference(f, f_of)})"
               f"  {p:6.2f} ({p_of:5.3g})")
     for time, value, reference in enthalpy:
@@ -146,16 +146,16 @@ def main():
     parser.add_argument("--picture", metavar="FILE")
     arguments = parser.parse_args()
     try:
-        of_time = curves(arguments.run)
+        time_rows = curves(arguments.run)
         enthalpy = enthalpies(arguments.run)
-        has_profile = of_time and of_time[-1][0] > PROFILE_TIME
+        has_profile = time_rows and time_rows[-1][0] > PROFILE_TIME
         sides = line_across(arguments.run) if has_profile else None
         across = profile(sides) if sides else []
     except (CutError, PlotError, KeyError) as error:
         sys.exit(f"error: {error}")
-    show(of_time, enthalpy, across)
+    show(time_rows, enthalpy, across)
     if arguments.json:
-        numbers = {"curves": of_time, "enthalpy": enthalpy, "profile": across}
+        numbers = {"curves": time_rows, "enthalpy": enthalpy, "profile": across}
         Path(arguments.json).write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
     if arguments.picture:
         draw(arguments.run, sides, arguments.picture)

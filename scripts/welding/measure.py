@@ -37,7 +37,7 @@ def flow_stresses(directory, material):
 
 
 class Weld:
-    """The tables of a run; what is asked of a time or an interval."""
+    """The tables of a run, at a time or over an interval."""
 
     def __init__(self, directory, contact, material, tool):
         self.directory = Path(directory)
@@ -52,7 +52,7 @@ class Weld:
         return self.table[f"{self.contact} {what}"]
 
     def torque(self):
-        """What the tool takes, a mean since the row before."""
+        """The torque of the tool, a mean since the row before."""
         return [abs(value) for value in self.column("mean torque z")]
 
     def sticking_torque(self):

@@ -26,28 +26,28 @@ def volumes_of(corners):
 
 
 class Plate:
-    """Places, volumes and stresses (xx, yy, zz, xy, yz, xz) of all cells and particles."""
+    """Positions, volumes and stresses (xx, yy, zz, xy, yz, xz) of all cells and particles."""
 
     def __init__(self, directory):
         results = Results(directory)
         if not results.files:
             raise PlotError(f"{directory} has no output")
-        places, stresses, volumes = [], [], []
+        positions, stresses, volumes = [], [], []
         for kind, grid in results.grids_at(max(results.files)).items():
             if kind == "cells":
                 corners = grid.points[grid.cells]
-                places.append(corners.mean(axis=1))
+                positions.append(corners.mean(axis=1))
                 stresses.append(grid.cell_data["stress"])
                 volumes.append(volumes_of(corners))
             else:
-                places.append(grid.points)
+                positions.append(grid.points)
                 stresses.append(grid.point_data["stress"])
                 volumes.append(grid.point_data["volume"].reshape(-1))
             if kind == "cells":  # particles of the weld were stirred away from where they began
                 self.node = grid.initial_points()
                 self.displacement = grid.point_data["displacement"].astype(float)
                 self.reaction = grid.point_data["reaction"].astype(float)
-        self.place = numpy.concatenate(places)
+        self.position = numpy.concatenate(positions)
         self.stress = numpy.concatenate(stresses).astype(float)
         self.volume = numpy.concatenate(volumes).astype(float)
 
@@ -58,15 +58,15 @@ class Plate:
         return abs(share.sum()) / numpy.abs(share).sum()
 
     def largest_reaction(self):
-        """The largest force of a support over what the cross sections carry, ∫|σ_xx| dA: their mean."""
+        """The largest force of a support over the force in the cross sections, ∫|σ_xx| dA: their mean."""
         carried = (self.volume * numpy.abs(self.stress[:, 0])).sum() / numpy.ptp(self.node[:, 0])
         return numpy.linalg.norm(self.reaction, axis=1).max() / carried
 
     def profile(self, begin, end, width):
         """Middles of strips across the weld, and the mean longitudinal stress of what lies in them
         from x = begin to end."""
-        inside = (self.place[:, 0] >= begin) & (self.place[:, 0] <= end)
-        strip = numpy.floor(self.place[inside, 1] / width + 0.5).astype(int)
+        inside = (self.position[:, 0] >= begin) & (self.position[:, 0] <= end)
+        strip = numpy.floor(self.position[inside, 1] / width + 0.5).astype(int)
         middles, means = [], []
         for number in range(strip.min(), strip.max() + 1):
             chosen = strip == number
