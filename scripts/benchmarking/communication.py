@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a step would take on many ranks: a model of blocks that exchange their surfaces."""
+"""The time of a step on many ranks: a model of blocks that exchange their surfaces."""
 
 from dataclasses import dataclass
 
@@ -21,20 +21,20 @@ class Costs:
     """Of a model of the rod, as they were measured."""
     ns_per_node_step: float
     exchanges_per_step: float
-    sees_both_sides: bool  # particles see neighbours on all sides; of cells one side owns the nodes
+    has_both_sides: bool  # particles have neighbours on all sides; of cells one side owns the nodes
 
 
-def ghosts_of_block(n_nodes, sees_both_sides):
-    """Nodes of others that a cube of n nodes sees, one layer on each side or on one."""
+def ghosts_of_block(n_nodes, has_both_sides):
+    """Ghost nodes of a cube of n nodes, one layer on each side or on one."""
     edge = n_nodes ** (1 / 3)
-    return (edge + (2 if sees_both_sides else 1)) ** 3 - n_nodes
+    return (edge + (2 if has_both_sides else 1)) ** 3 - n_nodes
 
 
 def project(costs, n_nodes, ranks, network):
     """A step of n nodes: each rank computes on its block, then sends and receives its surface to
     and from all blocks around it, exchange after exchange, with nothing hidden."""
     own = n_nodes / ranks
-    ghosts = ghosts_of_block(own, costs.sees_both_sides)
+    ghosts = ghosts_of_block(own, costs.has_both_sides)
     n_bytes = ghosts * BYTES_PER_NODE * costs.exchanges_per_step
     work = 1e-9 * costs.ns_per_node_step * own
     exchange = (costs.exchanges_per_step * N_NEIGHBOURS * network.latency
@@ -56,7 +56,7 @@ def print_projection(projection, n_nodes, network):
              number(row["exchange_seconds"] * 1e3),
              number((row["work_seconds"] + row["exchange_seconds"]) * 1e3),
              f"{100 * row['efficiency']:.0f} %"]
-            for label, of_ranks in projection.items() for row in of_ranks]
+            for label, run_rows in projection.items() for row in run_rows]
     print_table(f"Projection to {n_nodes:.0e} nodes: {network.latency * 1e6:g} us and "
                 f"{network.bandwidth * 1e-9:g} GB/s a rank",
                 ["run", "ranks", "nodes/rank", "ghosts", "kB/rank and step", "work [ms]",

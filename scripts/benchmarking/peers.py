@@ -17,7 +17,7 @@ SCENE = "benchmarks/rod.prm"
 PEERS = {"LAMMPS": ("lmp", "lammps"), "CalculiX": ("ccx", "calculix-ccx")}
 TOMBOLO = "Tombolo"
 STEP = 0.3  # over the spacing and the time of a wave, as in rod.lmp: stable in all packages
-FEW_STEPS = 10  # of the run that is taken away
+FEW_STEPS = 10  # of the run that is subtracted
 SECONDS_OF_STEPS = 1.5  # of what is left, about
 
 
@@ -60,14 +60,14 @@ CASES = [
 
 @dataclass
 class Finished:
-    """What a run says of itself."""
+    """What a run prints of itself."""
     nodes: int
     steps: int
     neighbours: float = None
 
 
 def choose_cases(there=shutil.which):
-    """Of packages that are installed; says which are not. An error where none is."""
+    """Of packages that are installed; prints which are not. An error where none is."""
     missing = {name: package for name, (command, package) in PEERS.items() if not there(command)}
     how = f"`scripts/setup --peers`, or on Debian: apt-get install {' '.join(missing.values())}"
     if len(missing) == len(PEERS):
@@ -99,11 +99,12 @@ def mesh_of(cells):
     """Nodes, cells and velocities of the rod, as lines of a deck of CalculiX."""
     spacing = spacing_of(cells)
     along, across = cells[0] + 1, cells[1] + 1
-    places = [(i, j, k) for k in range(cells[2] + 1) for j in range(across) for i in range(along)]
-    nodes = [f"{n}, " + ", ".join(f"{spacing * index:.9g}" for index in place) for n, place in enumerate(places, 1)]
-    velocities = [f"{n}, {axis}, {value:.9g}" for n, (i, j, k) in enumerate(places, 1)
+    indices = [(i, j, k) for k in range(cells[2] + 1) for j in range(across) for i in range(along)]
+    nodes = [f"{n}, " + ", ".join(f"{spacing * index:.9g}" for index in node_indices)
+             for n, node_indices in enumerate(indices, 1)]
+    velocities = [f"{n}, {axis}, {value:.9g}" for n, (i, j, k) in enumerate(indices, 1)
                   for axis, value in enumerate((0.01 * (spacing * i - 5), -0.005 * spacing * j, -0.005 * spacing * k), 1)]
-    lower = [1 + i + along * (j + across * k) for i, j, k in places
+    lower = [1 + i + along * (j + across * k) for i, j, k in indices
              if i < cells[0] and j < cells[1] and k < cells[2]]
     corners = [0, 1, along + 1, along]
     corners += [corner + along * across for corner in corners]
@@ -128,7 +129,7 @@ def run_calculix(root, case, cells, n_steps, directory):
 
 
 def run_case(program, root, case, cells, n_steps):
-    """What the run says, and its user time in seconds."""
+    """What the run prints, and its user time in seconds."""
     if case.package == TOMBOLO:
         done, seconds = user_seconds(lambda: program.run(SCENE, rod(cells, n_steps, step=STEP) + case.settings))
         return Finished(done.summary["nodes"], done.steps(), done.mean_neighbours()), seconds

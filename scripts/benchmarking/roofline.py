@@ -108,7 +108,7 @@ def print_roofline(results):
              number(row["counted_flops"]), f"{row['flops_per_byte']:.2f}",
              number(row["bandwidth_ns"]), number(row["peak_ns"]),
              f"{100 * row['share_of_roof']:.0f} %"]
-            for label, of_sizes in results.items() for row in of_sizes]
+            for label, run_rows in results.items() for row in run_rows]
     print_table("Roofline, one core: each cell-step or particle-step in a whole run",
                 ["run", "nodes", "ns", "bytes", "from memory", "flops, model", "flops, counted",
                  "flops/byte", "ns by bandwidth", "ns by peak", "share of roof"], rows)

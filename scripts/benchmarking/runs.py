@@ -110,7 +110,7 @@ def spacing_of(cells, length=ROD_LENGTH):
 
 
 def rod(cells, n_steps, length=ROD_LENGTH, step=0.8):
-    """Settings of a rod of @p cells that takes @p n_steps steps of so many spacings and writes nothing."""
+    """Settings of a rod of @p cells that makes @p n_steps steps of so many spacings and writes nothing."""
     spacing = spacing_of(cells, length)
     # A wave crosses 0.9 to 1.3 cells in the largest step of the formulations. The step is fixed, so
     # that no run spends time on estimating it.

@@ -5,7 +5,7 @@ from . import communication
 from .runs import ROD_LENGTH, available_cores, rod
 from .tables import number, print_table
 
-# Label, parameter file, whether its nodes see neighbours on both sides of a cut.
+# Label, parameter file, whether its nodes have neighbours on both sides of a cut.
 SCENES = [
     ("one-point elements", "parameter_files/elastic_wave/fe.prm", False),
     ("particles, affine", "parameter_files/elastic_wave/particles.prm", True),
@@ -69,10 +69,10 @@ def measure_scene(program, file, cells, n_steps):
 def measure_scaling(program, cells, n_steps, n_projected, network):
     scenes = {label: measure_scene(program, file, cells, n_steps) for label, file, _ in SCENES}
     costs = {}
-    for label, _, sees_both_sides in SCENES:
+    for label, _, has_both_sides in SCENES:
         most = scenes[label]["weak"][-1]
         costs[label] = communication.Costs(most["ns_per_node_step"] * (1 - most["exchange_share"]),
-                                           most["exchanges_per_step"], sees_both_sides)
+                                           most["exchanges_per_step"], has_both_sides)
     return {"scenes": scenes,
             "projection": communication.project_all(costs, n_projected, network)}
 

@@ -25,7 +25,7 @@ class Model:
 
 
 class Problem:
-    """Of a file: models of one scene whose results are known. Errors below the last of the levels are not told
+    """Of a file: models of one scene whose results are known. Errors below the last of the levels are not distinguished
     apart, since the reference is not known better."""
 
     def __init__(self, root, pattern=None, file=SETTINGS):

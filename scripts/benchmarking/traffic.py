@@ -109,7 +109,7 @@ NODAL_UPDATE = 8 * LANES
 
 
 def gradient_operations(rows, with_deformation):
-    """Differences to the own value times the components of ∇φ, of v and where asked of x."""
+    """Differences to the own value times the components of ∇φ, of v and where requested of x."""
     return rows.neighbours * 7 * LANES * (2 if with_deformation else 1)
 
 

@@ -45,7 +45,7 @@ class ListError(Exception):
 
 @dataclass(frozen=True)
 class Mutant:
-    """A mistake. Its number is its place in the list."""
+    """A mistake. Its number is its index in the list."""
 
     number: int
     name: str
@@ -63,34 +63,34 @@ class Mutant:
     def fail(self, what):
         raise ListError(f'mutant "{self.name}": {what}')
 
-    def place_in(self, text):
+    def span_in(self, text):
         """Begin and end of what is replaced. Layout does not count."""
         begin = 0
         if self.after:
-            begin = self.only_place(self.after, text).end()
-            place = pattern_of(self.original).search(text, begin)
-            if place is None:
+            begin = self.only_match(self.after, text).end()
+            match = pattern_of(self.original).search(text, begin)
+            if match is None:
                 self.fail(f"{self.file} does not have its original after `{self.after}`.")
         else:
-            place = self.only_place(self.original, text)
+            match = self.only_match(self.original, text)
         if DECLARATION.search(self.original):
             self.fail(f"`{self.original}` declares what follows uses; an original is its value alone.")
         if not self.is_statement and NO_EXPRESSION.search(self.original):
             self.fail(f"`{self.original}` is neither a whole expression nor whole statements.")
-        if self.is_statement and not BEFORE_STATEMENT.search(text[:place.start()]):
+        if self.is_statement and not BEFORE_STATEMENT.search(text[:match.start()]):
             self.fail(f"`{self.original}` is the end of a statement of {self.file}; an original is "
                       "whole statements, or an expression without the semicolon.")
         if (self.is_statement and self.original.rstrip(" ;").count(";") > 0
-                and BODY_WITHOUT_BRACES.search(text[:place.start()])):
+                and BODY_WITHOUT_BRACES.search(text[:match.start()])):
             self.fail(f"of `{self.original}` only the first statement belongs to the `if` before it.")
-        return place.span()
+        return match.span()
 
-    def only_place(self, words, text):
-        places = list(pattern_of(words).finditer(text))
-        if len(places) != 1:
-            self.fail(f"{self.file} has `{words}` {len(places)} times; it must have it once. "
+    def only_match(self, words, text):
+        matches = list(pattern_of(words).finditer(text))
+        if len(matches) != 1:
+            self.fail(f"{self.file} has `{words}` {len(matches)} times; it must have it once. "
                       "An entry \"after\" tells places apart.")
-        return places[0]
+        return matches[0]
 
     def choice(self, original):
         if not self.is_statement:
@@ -128,12 +128,12 @@ def read(path):
 
 def with_mutants(text, mutants):
     """A source with the choices of its mutants."""
-    places = sorted(((*mutant.place_in(text), mutant) for mutant in mutants),
-                    key=lambda place: place[:2])
-    for (_, end, one), (begin, _, other) in zip(places, places[1:]):
+    spans = sorted(((*mutant.span_in(text), mutant) for mutant in mutants),
+                   key=lambda span: span[:2])
+    for (_, end, one), (begin, _, other) in zip(spans, spans[1:]):
         if begin < end:
             other.fail(f'it changes the same text as "{one.name}".')
-    for begin, end, mutant in reversed(places):
+    for begin, end, mutant in reversed(spans):
         text = text[:begin] + mutant.choice(text[begin:end]) + text[end:]
     first_line, rest = text.split("\n", 1)
     return f"{first_line}\n#include <tombolo/base/mutant.h>\n{rest}"
@@ -145,9 +145,9 @@ def sources_with_mutants(root, mutants):
     for mutant in mutants:
         by_file.setdefault(mutant.file, []).append(mutant)
     result = {HEADER: HEADER_TEXT}
-    for file, of_file in by_file.items():
+    for file, file_mutants in by_file.items():
         path = Path(root) / file
         if not path.is_file():
-            of_file[0].fail(f"there is no {file}.")
-        result[Path(file)] = with_mutants(path.read_text("utf-8"), of_file)
+            file_mutants[0].fail(f"there is no {file}.")
+        result[Path(file)] = with_mutants(path.read_text("utf-8"), file_mutants)
     return result

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from mutating import copies
 from mutating.mutants import VARIABLE
 
-# A mutant that lets a test hang is noticed: after so many times what the test takes without it, and at
+# A mutant that lets a test hang is detected: after so many times what the test needs without it, and at
 # least so many seconds. A busy machine is no mistake.
 TIMES = 10
 LEAST_SECONDS = 120

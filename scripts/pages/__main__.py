@@ -23,8 +23,8 @@ def main(arguments=None):
     parser.add_argument("directory", nargs="?", type=Path, default=PROJECT / "build/site")
     parser.add_argument("--no-classes", action="store_true")
     parser.add_argument("--check", action="store_true")
-    asked = parser.parse_args(arguments)
-    if asked.check:
+    options = parser.parse_args(arguments)
+    if options.check:
         found = check(PROJECT)
         print("\n".join(found) if found else "All links lead somewhere, no sentence is too long.")
         sys.exit(1 if found else 0)
@@ -33,10 +33,10 @@ def main(arguments=None):
     if not formulas.can_be_converted():
         print(f"site: there is no {formulas.PROGRAM} (scripts/setup {formulas.PROGRAM}), so formulas are shown as TeX", file=sys.stderr)
     try:
-        n_pages, n_classes = site.make(PROJECT, asked.directory, has_classes=not asked.no_classes)
+        n_pages, n_classes = site.make(PROJECT, options.directory, has_classes=not options.no_classes)
     except (site.SiteError, formulas.FormulaError) as error:
         sys.exit(f"site: {error}")
-    print(f"{asked.directory / 'index.html'}: {n_pages} pages, {n_classes} classes")
+    print(f"{options.directory / 'index.html'}: {n_pages} pages, {n_classes} classes")
 
 
 if __name__ == "__main__":

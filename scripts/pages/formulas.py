@@ -67,8 +67,8 @@ def mathml(tex, is_block=False):
     ended = subprocess.run([PROGRAM, *options], input=tex, capture_output=True, text=True, check=False)
     found = re.search(r"<markup>\s*(.*?)\s*</markup>", ended.stdout, re.DOTALL)
     if not found:
-        said = re.search(r"<message>(.*?)</message>", ended.stdout, re.DOTALL)
-        raise FormulaError(f"{tex}: {html.unescape(said[1]) if said else ended.stderr or 'no formula'}")
+        message = re.search(r"<message>(.*?)</message>", ended.stdout, re.DOTALL)
+        raise FormulaError(f"{tex}: {html.unescape(message[1]) if message else ended.stderr or 'no formula'}")
     written = found[1]
     for pattern, other in IMPROVED:
         written = re.sub(pattern, other, written)

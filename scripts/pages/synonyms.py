@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Terms that the search takes for each other."""
+"""Terms that the search treats as equal."""
 
 from pathlib import Path
 

@@ -11,7 +11,7 @@ ABBREVIATIONS = ("Sec.", "Secs.", "Fig.", "Figs.", "Eq.", "Eqs.", "eq.", "eqs.",
 FENCE = re.compile(r"^\s*(```|~~~)")
 HEADING = re.compile(r"^(#{1,6})\s+(.*?)\s*#*$")
 ITEM = re.compile(r"^(\s*)([-*+]|\d+[.)])\s+")
-# On lines of its own, which a reader does not see.
+# On lines of its own, and not shown.
 COMMENT = re.compile(r"^<!--.*?-->[ \t]*$", re.DOTALL | re.MULTILINE)
 CODE = re.compile(r"(`+)(.+?)\1", re.DOTALL)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
@@ -94,7 +94,7 @@ def without_code(text):
 
 
 def anchor_of(heading, taken):
-    """The anchor that a heading has on the pages of the forge; counts those that are taken."""
+    """The anchor that a heading has on the pages of the forge; counts those that are used."""
     text = LINK.sub(lambda found: found.group(2), heading)
     text = re.sub(r"[`*]", "", text).strip().lower()
     anchor = "".join(letter for letter in text if letter.isalnum() or letter in "-_ ").replace(" ", "-")
