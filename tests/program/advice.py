@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What the program says before and after a run: warnings, advice, where the results are, and whose results it replaces.
+"""What the program prints before and after a run: warnings, advice, where the results are, and whose results it replaces.
 
     advice.py PROGRAM MPIEXEC SOURCE_DIRECTORY
 """
@@ -118,8 +118,9 @@ class PatchTest(command_line.Case):
             self.assertIn(piece, printed)
 
     def test_the_dilatation_of_cells_is_advised_where_particles_lock(self):
-        nearly_incompressible, of_particles = "Material: soft/elastic/Poisson's ratio = 0.49", PARTICLES + "Dilatation = of particles"
-        for settings, count in (((nearly_incompressible,), 0), ((of_particles,), 0), ((nearly_incompressible, of_particles), 1),
+        nearly_incompressible, dilatation = "Material: soft/elastic/Poisson's ratio = 0.49", PARTICLES + "Dilatation = of particles"
+        for settings, count in (((nearly_incompressible,), 0), ((dilatation,), 0),
+                                ((nearly_incompressible, dilatation), 1),
                                 ((nearly_incompressible, PARTICLES + "Smoothing = fe matched"), 1)):
             _, printed = self.defect(*settings)
             self.assertEqual(printed.count("Advice: `Dilatation = of cells` in the section of part \"block\": "), count, settings)

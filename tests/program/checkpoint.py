@@ -30,9 +30,9 @@ REGRESSION = os.path.join(os.path.dirname(run_cases.HERE), "regression")
 sys.path.insert(0, REGRESSION)
 import body_meshes
 
-# What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
-                            "resumed_from_step|earlier_wall_seconds")
+# Entries of a summary on the machine and the time.
+PROCESS_ENTRIES = re.compile("wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
+                             "resumed_from_step|earlier_wall_seconds")
 
 PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
           "left: 0.2, 0.2; right: 2, 0.4\n    set Steps = 2\n  end")
@@ -117,7 +117,7 @@ class Case(command_line.Case):
         for directory in (first, second):
             summary = json.loads(self.read(directory, "summary.json"))
             summaries.append({key: value for key, value in summary.items()
-                              if not OF_THE_PROCESS.fullmatch(key)})
+                              if not PROCESS_ENTRIES.fullmatch(key)})
         self.assertEqual(summaries[0], summaries[1])
 
     def files(self, directory):
@@ -198,7 +198,7 @@ class BitwiseRods(BitwiseCase):
         self.check("rod.prm", 4, (0.5,), 2)
 
     def test_impact_of_cells_that_take_longer_steps(self):
-        # The end that meets the wall has large cells: they take other steps once they touch it.
+        # The end that meets the wall has large cells: they have other steps once they touch it.
         self.write_small_rod(*IMPACT[:-1], ["set End time = 8", "set End time = 3"],
                              ["set Cells        = 10, 2", "set Cells = 4 to 0.7 | 6 to 1 | 5 to 2; 2"],
                              ["subsection Output", "subsection Time step\n  subsection Subcycling\n"
@@ -277,7 +277,7 @@ class BitwiseDivisions(BitwiseCase):
         self.check("pulse.prm", 5, (0.5,), 2)
 
     def test_cells_that_are_divided_and_joined_beside_a_disc(self):
-        """Springs of contact, friction, and a tool that takes heat."""
+        """Springs of contact, friction, and a tool that receives heat."""
         for name in ("elements.prm", "adaptive.prm"):
             shutil.copy(os.path.join(command_line.SOURCE, "parameter_files", "ploughing", name), self.path(name))
         self.write("disc.prm", "include adaptive.prm\nset Output directory = output\nset End time = 60\n"
@@ -585,8 +585,8 @@ end
     def column_of(self, file, begin):
         with open(self.path(file)) as table:
             rows = [line.strip().split(",") for line in table]
-        place = next(k for k, name in enumerate(rows[0]) if name.startswith(begin))
-        return [float(row[place]) for row in rows[1:]]
+        column = next(k for k, name in enumerate(rows[0]) if name.startswith(begin))
+        return [float(row[column]) for row in rows[1:]]
 
     def test_stages_of_bodies_in_contact(self):
         self.check_chain("parameter_files/contact/pressed_plate.prm", 2,
@@ -723,7 +723,7 @@ class Interruption(Case):
         self.assertIn(json.loads(self.read("output", "summary.json"))["ended"],
                       ("interrupted", "terminated"))
         at = float(self.read("output", "statistics.csv").strip().splitlines()[-1].split(",")[0])
-        # The command that the program prints, as a shell takes it.
+        # The command that the program prints, as a shell reads it.
         command = re.search(r"To continue: (.*) \(output/checkpoint/step_\d+\.h5\)", printed).group(1)
         again = subprocess.run(command, shell=True, cwd=self.directory, stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, env=loaded.environment(1), check=False)
@@ -772,26 +772,26 @@ class Refusals(Case):
         self.write_small_rod(PROBES,
                              checkpoints="subsection Checkpoint\n  set Step interval = 3\nend\n")
 
-    def refused(self, *options, ranks=1, says=()):
+    def refused(self, *options, ranks=1, expected=()):
         printed = " ".join(self.run_program(*options, exits=1, ranks=ranks).split())
         self.assertEqual(len(re.findall(r"\bError: ", printed)), 1, printed)
-        for piece in says:
+        for piece in expected:
             self.assertEqual(printed.count(piece), 1, "%r in %s" % (piece, printed))
 
     def test_without_a_checkpoint(self):
         for ranks in (1, 2):
             self.refused("--quiet", "--resume", "rod.prm", ranks=ranks,
-                         says=("there is no checkpoint in output/checkpoint",))
-        self.refused("--quiet", "--resume=nowhere.h5", "rod.prm", says=("nowhere.h5", "No such file"))
-        self.refused("--quiet", "--resume=", "rod.prm", says=("needs the name",))
+                         expected=("there is no checkpoint in output/checkpoint",))
+        self.refused("--quiet", "--resume=nowhere.h5", "rod.prm", expected=("nowhere.h5", "No such file"))
+        self.refused("--quiet", "--resume=", "rod.prm", expected=("needs the name",))
         self.write("text.h5", "no checkpoint")
         self.refused("--quiet", "--resume=text.h5", "rod.prm",
-                     says=("truncated, damaged or no checkpoint",))
+                     expected=("truncated, damaged or no checkpoint",))
 
     def test_changes_of_the_model_are_named(self):
         self.run_program("--quiet", "rod.prm")
         before = self.read("output", "statistics.csv"), os.listdir(self.path("output", "checkpoint"))
-        for change, says in (
+        for change, expected in (
                 ("Material: steel/elastic/Density = 101", 'was written with "100".'),
                 ("Mesh/box/Cells = 10, 3", 'was written with "10, 2".'),
                 ("Part: right/momentum consistent particle/Dilation = 1.7", 'was written with "1.8".'),
@@ -804,9 +804,9 @@ class Refusals(Case):
                 ("End time = 0.1", "is of the later time 0.5")):
             extra = ["--set", "Output/Times = 0.05"] if change.startswith("End time") else []
             self.refused("--quiet", "--resume", "rod.prm", "--set", change, *extra,
-                         says=('Error: --set "%s' % change.split(" =")[0], says))
+                         expected=('Error: --set "%s' % change.split(" =")[0], expected))
         self.refused("--quiet", "--resume", "rod.prm", "--set", "Conditions =", "--set",
-                     "Material: steel/elastic/Density = 99", ranks=2, says=())
+                     "Material: steel/elastic/Density = 99", ranks=2, expected=())
         self.assertEqual((self.read("output", "statistics.csv"),
                           os.listdir(self.path("output", "checkpoint"))), before)
 
@@ -828,10 +828,10 @@ class Refusals(Case):
         write(10, 0.2)
         self.run_program("--quiet", "rod.prm")
         write(10, 0.21)
-        self.refused("--quiet", "--resume", "rod.prm", says=("is of another mesh", "up to 0.01 apart"))
+        self.refused("--quiet", "--resume", "rod.prm", expected=("is of another mesh", "up to 0.01 apart"))
         write(12, 0.2)
         self.refused("--quiet", "--resume", "rod.prm", ranks=2,
-                     says=("is of another model", 'rows of "node"'))
+                     expected=("is of another model", 'rows of "node"'))
 
     def test_a_truncated_or_damaged_file_is_refused_and_the_one_before_is_taken(self):
         self.run_program("--quiet", "rod.prm", "--set", "Output directory = whole")
@@ -842,7 +842,7 @@ class Refusals(Case):
         with open(newest, "wb") as file:
             file.write(whole[:len(whole) // 2])
         self.refused("--quiet", "--resume=" + name, "rod.prm", ranks=2,
-                     says=("truncated, damaged or no checkpoint",))
+                     expected=("truncated, damaged or no checkpoint",))
         printed = self.run_program("--quiet", "--resume", "rod.prm", ranks=1)
         self.assertEqual(printed.count(" The one before it is tried."), 1)
         self.assertIn("Resumed from " + os.path.relpath(before, self.directory), printed)
@@ -851,17 +851,17 @@ class Refusals(Case):
         # Bits of a position, found by its value.
         newest = self.checkpoints()[-1]
         damaged = bytearray(open(newest, "rb").read())
-        place = damaged.find(bytes("0.1*sin(pi*t)", "ascii"))
-        self.assertGreater(place, 0)
-        damaged[place] ^= 1
+        index = damaged.find(bytes("0.1*sin(pi*t)", "ascii"))
+        self.assertGreater(index, 0)
+        damaged[index] ^= 1
         with open(newest, "wb") as file:
             file.write(damaged)
         self.refused("--quiet", "--resume=" + os.path.relpath(newest, self.directory), "rod.prm",
-                     ranks=2, says=('its field "parameters" does not have its checksum',))
+                     ranks=2, expected=('its field "parameters" does not have its checksum',))
         for checkpoint in self.checkpoints():
             with open(checkpoint, "wb") as file:
                 file.write(damaged)
-        self.refused("--quiet", "--resume", "rod.prm", says=("there is no whole checkpoint in",))
+        self.refused("--quiet", "--resume", "rod.prm", expected=("there is no whole checkpoint in",))
 
 
 if __name__ == "__main__":

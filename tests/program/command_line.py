@@ -265,7 +265,7 @@ class Signals(Case):
                 process.wait()
         if ranks == 1:
             self.assertEqual(process.returncode, code, printed)
-            # Whatever the scene says of checkpoints, what was computed is not lost.
+            # Whatever the scene sets for checkpoints, what was computed is not lost.
             self.assertEqual(len(glob.glob(self.path("output", "checkpoint", "step_*.h5"))), 1)
             self.assertIn("To continue: ", printed)
         else:
@@ -343,7 +343,7 @@ class Shipped(Case):
             return re.search(r"^\s*set Initial state\s*= output/", text.read(), re.MULTILINE)
 
     def is_of_another_program(self, name):
-        """Files of studies, which scripts read; their tests look at them."""
+        """Files of studies, which scripts read; their tests check them."""
         return self.lines_of(name, "set Factors", "set Groups")
 
 

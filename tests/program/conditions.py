@@ -19,7 +19,7 @@ import loaded
 
 PROGRAM, MPIEXEC, SUBJECT = sys.argv[1:4]
 SCENE = Path(__file__).with_name("cantilever.prm").read_text("utf-8")
-# Its end is driven in place of its weight.
+# Its end is driven instead of its weight.
 DRIVEN = SCENE.replace("= wall, weight", "= wall, drive").replace("""subsection Condition: weight
   set Type     = gravity
   set Function = 0; -1e-3; 0
@@ -47,11 +47,11 @@ def particles_alone(smoothing):
 
 
 # The lattice filter needs it.
-OF_PARTICLES = "Part: tip/momentum consistent particle/Dilatation = of particles"
+PARTICLE_DILATATION = "Part: tip/momentum consistent particle/Dilatation = of particles"
 
 
 def coupled(smoothing):
-    return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}", OF_PARTICLES]
+    return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}", PARTICLE_DILATATION]
 
 
 def lattice_filter(power):
@@ -240,8 +240,8 @@ class Rest(Case):
         self.check_rest(["Part: tip/Formulation = hexahedron", "Part: root/Formulation = hexahedron"])
 
     def test_a_coupled_cantilever_at_rest_has_the_force_and_moment_of_its_load_at_the_support(self):
-        # The shortest waves of particles do not feel the damping, which acts on smoothed velocities:
-        # the lattice filter takes them.
+        # The shortest waves of particles are not damped, since damping acts on smoothed velocities:
+        # the lattice filter removes them.
         for smoothing, ranks in (("affine", 1), ("paper", 2), ("fe matched", 1)):
             self.check_rest([*coupled(smoothing), *lattice_filter(1)], ranks=ranks)
 
@@ -273,7 +273,7 @@ class Rest(Case):
 class Sections(Case):
     """Forces through cuts and interfaces, works of single loads."""
 
-    # A force at the tip in place of the weight.
+    # A force at the tip instead of the weight.
     PUSHED = SCENE.replace("= wall, weight", "= wall, push").replace("""subsection Condition: weight
   set Type     = gravity
   set Function = 0; -1e-3; 0
@@ -334,11 +334,11 @@ class Sections(Case):
         # All but the nodes of the wall, which do not move.
         settings = ["Sections = root", *cut("root", 0.1), "Output/section history/Steps between rows = 1",
                     "Output/Statistics interval = 0.1", "Damping/Rate = 0"]
-        # Particles without smoothing, too: with it, this carries some momentum across.
+        # Particles without smoothing, too: with it, some momentum passes across.
         undamped = "Surface damping/Coefficient = 0"
-        for of_parts, ranks in ((elements_alone(), 1), (elements_alone(), 2), (elements_alone(), 3),
-                                ([*particles_alone("none"), undamped], 1), ([*coupled("none"), undamped], 2)):
-            sections, conditions, statistics = self.tables(*of_parts, *settings, text=self.PUSHED, ranks=ranks)
+        for part_settings, ranks in ((elements_alone(), 1), (elements_alone(), 2), (elements_alone(), 3),
+                                     ([*particles_alone("none"), undamped], 1), ([*coupled("none"), undamped], 2)):
+            sections, conditions, statistics = self.tables(*part_settings, *settings, text=self.PUSHED, ranks=ranks)
             row_of_step = {step: row for row, step in enumerate(conditions["step"])}
             scale = max(map(abs, statistics["momentum y"]))
             self.assertGreater(scale, 1e-5)
@@ -346,7 +346,7 @@ class Sections(Case):
                 own = row_of_step[step]
                 given = [a + b for a, b in zip(sections.vector("root impulse", own),
                                                conditions.vector("push impulse", own))]
-                self.assert_near(given, statistics.vector("momentum", row), 1e-12 * scale, f"{of_parts} {ranks}")
+                self.assert_near(given, statistics.vector("momentum", row), 1e-12 * scale, f"{part_settings} {ranks}")
 
     def test_in_motion_the_cut_along_an_interface_has_its_force(self):
         for settings, ranks in ((elements_alone(), 3), (graded_elements(), 3), (particles_alone("affine"), 1),
@@ -375,13 +375,13 @@ class Sections(Case):
             "= wall, push", "= wall, push, middle plane")
         half += "\nsubsection Condition: middle plane\n  set Type = symmetry\n  set Where = z > 0.25 - 1e-9\nend\n"
         for settings in (elements_alone(), particles_alone("paper"), coupled("affine")):
-            of_whole, _, _ = self.tables(*settings, *self.SECTIONS, "Time step/Maximum = 0.005", text=text)
-            of_half, _, _ = self.tables(*settings, *self.SECTIONS, "Time step/Maximum = 0.005", text=half)
+            whole_conditions, _, _ = self.tables(*settings, *self.SECTIONS, "Time step/Maximum = 0.005", text=text)
+            half_conditions, _, _ = self.tables(*settings, *self.SECTIONS, "Time step/Maximum = 0.005", text=half)
             for name in ("middle", "joint"):
                 for axis in "xy":
-                    whole, part = (table[f"{name} mean force {axis}"][-1] for table in (of_whole, of_half))
+                    whole, part = (table[f"{name} mean force {axis}"][-1] for table in (whole_conditions, half_conditions))
                     self.assertAlmostEqual(2 * part / whole, 1, places=8, msg=f"{settings} {name} {axis}")
-                self.assertLess(abs(of_whole[f"{name} mean force z"][-1]), 1e-15)
+                self.assertLess(abs(whole_conditions[f"{name} mean force z"][-1]), 1e-15)
 
     def test_where_cuts_one_of_several_members(self):
         output, finished = self.run_scene(*elements_alone(), "Sections = lower", *cut("lower"),
@@ -498,10 +498,10 @@ end
 
     def test_a_function_can_be_a_table_of_a_file(self):
         (self.directory / "load.csv").write_text("time, factor\n# a comment\n0, 0\n0.5, 2\n1.5, 1\n", "utf-8")
-        of_table = self.finish("Condition: weight/Function = 0; -1e-3*table(load.csv, t); 0", name="table")
-        of_formula = self.finish("Condition: weight/Function = 0; "
-                                 "-1e-3*if(t < 0.5, 4*t, if(t < 1.5, 2.5 - t, 1)); 0", name="formula")
-        one, other = Table(of_table / "conditions.csv"), Table(of_formula / "conditions.csv")
+        table_output = self.finish("Condition: weight/Function = 0; -1e-3*table(load.csv, t); 0", name="table")
+        formula_output = self.finish("Condition: weight/Function = 0; "
+                                     "-1e-3*if(t < 0.5, 4*t, if(t < 1.5, 2.5 - t, 1)); 0", name="formula")
+        one, other = Table(table_output / "conditions.csv"), Table(formula_output / "conditions.csv")
         for name in one.names:
             scale = max(map(abs, other[name])) + 1e-12
             self.assert_near(one[name], other[name], 1e-9 * scale, name)

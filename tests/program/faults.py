@@ -110,7 +110,7 @@ class Case(checkpoint.Case):
             self.assertNotIn(piece, printed)
 
     def last_step(self, output="output"):
-        """The last step of which the probes tell."""
+        """The last step in the table of the probes."""
         try:
             lines = self.read(output, "probes.csv").strip().split("\n")
             header = [name.split(" [")[0] for name in lines[0].split(",")]
@@ -269,9 +269,9 @@ class Disk(Case):
 
 
 class Endings(Case):
-    """Processes that are killed or asked to end."""
+    """Processes that are killed or requested to end."""
 
-    def check_asked(self, number, fault, code, printed):
+    def check_signalled(self, number, fault, code, printed):
         self.assert_clean(printed)
         exit_code = 128 + number
         if code == -number and os.path.exists(self.path("output", "summary.json")):
@@ -303,7 +303,7 @@ class Endings(Case):
             time.sleep(1.1 * seconds * (k + generator.random()) / n)
             process.send_signal(number)
             with self.subTest(k=k):
-                self.check_asked(number, fault, *self.end_of(process))
+                self.check_signalled(number, fault, *self.end_of(process))
 
     def test_sigterm_at_any_moment(self):
         self.check_moments(signal.SIGTERM, "SIGTERM", some(10, 100))
@@ -323,8 +323,8 @@ class Endings(Case):
                 process.send_signal(signal.SIGTERM)
                 with self.subTest(pattern=pattern, k=k):
                     kind = "checkpoint" if "checkpoint" in pattern else "picture"
-                    self.check_asked(signal.SIGTERM, "SIGTERM while a %s is written" % kind,
-                                     *self.end_of(process))
+                    self.check_signalled(signal.SIGTERM, "SIGTERM while a %s is written" % kind,
+                                         *self.end_of(process))
 
     def test_sigterm_twice(self):
         process = self.start(*self.RUN, program=loaded.start_of(command_line.PROGRAM))
@@ -332,7 +332,7 @@ class Endings(Case):
             time.sleep(0.001)
         for _ in range(2):
             process.send_signal(signal.SIGTERM)
-        self.check_asked(signal.SIGTERM, "SIGTERM twice", *self.end_of(process))
+        self.check_signalled(signal.SIGTERM, "SIGTERM twice", *self.end_of(process))
 
     def test_kill_while_a_checkpoint_is_written(self):
         generator = random.Random(5)
@@ -445,7 +445,7 @@ class Damage(Case):
             file.write(data)
         return "damaged.h5"
 
-    def look(self, fault, name, field=None, may_be_harmless=False):
+    def check_damage(self, fault, name, field=None, may_be_harmless=False):
         """Resumes from a file. Refused, it must be named, with its field where that is known; harmless,
         the run must be the undisturbed one."""
         self.fresh("resumed")
@@ -471,21 +471,21 @@ class Damage(Case):
                 data = bytearray(self.whole)
                 data[int(offset) + generator.randrange(int(size))] ^= 1 << generator.randrange(8)
                 with self.subTest(field=name):
-                    self.look("checkpoint: a bit of a field", self.damaged(data), name)
+                    self.check_damage("checkpoint: a bit of a field", self.damaged(data), name)
 
     def test_flipped_bit_anywhere(self):
         generator = random.Random(12)
         for _ in range(some(10, 300)):
             data = bytearray(self.whole)
-            place = generator.randrange(len(data))
-            data[place] ^= 1 << generator.randrange(8)
-            with self.subTest(place=place):
-                self.look("checkpoint: a bit of the file", self.damaged(data), None, True)
+            index = generator.randrange(len(data))
+            data[index] ^= 1 << generator.randrange(8)
+            with self.subTest(index=index):
+                self.check_damage("checkpoint: a bit of the file", self.damaged(data), None, True)
 
     def test_cut(self):
         for k in range(some(6, 60)):
             with self.subTest(k=k):
-                self.look("checkpoint: cut", self.damaged(self.whole[:len(self.whole) * k // some(6, 60)]))
+                self.check_damage("checkpoint: cut", self.damaged(self.whole[:len(self.whole) * k // some(6, 60)]))
 
     def test_pieces_overwritten(self):
         generator = random.Random(13)
@@ -495,7 +495,7 @@ class Damage(Case):
             n = min(generator.choice([8, 512, 4096]), len(data) - begin)
             data[begin:begin + n] = bytes(n) if generator.random() < 0.5 else generator.randbytes(n)
             with self.subTest(begin=begin):
-                self.look("checkpoint: a block of the disk", self.damaged(data), None, True)
+                self.check_damage("checkpoint: a block of the disk", self.damaged(data), None, True)
 
     def test_fields_of_another_version(self):
         generator = random.Random(14)
@@ -509,8 +509,8 @@ class Damage(Case):
                 self.damaged(self.whole)
                 self.edit(self.path("damaged.h5"), action, name, *numbers)
                 # What continues files is not read where a run is resumed into another directory.
-                self.look("checkpoint: a field " + what, "damaged.h5", name,
-                          what in ("of another kind of number", "removed") or name.startswith("outputs/"))
+                self.check_damage("checkpoint: a field " + what, "damaged.h5", name,
+                                  what in ("of another kind of number", "removed") or name.startswith("outputs/"))
 
 
 def print_table(report):

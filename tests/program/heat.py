@@ -190,15 +190,15 @@ class Runs(checkpoint.Case, Scenes):
             row = self.run_scene("pulled.prm", *SLIDING, *ON_TOOL, ranks=ranks)[-1]
             with open(self.path("output", "contact.csv")) as file:
                 tool = list(csv.DictReader(file))[-1]
-            friction, of_bodies, of_tool, conducted, temperature = [
+            friction, body_heat, tool_heat, conducted, temperature = [
                 float(value) for key in ("friction heat", "heat of bodies", "heat of tool",
                                          "conducted heat", "tool temperature")
                 for name, value in tool.items() if name.startswith("floor " + key)]
             self.assertGreater(friction, 1e-4)
             self.assertGreater(conducted, 1e-3)
-            self.assertAlmostEqual(of_bodies, 0.7 * friction + conducted, delta=1e-13)
-            self.assertAlmostEqual(of_tool, 0.05 * (temperature - 60), delta=1e-13)
-            self.assertAlmostEqual(of_bodies + of_tool, friction, delta=1e-13)
+            self.assertAlmostEqual(body_heat, 0.7 * friction + conducted, delta=1e-13)
+            self.assertAlmostEqual(tool_heat, 0.05 * (temperature - 60), delta=1e-13)
+            self.assertAlmostEqual(body_heat + tool_heat, friction, delta=1e-13)
             self.assertLess(abs(float(row["heat balance error"])), 1e-13, ranks)
             self.assertLess(abs(float(row["energy error"])), 0.01, ranks)
 
@@ -221,7 +221,7 @@ class Bitwise(checkpoint.BitwiseCase, Scenes):
 
     def test_explicit_steps_that_a_film_shortens_when_it_comes(self):
         self.write_scene("heat.prm", PROBES, ["= 2\n  set Ambient", "= 2 + 400*(t > 0.4)\n  set Ambient"])
-        # Some are before the step that sees it, and some after.
+        # Some are before the step that includes it, and some after.
         self.check("case.prm", 1, [k / 100 for k in range(36, 50, 2)], 1)
 
     def test_heat_alone_with_implicit_steps(self):

@@ -70,13 +70,13 @@ class Installation(unittest.TestCase):
         self.assertIn("\\-\\-print\\-parameters", manual)
         self.assertIn(".B End time\n(mandatory) The run ends at this time", manual)
         script = self.prefix / "share/bash-completion/completions/tombolo"
-        asked = f"""source '{script}'; COMP_WORDS=('{self.commands / "tombolo"}' "$@"); COMP_CWORD=$#; _tombolo
+        script_text = f"""source '{script}'; COMP_WORDS=('{self.commands / "tombolo"}' "$@"); COMP_CWORD=$#; _tombolo
                     printf '%s\\n' "${{COMPREPLY[@]}}" """
         rod = str(self.prefix / "share/tombolo/parameter_files/elastic_wave/coupled.prm")
         for words, expected in ((("--res",), "--resume"), (("--set", "safety"), '"Time step/Safety factor = '),
                                 ((rod, "--set", "Part: steel side/hexahedron/Hourglass lim"),
                                  '"Part: steel side/hexahedron/Hourglass limit = ')):
-            found = run("bash", "-c", asked, "bash", *words).stdout.splitlines()
+            found = run("bash", "-c", script_text, "bash", *words).stdout.splitlines()
             self.assertIn(expected, found)
 
     def test_pages_and_all_parameter_files_are_there(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""All mistakes of an input at once, what --validate finds in a mesh, listings of entries, entries that are taken back.
+"""All mistakes of an input at once, what --validate finds in a mesh, listings of entries, entries that are reset.
 
     mistakes.py PROGRAM MPIEXEC SOURCE_DIRECTORY
 """
@@ -16,7 +16,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import command_line
 import run_cases
 
-# The lines of twenty_mistakes.prm and what is said about each.
+# The lines of twenty_mistakes.prm and the message for each.
 TWENTY = (
     (4, '"End time" = "-1": allowed is a number larger than zero.'),
     (7, 'the name "steel" stands twice.'),
@@ -175,8 +175,8 @@ class Listings(command_line.Case):
         self.assertTrue(printed.endswith("\nend\n"), printed)
         self.assertIn("  # set Safety factor", printed)
         self.assertNotIn("End time", printed)
-        of_part = self.run_program("--print-parameters=json:Part: right/momentum consistent particle", "rod.prm")
-        self.assertEqual(json.loads(of_part), {"Dilation": 1.8, "Smoothing": "affine"})
+        part_text = self.run_program("--print-parameters=json:Part: right/momentum consistent particle", "rod.prm")
+        self.assertEqual(json.loads(part_text), {"Dilation": 1.8, "Smoothing": "affine"})
         self.assertIn("Dilation", self.run_program("--print-parameters=prm:Part/momentum consistent particle"))
         page = self.run_program("--print-parameters=markdown:Checkpoint")
         self.assertIn("| `Keep` | `2` |", page)

@@ -1,24 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs the program on parameter files with a mistake each and looks at what it says.
+"""Runs the program on parameter files with a mistake each and checks its messages.
 
     run_cases.py PROGRAM MPIEXEC RANKS CASES.json [NAME]
 
 A case is an object:
   name       a sentence
   file       the parameter file of this directory that is changed; rod.prm unless given
-  replace    list of [old, new]: changes of that file; each old text must stand in it once
+  replace    list of [old, new]: changes of that file; each old text must be in it once
   text       the whole parameter file, instead of changes
   files      {name: text}: files that lie beside it
   options    options of the program; --dry-run unless given
-  at         a text of one line of the changed file: the message must begin with its place
+  at         a text of one line of the changed file: the message must begin with its line
   says       what the message must contain, each once
   exit       the exit code; 1 unless given
   ranks      rank counts to run on; 1 and 2 unless given
   leaves     names that must be in the output directory afterwards; if not given, there must be none
 
 Nothing may be printed twice or show a stack trace. Before the cases there may be an object {"let":
-{name: value}}; "{name}" in a case stands for this text, or pair of "replace".
+{name: value}}; "{name}" in a case means this text, or pair of "replace".
 """
 
 import json
@@ -40,7 +40,7 @@ NEVER = ("Stacktrace", "Stack trace", "stack trace", "terminate called", "unexpe
 
 
 def run(command, directory, environment=None):
-    """Runs a command, which may take as long as the machine makes it; what hangs is ended by the time limit
+    """Runs a command, which may run as long as the machine makes it; what hangs is ended by the time limit
     of ctest. Returns its exit code and all that it printed."""
     with tempfile.TemporaryFile() as printed:
         process = subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, stdout=printed,
@@ -51,7 +51,7 @@ def run(command, directory, environment=None):
 
 
 def changed_file(path, changes):
-    """The text of a file with changes, pairs of an old text, which stands in it once, and a new one."""
+    """The text of a file with changes, pairs of an old text, which is in it once, and a new one."""
     with open(path) as file:
         text = file.read()
     for old, new in changes:
@@ -112,9 +112,9 @@ def problems_of(case, program, mpiexec, ranks, session_directories):
             lines = [number for number, line in enumerate(text.split("\n"), 1) if case["at"] in line]
             if len(lines) != 1:
                 raise ValueError("%r stands in %d lines" % (case["at"], len(lines)))
-            place = "Error: case.prm:%d: " % lines[0]
-            if joined.count(place) != 1:
-                problems.append("%r stands %d times, not once" % (place, joined.count(place)))
+            beginning = "Error: case.prm:%d: " % lines[0]
+            if joined.count(beginning) != 1:
+                problems.append("%r stands %d times, not once" % (beginning, joined.count(beginning)))
         for piece in case["says"]:
             if joined.count(piece) != 1:
                 problems.append("%r stands %d times, not once" % (piece, joined.count(piece)))

@@ -13,7 +13,7 @@ strip    Spring-back and the stress that is left against the closed form of idea
 cylinder Spring-back of a strip that is bent over a cylinder, by contact that the second stage does not
          have; a stage with contact that is ended and resumed leaves the same bits.
 meshfree A bar of elements, smoothed cells and particles that is ended and resumed leaves the same bits.
-stop     A signal ends a run within a step that takes long, with the outputs of before.
+stop     A signal ends a run within a long step, with the outputs of before.
 """
 
 import json
@@ -86,24 +86,24 @@ def strip():
     with tempfile.TemporaryDirectory() as directory:
         run(directory, 1, settings={})
         results_of = run_case.Results(directory)
-        places = results_of.field("release", "cells", "initial position")
+        positions = results_of.field("release", "cells", "initial position")
         displacements = results_of.field("release", "cells", "displacement")
         stresses = results_of.field("release", "cells", "stress")
         nodes = [c[0] for c in results_of.field("release", "cells", "connectivity")]
 
         def angle(x):
             """By which the section at x has turned."""
-            top, bottom = ([a + b for a, b in zip(place, displacement)]
+            top, bottom = ([a + b for a, b in zip(position, displacement)]
                            for y in (1, -1)
-                           for place, displacement in zip(places, displacements)
-                           if abs(place[0] - x) < 1e-9 and abs(place[1] - y) < 1e-9)
+                           for position, displacement in zip(positions, displacements)
+                           if abs(position[0] - x) < 1e-9 and abs(position[1] - y) < 1e-9)
             return math.atan2(bottom[0] - top[0], top[1] - bottom[1])
 
         judge("curvature that is left over that of bending, over its closed form, less 1",
               (angle(4) - angle(2)) / 2 / 0.02 / 0.64310 - 1, -0.01, 0.01)
         layers = {}
         for cell, stress in enumerate(stresses):
-            centre = [sum(places[n][d] for n in nodes[4 * cell:4 * cell + 4]) / 4 for d in (0, 1)]
+            centre = [sum(positions[n][d] for n in nodes[4 * cell:4 * cell + 4]) / 4 for d in (0, 1)]
             if abs(centre[0] - 2.125) < 1e-6:
                 layers[centre[1]] = stress[0]
         if len(layers) != 8:
@@ -154,14 +154,14 @@ def bitwise():
 
 def angle_of(results_of, stage):
     """By which the section at x has turned."""
-    places = {}
-    for place, displacement in zip(results_of.field(stage, "cells", "initial position"),
-                                   results_of.field(stage, "cells", "displacement")):
-        places[tuple(round(x, 6) for x in place[:2])] = [a + b for a, b in
-                                                         zip(place, displacement)]
+    positions = {}
+    for position, displacement in zip(results_of.field(stage, "cells", "initial position"),
+                                      results_of.field(stage, "cells", "displacement")):
+        positions[tuple(round(x, 6) for x in position[:2])] = [a + b for a, b in
+                                                               zip(position, displacement)]
 
     def angle(x):
-        top, bottom = places[(x, 1.)], places[(x, -1.)]
+        top, bottom = positions[(x, 1.)], positions[(x, -1.)]
         return math.atan2(bottom[0] - top[0], top[1] - bottom[1])
 
     return angle
