@@ -49,12 +49,12 @@ class Peers(unittest.TestCase):
                 peers.read_calculix(log, results)
 
     def test_a_package_that_is_missing_is_said_and_left_out(self):
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
             cases = peers.choose_cases(lambda command: command == "lmp")
         self.assertEqual({case.package for case in cases}, {"LAMMPS", peers.TOMBOLO})
-        self.assertRegex(said.getvalue(), "^CalculiX is not installed .*setup --peers.*apt-get install calculix-ccx")
-        self.assertEqual(said.getvalue().count("\n"), 1)
+        self.assertRegex(printed.getvalue(), "^CalculiX is not installed .*setup --peers.*apt-get install calculix-ccx")
+        self.assertEqual(printed.getvalue().count("\n"), 1)
 
     def test_without_any_nothing_is_measured(self):
         done = run(sys.executable, "-B", "-m", "benchmarking", PROJECT, "--peers", "--program", "/none", PYTHONPATH=SCRIPTS,

@@ -34,7 +34,7 @@ BELOW_COUPLING = BELOW_FORMULATIONS | {"formulations", "boundary", "contact"}
 BELOW_MODEL = BELOW_COUPLING | {"coupling", "output"}
 BELOW_SIMULATION = BELOW_MODEL | {"remesh", "model", "physics"}
 
-# Rooms of equal rank do not include each other; approximation and materials know no triangulation.
+# Rooms of equal rank do not include each other; approximation and materials have no triangulation.
 ALLOWED = {
     "base": set(),
     "mesh": {"base"},
@@ -148,7 +148,7 @@ class Sizes:
 
     def __init__(self, outlines):
         self.number = {}
-        self.place = {}
+        self.location = {}
         headers = {found.scope[0]: path for path, text in outlines.items() if path.suffix == ".h"
                    for found in text.classes}
         lines = collections.Counter()
@@ -161,7 +161,7 @@ class Sizes:
                 name = name_of(found.scope)
                 if len(found.scope) == 1:
                     taken[name] += found.last - found.first + 1
-                    self.place.setdefault(("class", name), (path, found.first))
+                    self.location.setdefault(("class", name), (path, found.first))
                 self.add("members", "::".join((name,) + found.scope[1:]), found.members, path, found.first)
             inside = [(found.first, found.last) for found in text.classes]
             for found in text.functions:
@@ -183,7 +183,7 @@ class Sizes:
         """Of several with one name, as the versions of a function, the largest counts."""
         if number > self.number.get((kind, name), -1):
             self.number[kind, name] = number
-            self.place[kind, name] = (path, line)
+            self.location[kind, name] = (path, line)
 
     def offenders(self):
         return {key: number for key, number in self.number.items() if number > CAPS[key[0]][1]}
@@ -204,7 +204,7 @@ def check_sizes(sizes, known):
         what, cap = CAPS[kind]
         allowed = known.get((kind, name), cap)
         if number > allowed:
-            path, line = sizes.place.get((kind, name), (KNOWN_OFFENDERS, 1))
+            path, line = sizes.location.get((kind, name), (KNOWN_OFFENDERS, 1))
             yield f"{path}:{line}: {name} has {number} {what}, more than {allowed}"
     for kind, name in sorted(set(known) - set(sizes.offenders())):
         yield f"{KNOWN_OFFENDERS}:1: {kind} {name} is no offender any more: remove it"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Proves that check_layers.py can fail: one small project per rule, each wrong in one place."""
+"""Proves that check_layers.py can fail: one small project per rule, each with one mistake."""
 
 import textwrap
 import unittest

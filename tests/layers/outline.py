@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Reads C++ without a compiler: where classes, their members and functions stand in a file.
+"""Reads C++ without a compiler: where classes, their members and functions are in a file.
 
 It needs no more than balanced braces. Comments, texts and lines of the preprocessor are blanked out
 first. Then each brace at the level of a namespace or a class is judged by the words before it. What
-stands inside of a function, lambdas and local classes too, belongs to that function.
+is inside of a function, lambdas and local classes too, belongs to that function.
 """
 
 import collections
@@ -25,7 +25,7 @@ CLASS_KEY = re.compile(r"(?:class|struct|union)\b\s*((?:\w+\s*::\s*)*\w*)")
 VERSION = re.compile(r"(?:class|struct|union) (\w+) ?(<[^:]*>)$")
 NO_DATA = re.compile(r"(?:using|typedef|friend|static_assert|static|enum|extern|template|operator|virtual)\b")
 ACCESS = re.compile(r"\s*(?:public|protected|private)\s*:(?!:)")
-# What may stand between the parameters of a constructor and its body, if that is not the body.
+# What may be between the parameters of a constructor and its body, if that is not the body.
 CONSTRUCTOR_LIST = re.compile(r"\)\s*(?:noexcept\s*)?:(?!:)")
 
 
@@ -33,7 +33,7 @@ def blank(text):
     """The text with the same lines, without comments, texts and the preprocessor."""
     def spaces(match):
         quote = match.group()[:1] if match.group()[:1] in "\"'" else " "
-        # A text stays a value: two quotes, so that no statement looks empty.
+        # A text stays a value: two quotes, so that no statement becomes empty.
         return quote * (quote != " ") + re.sub(r"[^\n]", " ", match.group()[1:] if quote != " " else match.group())
     return BLANKED.sub(spaces, text)
 
@@ -56,13 +56,13 @@ def without_attributes(text):
 def declarators(text):
     """The parts of a declaration between its commas, without what they are set to."""
     parts, depth, in_value = [""], 0, False
-    for place, character in enumerate(text):
+    for index, character in enumerate(text):
         depth += (character in "([{") - (character in ")]}")
         if depth == 0 and character == ",":
             parts.append("")
             in_value = False
             continue
-        neighbours = text[place - 1:place] + text[place + 1:place + 2]
+        neighbours = text[index - 1:index] + text[index + 1:index + 2]
         in_value = in_value or (depth == 0 and character == "=" and not set(neighbours) & set("=!<>+-*/%&|^"))
         if not in_value:
             parts[-1] += character
@@ -91,7 +91,7 @@ class Scope:
         self.names = names  # of classes
         self.first = first
         self.members = 0
-        self.keeps = ""  # what stands before a value goes on behind it
+        self.keeps = ""  # what is before a value goes on behind it
 
 
 class Outline:

@@ -2,7 +2,7 @@
 """Starts a program whose libraries are loaded already: most of the time of a short run is theirs.
 
 A process that has loaded the program (program_server.c) forks for each run, and
-start_loaded.c takes the place of the program in a command, under mpirun, too. A run that is
+start_loaded.c replaces the program in a command, under mpirun, too. A run that is
 killed, limited or traced from outside must be started directly.
 """
 

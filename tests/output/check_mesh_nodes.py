@@ -132,13 +132,13 @@ class MeshNodes(unittest.TestCase):
     def check(self, file, text, numbers):
         """The numbers are those of the nodes, in their order."""
         wanted = [3, N_X, 2 * N_X + 1, (N_X + 1) * (N_Y + 1), len(self.points) - 1, 0, (N_X + 1) * (N_Y + 1) + N_X + 1]
-        code, said = self.run_scene(file, text, [numbers[n] for n in wanted])
-        self.assertEqual(code, 0, said)
+        code, printed = self.run_scene(file, text, [numbers[n] for n in wanted])
+        self.assertEqual(code, 0, printed)
         probes = tombolo.Run(self.directory / "output").probes
         self.assertEqual(sum(name.endswith(" position x") for name in probes), len(wanted))
         for n in wanted:
-            for axis, place in zip("xy", self.points[n]):
-                self.assertAlmostEqual(probes[f"mesh node {numbers[n]} position {axis}"][0], SCALE * place, delta=1e-15)
+            for axis, coordinate in zip("xy", self.points[n]):
+                self.assertAlmostEqual(probes[f"mesh node {numbers[n]} position {axis}"][0], SCALE * coordinate, delta=1e-15)
             # Nodes of both strips lie where these touch.
             sign = -1 if n < (N_X + 1) * (N_Y + 1) else 1
             self.assertAlmostEqual(sign * probes[f"mesh node {numbers[n]} velocity x"][-1], 1, delta=1e-12)
@@ -150,28 +150,28 @@ class MeshNodes(unittest.TestCase):
         self.check("strips.vtk", self.vtk(), range(len(self.points)))
         options = ("--set", "Checkpoint/Step interval = 2", "--set", "Output/probes/Where = x > 0.999",
                    "--set", "Output/probes/Nodes = 0")
-        code, said = self.run_scene("strips.vtk", self.vtk(), [5, 2], "--overwrite", *options)
-        self.assertEqual(code, 0, said)
+        code, printed = self.run_scene("strips.vtk", self.vtk(), [5, 2], "--overwrite", *options)
+        self.assertEqual(code, 0, printed)
         before = (self.directory / "output/probes.csv").read_bytes()
         names = [name.removesuffix(" position x") for name in tombolo.Run(self.directory / "output").probes
                  if name.endswith(" position x")]
         self.assertEqual(names[:3], ["node 0", "mesh node 5", "mesh node 2"])
         self.assertEqual(len(names), 3 + N_Y + 1)
-        code, said = self.run_scene("strips.vtk", self.vtk(), [5, 2], "--resume", *options)
-        self.assertEqual(code, 0, said)
+        code, printed = self.run_scene("strips.vtk", self.vtk(), [5, 2], "--resume", *options)
+        self.assertEqual(code, 0, printed)
         self.assertEqual((self.directory / "output/probes.csv").read_bytes(), before)
 
     def test_numbers_that_are_not_there_are_refused(self):
         free = next(number for number in range(2, 1000) if number not in self.tags)
-        code, said = self.run_scene("strips.msh", self.gmsh(), [free], "--dry-run")
+        code, printed = self.run_scene("strips.msh", self.gmsh(), [free], "--dry-run")
         self.assertEqual(code, 1)
         nearest = min(self.tags, key=lambda tag: abs(tag - free))
-        self.assertRegex(said, f"no cell of the mesh file has a corner with the number {free}; the nearest number is")
-        self.assertTrue(any(f"the nearest number is {tag}" in said for tag in self.tags
-                            if abs(tag - free) == abs(nearest - free)), said)
-        code, said = self.run_scene("strips.msh", self.gmsh(), [1001], "--dry-run")
+        self.assertRegex(printed, f"no cell of the mesh file has a corner with the number {free}; the nearest number is")
+        self.assertTrue(any(f"the nearest number is {tag}" in printed for tag in self.tags
+                            if abs(tag - free) == abs(nearest - free)), printed)
+        code, printed = self.run_scene("strips.msh", self.gmsh(), [1001], "--dry-run")
         self.assertEqual(code, 1)
-        self.assertIn(f"number 1001; the nearest number is {max(self.tags)}", said)
+        self.assertIn(f"number 1001; the nearest number is {max(self.tags)}", printed)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs sheared.prm and looks at its pictures with VTK, as ParaView would show them.
+"""Runs sheared.prm and checks its pictures with VTK, as ParaView would show them.
 
     check_pictures.py RANKS MPIEXEC PROGRAM
 """
@@ -26,7 +26,7 @@ SHEAR = 0.5
 
 
 def run(directory, *settings):
-    """A run of the scene with further entries; what it says."""
+    """A run of the scene with further entries; what it prints."""
     scene = Path(directory) / "scene.prm"
     output = Path(directory) / "output"
     scene.write_text(SCENE.read_text("utf-8").replace("@OUTPUT@", str(output)), "utf-8")

@@ -60,10 +60,10 @@ def matrices(stress):
     return np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=1).reshape(-1, 3, 3)
 
 
-def check_further_fields(data, x, is_asked_for, dimension, tolerance):
+def check_further_fields(data, x, is_requested, dimension, tolerance):
     names = {"principal stress 1", "principal stress 2", "principal stress 3", "logarithmic strain", "memory"}
-    check(names & set(data) == (names if is_asked_for else set()), "fields on request")
-    if not is_asked_for:
+    check(names & set(data) == (names if is_requested else set()), "fields on request")
+    if not is_requested:
         return
     principal = np.linalg.eigvalsh(matrices(data["stress"]))[:, ::-1]
     for i in range(3):

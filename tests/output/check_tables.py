@@ -131,15 +131,15 @@ class Tables(unittest.TestCase):
         option = (f"--resume={sorted((output / 'checkpoint').glob('*.h5'))[1]}",)
         with h5py.File(output / "histories.h5", "a") as file:
             file["probes"].resize(2, axis=0)
-        _, said = self.run_scene("output", HDF5, *CHECKPOINTS, options=option, code=2)
-        self.assertIn('its table "probes" has 2 rows', said)
-        self.assertIn("Resume into another output directory", said)
+        _, printed = self.run_scene("output", HDF5, *CHECKPOINTS, options=option, code=2)
+        self.assertIn('its table "probes" has 2 rows', printed)
+        self.assertIn("Resume into another output directory", printed)
         (output / "histories.h5").write_bytes(whole[:1000])
-        _, said = self.run_scene("output", HDF5, *CHECKPOINTS, options=option, code=2)
-        self.assertIn("histories.h5: it is damaged", said)
+        _, printed = self.run_scene("output", HDF5, *CHECKPOINTS, options=option, code=2)
+        self.assertIn("histories.h5: it is damaged", printed)
         (output / "histories.h5").write_bytes(whole)
-        _, said = self.run_scene("output", *CHECKPOINTS, options=option, code=1)
-        self.assertIn("with `Table format = hdf5` in section \"Output\", not `csv`", said)
+        _, printed = self.run_scene("output", *CHECKPOINTS, options=option, code=1)
+        self.assertIn("with `Table format = hdf5` in section \"Output\", not `csv`", printed)
         self.run_scene("output", HDF5, *CHECKPOINTS, options=option)
         self.run_scene("elsewhere", *CHECKPOINTS, options=option)
 
@@ -228,22 +228,22 @@ class Tables(unittest.TestCase):
                 time.sleep(0.002)
             time.sleep(generator.uniform(0.3, 0.9))
             process.kill()
-            said = process.communicate()[1]
+            printed = process.communicate()[1]
             if process.returncode == 0:
                 shutil.rmtree(output)
                 continue
-            self.assertEqual(process.returncode, -9, said)
+            self.assertEqual(process.returncode, -9, printed)
             n_killed += 1
             for name in expected:
                 path = output / f"{name}.csv"
                 if not self.is_in_hdf5(output, name):
                     continue  # the table was about to be begun
                 # A table is begun in CSV first, rows are written there first, and a run that is resumed cuts them there first.
-                of_csv = np.array(list(Table(path, leaves_out_damaged_rows=True).columns.values())).T
-                rows = np.array(histories.read_table(path)[2]).reshape(-1, of_csv.shape[1])
-                n_rows = min(len(rows), len(of_csv))
-                np.testing.assert_array_equal(rows[:n_rows], of_csv[:n_rows], err_msg=name)
-                self.assertGreaterEqual(len(rows), len(of_csv) - 2, name)
+                csv_rows = np.array(list(Table(path, leaves_out_damaged_rows=True).columns.values())).T
+                rows = np.array(histories.read_table(path)[2]).reshape(-1, csv_rows.shape[1])
+                n_rows = min(len(rows), len(csv_rows))
+                np.testing.assert_array_equal(rows[:n_rows], csv_rows[:n_rows], err_msg=name)
+                self.assertGreaterEqual(len(rows), len(csv_rows) - 2, name)
         self.assertGreater(n_killed, 3)
         if output.exists():
             self.run_scene("output", *settings, options=self.resumes(output), number=150)

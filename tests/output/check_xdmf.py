@@ -96,10 +96,10 @@ class Pictures(unittest.TestCase):
         np.testing.assert_array_equal(one.points, other.points)
         np.testing.assert_array_equal(one.cells, other.cells)
         self.assertEqual(one.units, {**other.units, **{name: one.units[name] for name in ("Points", "TimeValue")}})
-        for of_one, of_other in ((one.point_data, other.point_data), (one.cell_data, other.cell_data)):
-            self.assertEqual(set(of_one), set(of_other))
-            for name, values in of_one.items():
-                np.testing.assert_array_equal(values.astype(of_other[name].dtype), of_other[name], err_msg=name)
+        for one_data, other_data in ((one.point_data, other.point_data), (one.cell_data, other.cell_data)):
+            self.assertEqual(set(one_data), set(other_data))
+            for name, values in one_data.items():
+                np.testing.assert_array_equal(values.astype(other_data[name].dtype), other_data[name], err_msg=name)
 
     def test_both_formats_have_the_same_content(self):
         for settings in (("Output/visualization/Precision = single", "Output/visualization/Further fields = "
@@ -148,10 +148,10 @@ class Pictures(unittest.TestCase):
         self.assertEqual(kinds[-1], {"cells", "particles"})
 
     def check_same_values(self, one, other):
-        for of_one, of_other in ((one.point_data, other.point_data), (one.cell_data, other.cell_data)):
-            self.assertEqual(set(of_one), set(of_other))
-            for name, values in of_one.items():
-                np.testing.assert_array_equal(values, of_other[name], err_msg=name)
+        for one_data, other_data in ((one.point_data, other.point_data), (one.cell_data, other.cell_data)):
+            self.assertEqual(set(one_data), set(other_data))
+            for name, values in one_data.items():
+                np.testing.assert_array_equal(values, other_data[name], err_msg=name)
 
     @unittest.skipUnless(RANKS == "1", "one number of ranks is enough")
     def test_results_of_an_earlier_run_go(self):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The pages of this project: links lead to what is there, sentences are short, doc/README.md lists every page. And the
-checks notice what they are for."""
+checks detect what they are for."""
 
 import re
 import sys
@@ -51,7 +51,7 @@ class PagesTest(unittest.TestCase):
 
 
 class CheckTest(unittest.TestCase):
-    """What the checks say of pages made here."""
+    """What the checks report of pages made here."""
 
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory()

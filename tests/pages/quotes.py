@@ -2,10 +2,10 @@
 """What a page quotes of its commands, and whether it is what they print.
 
 In a tutorial each block of commands is run, and a block of code after it that is neither commands nor a piece of a
-parameter file must be among what they print. Comments of a page say the rest, and are not seen where it is read:
+parameter file must be among what they print. Comments of a page state the rest, and are not shown where it is read:
 
     <!-- not run: WHY -->             above a block of commands
-    <!-- numbers of: COMMANDS -->     above a block of any kind: the numbers that COMMANDS print stand in it in their order
+    <!-- numbers of: COMMANDS -->     above a block of any kind: the numbers that COMMANDS print are in it in their order
     <!-- prints: COMMANDS -->         above a block of code: its lines are among what COMMANDS print
 
 `value DIRECTORY PATH[*FACTOR]...` of such a comment prints numbers of `summary.json`, PATH being names and indices between
@@ -153,14 +153,14 @@ def wrong_lines(quoted, printed):
 
 
 def wrong_numbers(quoted, printed):
-    """Which of the printed numbers do not stand in a quoted text in their order."""
-    stand, start, wrong = re.findall(NUMBER, quoted.replace("−", "-")), 0, []
+    """Which of the printed numbers are missing in a quoted text in their order."""
+    quoted_numbers, start, wrong = re.findall(NUMBER, quoted.replace("−", "-")), 0, []
     for number in re.findall(NUMBER, printed):
-        same = [i for i in range(start, len(stand)) if is_rounded(stand[i], number)]
+        same = [i for i in range(start, len(quoted_numbers)) if is_rounded(quoted_numbers[i], number)]
         if same:
             start = same[0] + 1
         else:
-            wrong.append(f"printed {number}, which is not among {' '.join(stand[start:])}")
+            wrong.append(f"printed {number}, which is not among {' '.join(quoted_numbers[start:])}")
     return wrong if re.search(NUMBER, printed) else ["no number was printed"]
 
 

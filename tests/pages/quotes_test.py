@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs the commands of the tutorials and those that comments of other pages name, and compares what they print with what
-the pages quote. And a number that is changed is noticed.
+the pages quote. And a number that is changed is detected.
 
 usage: quotes_test.py PROGRAM STRIP_OPERATORS
 """
@@ -45,8 +45,8 @@ class PagesTest(unittest.TestCase):
                 digit = re.search(r"[1-9]", number[0])
                 if not digit or abs(quotes.value_of(number[0])) < quotes.ROUND_OFF:
                     continue
-                place = number.start() + digit.start()
-                changed = quote.quoted[:place] + str((int(digit[0]) + 4) % 9 + 1) + quote.quoted[place + 1:]
+                index = number.start() + digit.start()
+                changed = quote.quoted[:index] + str((int(digit[0]) + 4) % 9 + 1) + quote.quoted[index + 1:]
                 self.assertNotEqual(quotes.wrong_lines(changed, printed), [], changed)
 
 

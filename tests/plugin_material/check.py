@@ -16,7 +16,7 @@ def main():
     project.run("shear", "shear.prm")
     rows = project.rows("shear")
     # The shear stress is G τ γ' (1 - exp(-t/τ)) until t = 1 and decays afterwards; the block has
-    # the volume 1/2, and the dashpot takes the stress squared over G τ.
+    # the volume 1/2, and the dashpot dissipates the stress squared over G τ.
     tau, rate, volume = 0.5, 1e-5, 0.5
     largest = tau * rate * (1 - math.exp(-2))
     while_sheared = (tau * rate)**2 * (1 - (1 - math.exp(-2)) + (1 - math.exp(-4)) / 4)

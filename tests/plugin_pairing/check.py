@@ -33,7 +33,7 @@ def main():
                      1e-7 * max(abs(value), 1e-2))
         return both[0]
 
-    # Each bar has the mass 5. Waves take 2 L = 10 to end the contact.
+    # Each bar has the mass 5. Waves need 2 L = 10 to end the contact.
     bars = last_rows("bars")
     near("impulse of the bars", bars["joint impulse x"], -0.05, 5e-4)
     touching = [row["time"] for row in project.rows("bars_1", "contact.csv") if row["joint nodes"] > 0]

@@ -42,10 +42,10 @@ def main():
                     expect(near(row[column], wanted, 1), f"{name}: {column} is {row[column]} at {t}")
             expect(tables[-1][-1]["largest nodal temperature"] > 0.1, f"{name}: nothing became hot")
         # Volumes of cells have the round-off of positions, which strains are a small part of.
-        of_round_off = 100 if scene == "expansion" else 1
+        round_off_factor = 100 if scene == "expansion" else 1
         for one, two in zip(*tables):
             for column, value in one.items():
-                scale = of_round_off * max(abs(row[column]) for row in tables[0])
+                scale = round_off_factor * max(abs(row[column]) for row in tables[0])
                 if not any(word in column for word in CANCELLING):
                     expect(near(two[column], value, scale),
                            f"{scene}: {column} is {value} on one rank, {two[column]} on two")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The blocks of doc/python.md run in their order; a scene, a run and a table say what is missing.
+"""The blocks of doc/python.md run in their order; a scene, a run and a table report what is missing.
 
 usage: page_test.py PROGRAM
 """

@@ -13,7 +13,7 @@ from pathlib import Path
 import body_meshes
 
 RUNNER = Path(__file__).with_name("run_case.py")
-# Writes what it was told through --set: table = the rows of statistics.csv. meet = how many runs must
+# Writes the settings of --set: table = the rows of statistics.csv. meet = how many runs must
 # have begun before it ends.
 PROGRAM = """#!/usr/bin/env python3
 import pathlib, sys, time
@@ -34,9 +34,9 @@ TABLE = "time [T],x [L],share|0,1,0|1,2,0.5"
 
 class Runner(unittest.TestCase):
     def setUp(self):
-        self.place = tempfile.TemporaryDirectory()
-        self.addCleanup(self.place.cleanup)
-        self.root = Path(self.place.name)
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.root = Path(self.temporary.name)
         self.program = self.root / "program"
         self.program.write_text(PROGRAM)
         os.chmod(self.program, 0o755)

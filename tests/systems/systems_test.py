@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What scripts/setup, scripts/submit and CMake say and do on other systems. usage: systems_test.py CMAKE
+"""What scripts/setup, scripts/submit and CMake print and do on other systems. usage: systems_test.py CMAKE
 
 apt-get, dpkg-query, sbatch, srun and deal.II are stand-ins."""
 
@@ -30,7 +30,7 @@ class Case(unittest.TestCase):
         path.chmod(0o755)
 
     def run_with(self, path, *command, **variables):
-        """(exit status, all that was said, with single blanks)"""
+        """(exit status, all that was printed, with single blanks)"""
         finished = subprocess.run([str(word) for word in command], text=True, check=False, cwd=self.directory,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                   env={**os.environ, "PATH": path, **variables})
@@ -44,12 +44,12 @@ class Setup(Case):
             (self.bin / tool).symlink_to(shutil.which(tool))
         self.stand_in("id", "echo 0\n")
 
-    def with_apt(self, says="", status=0, installed=False, linker=""):
+    def with_apt(self, message="", status=0, installed=False, linker=""):
         """What apt-get was called with is in the file `calls`."""
         configuration = self.directory / "deal.IIConfig.cmake"
         configuration.write_text(f'set(DEAL_II_LINKER_FLAGS "-rdynamic {linker} -Wl,-z,relro")\n', "utf-8")
         self.stand_in("apt-get", f'echo "$@" >> "{self.directory}/calls"\n'
-                                 f'case "$*" in *install*) echo "{says}"; exit {status};; esac\n')
+                                 f'case "$*" in *install*) echo "{message}"; exit {status};; esac\n')
         self.stand_in("dpkg-query", f'case "$1 $2 $4" in -L*) echo "{configuration}";; '
                                     f'*mold) ;; *) {"printf installed" if installed else ":"};; esac\n')
         return self.setup()
@@ -62,9 +62,9 @@ class Setup(Case):
         return path.read_text("utf-8").splitlines() if path.exists() else []
 
     def test_a_system_without_apt_get_is_told_what_to_install(self):
-        status, said = self.setup()
+        status, printed = self.setup()
         self.assertEqual(status, 1)
-        self.assertIn("neither Debian nor Ubuntu, so please install cmake c++ ninja git mpirun and deal.II 9.4", said)
+        self.assertIn("neither Debian nor Ubuntu, so please install cmake c++ ninja git mpirun and deal.II 9.4", printed)
         for tool in ("cmake", "c++", "ninja", "git", "mpirun"):
             self.stand_in(tool, "")
         self.assertEqual(self.setup(), (0, ""))
@@ -74,8 +74,8 @@ class Setup(Case):
         self.assertEqual(self.calls(), [])
 
     def test_the_linker_of_deal_ii_comes_too(self):
-        status, said = self.with_apt(installed=True, linker="-fuse-ld=mold")
-        self.assertEqual(status, 0, said)
+        status, printed = self.with_apt(installed=True, linker="-fuse-ld=mold")
+        self.assertEqual(status, 0, printed)
         self.assertTrue(self.calls()[-1].endswith("--no-install-recommends mold"), self.calls())
         self.stand_in("ld.mold", "")
         (self.directory / "calls").unlink()
@@ -97,60 +97,60 @@ class Setup(Case):
             self.assertEqual("lammps calculix-ccx" in self.calls()[-1], compares, self.calls()[-1])
 
     def test_what_hinders_apt_is_said_with_what_is_missing(self):
-        for says, sentence in (
+        for message, sentence in (
                 ("E: Failed to fetch x Could not resolve y", "is there a network, and does the mirror"),
                 ("E: Unable to locate package libdeal.ii-dev", "has no package of a name above; those that Tombolo needs"),
                 ("E: You don't have enough free space in z", "the disk is full: please make room"),
                 ("E: dpkg was interrupted", "apt-get could not install")):
-            status, said = self.with_apt(says, 100)
+            status, printed = self.with_apt(message, 100)
             self.assertEqual(status, 1)
-            self.assertIn(says, said)
-            self.assertIn(sentence, said)
-            self.assertIn("libdeal.ii-dev libeigen3-dev", said)
+            self.assertIn(message, printed)
+            self.assertIn(sentence, printed)
+            self.assertIn("libdeal.ii-dev libeigen3-dev", printed)
 
     def test_who_is_not_root_and_has_no_sudo_gets_the_command(self):
         self.stand_in("id", "echo 1000\n")
-        status, said = self.with_apt()
+        status, printed = self.with_apt()
         self.assertEqual(status, 1)
-        self.assertIn("as root, please run: apt-get install libdeal.ii-dev", said)
+        self.assertIn("as root, please run: apt-get install libdeal.ii-dev", printed)
 
 
 class DealII(Case):
     def configure(self, version, without=(), more=""):
-        place = self.directory / "dealii"
-        place.mkdir(exist_ok=True)
+        package = self.directory / "dealii"
+        package.mkdir(exist_ok=True)
         features = "".join(f"set(DEAL_II_WITH_{name} {'OFF' if name in without else 'ON'})\n"
                            for name in ("MPI", "P4EST", "TRILINOS", "HDF5", "MUPARSER"))
-        (place / "deal.IIConfig.cmake").write_text(
-            f"set(DEAL_II_VERSION {version})\nset(DEAL_II_PATH {place})\n{features}{more}\n"
+        (package / "deal.IIConfig.cmake").write_text(
+            f"set(DEAL_II_VERSION {version})\nset(DEAL_II_PATH {package})\n{features}{more}\n"
             'macro(deal_ii_initialize_cached_variables)\nmessage(FATAL_ERROR "it will do")\nendmacro()\n', "utf-8")
-        (place / "deal.IIConfigVersion.cmake").write_text(
+        (package / "deal.IIConfigVersion.cmake").write_text(
             f"set(PACKAGE_VERSION {version})\nif(NOT {version} VERSION_LESS PACKAGE_FIND_VERSION)\n"
             "set(PACKAGE_VERSION_COMPATIBLE ON)\nendif()\n", "utf-8")
-        return self.cmake(f"-DDEAL_II_DIR={place}")
+        return self.cmake(f"-DDEAL_II_DIR={package}")
 
     def cmake(self, *options):
         shutil.rmtree(self.directory / "build", ignore_errors=True)
-        status, said = self.run_with(os.environ["PATH"], CMAKE, "-S", ROOT, "-B", self.directory / "build", *options)
+        status, printed = self.run_with(os.environ["PATH"], CMAKE, "-S", ROOT, "-B", self.directory / "build", *options)
         self.assertNotEqual(status, 0)
-        return said
+        return printed
 
     def test_one_that_has_all_will_do(self):
         self.assertIn("it will do", self.configure("9.4.0"))
         self.assertIn("it will do", self.configure("9.8.0", more="set(DEAL_II_TRILINOS_WITH_EPETRA ON)"))
 
     def test_each_feature_that_lacks_is_named(self):
-        said = self.configure("9.6.2", ("P4EST", "MUPARSER"))
-        self.assertIn("was configured without P4EST, MUPARSER, which Tombolo needs", said)
-        self.assertIn("-DDEAL_II_WITH_P4EST=ON -DDEAL_II_WITH_MUPARSER=ON", said)
+        printed = self.configure("9.6.2", ("P4EST", "MUPARSER"))
+        self.assertIn("was configured without P4EST, MUPARSER, which Tombolo needs", printed)
+        self.assertIn("-DDEAL_II_WITH_P4EST=ON -DDEAL_II_WITH_MUPARSER=ON", printed)
         for name in ("MPI", "P4EST", "TRILINOS", "HDF5", "MUPARSER"):
             self.assertIn(f"without {name}, which", self.configure("9.6.2", (name,)))
         self.assertIn("a Trilinos without Epetra", self.configure("9.8.0"))
 
     def test_one_that_is_too_old_or_not_there(self):
-        said = self.configure("9.3.3")
-        self.assertIn("needs deal.II 9.4 or newer, and found 9.3.3", said)
-        self.assertIn("apt-get install libdeal.ii-dev", said)
+        printed = self.configure("9.3.3")
+        self.assertIn("needs deal.II 9.4 or newer, and found 9.3.3", printed)
+        self.assertIn("apt-get install libdeal.ii-dev", printed)
         self.assertIn("needs deal.II 9.4 or newer, and found none", self.cmake(f"-DDEAL_II_DIR={self.bin}"))
 
 
@@ -167,21 +167,21 @@ class Submit(Case):
     def submit(self, *options):
         if self.log.exists():
             self.log.unlink()
-        status, said = self.run_with(f"{self.bin}:{os.environ['PATH']}", ROOT / "scripts/submit",
-                                     *options, "--program", self.bin / "program", "a file.prm", "--set", "End time = 3",
-                                     TOMBOLO_JOB="")
-        return status, said, self.log.read_text("utf-8").splitlines() if self.log.exists() else []
+        status, printed = self.run_with(f"{self.bin}:{os.environ['PATH']}", ROOT / "scripts/submit",
+                                        *options, "--program", self.bin / "program", "a file.prm", "--set", "End time = 3",
+                                        TOMBOLO_JOB="")
+        return status, printed, self.log.read_text("utf-8").splitlines() if self.log.exists() else []
 
     def test_jobs_go_on_until_the_run_is_complete(self):
-        status, said, calls = self.submit()
-        self.assertEqual((status, said), (0, ""))
+        status, printed, calls = self.submit()
+        self.assertEqual((status, printed), (0, ""))
         arguments = "a file.prm --set End time = 3"
         self.assertEqual(calls, [arguments, "--resume " + arguments, "--resume " + arguments])
 
     def test_the_number_of_jobs_is_limited(self):
-        status, said, calls = self.submit("--jobs", "2")
+        status, printed, calls = self.submit("--jobs", "2")
         self.assertEqual((status, len(calls)), (143, 2))
-        self.assertIn("not complete after 2 jobs", said)
+        self.assertIn("not complete after 2 jobs", printed)
 
     def test_a_run_that_fails_is_not_repeated(self):
         self.stand_in("program", f'echo "$@" >> "{self.log}"\nexit 1\n')
@@ -194,20 +194,20 @@ class Submit(Case):
         self.assertEqual(calls[1].split()[:2], ["--resume", "a"])
 
     def test_the_signal_comes_before_the_end(self):
-        status, said, _ = self.submit("--print", "-n", "64", "--time", "2-00:00:00", "--before", "600",
-                                      "--sbatch=--partition=long")
+        status, printed, _ = self.submit("--print", "-n", "64", "--time", "2-00:00:00", "--before", "600",
+                                         "--sbatch=--partition=long")
         self.assertEqual(status, 0)
         for directive in ("--ntasks=64", "--time=2-00:00:00", "--signal=TERM@600", "--partition=long"):
-            self.assertIn(f"#SBATCH {directive}", said)
+            self.assertIn(f"#SBATCH {directive}", printed)
 
     def test_wrong_options_are_refused(self):
         for options, sentence in ((("--time", "30"), "--time needs HH:MM:SS"),
                                   (("--time", "00:05:00"), "has no time left to run"),
                                   (("-n", "0"), "-n needs a positive whole number"),
                                   (("--before", "70000", "--time", "48:00:00"), "at most 65535 seconds")):
-            status, said, _ = self.submit(*options)
+            status, printed, _ = self.submit(*options)
             self.assertEqual(status, 1)
-            self.assertIn(sentence, said)
+            self.assertIn(sentence, printed)
         (self.bin / "program").unlink()
         self.assertIn("please build it by scripts/build", self.submit()[1])
 
