@@ -4,7 +4,7 @@
 
 usage: body_meshes.py
 
-They are written beside the parameter files that read them: those of OF_TESTS in tests/regression,
+They are written beside the parameter files that read them: those of TEST_MESHES in tests/regression,
 where git ignores them since run_case.py makes its own, and those of SHIPPED below parameter_files.
 A mesh is a file of gmsh, format 2.2, of blocks that share no node; a surface is an .obj of
 polygons.
@@ -527,7 +527,7 @@ SHIPPED = {
 
 
 def write(name, directory):
-    """Writes a file of OF_TESTS; its path."""
+    """Writes a file of TEST_MESHES; its path."""
     path = Path(directory) / name
     path.write_text(TEST_MESHES[name]().text(), encoding="utf-8")
     return path
