@@ -109,17 +109,17 @@ namespace
       n_iterations += result.n_iterations;
       EXPECT_LE(functions.consistency_error(x), 1e-12 * digits) << x;
       EXPECT_GE(*std::min_element(functions.value.begin(), functions.value.end()), 0.);
-      Tensor<2, dim> of_positions;
+      Tensor<2, dim> position_gradient;
       Tensor<1, dim> sum;
       for (unsigned int k = 0; k < cloud.size(); ++k)
       {
         sum += functions.gradient[k];
-        of_positions += outer_product(cloud.node(k) - x, functions.gradient[k]);
+        position_gradient += outer_product(cloud.node(k) - x, functions.gradient[k]);
       }
       EXPECT_LE(sum.norm(), 1e-11 * digits);
       for (unsigned int d = 0; d < dim; ++d)
-        of_positions[d][d] -= 1.;
-      EXPECT_LE(of_positions.norm(), 1e-11 * digits);
+        position_gradient[d][d] -= 1.;
+      EXPECT_LE(position_gradient.norm(), 1e-11 * digits);
     }
     EXPECT_LE(n_iterations, 6 * n_points);
   }
@@ -195,16 +195,16 @@ namespace
     }
     evaluate(functions, x, invert(motion));
     Tensor<1, 3> sum;
-    Tensor<2, 3> of_positions;
+    Tensor<2, 3> position_gradient;
     for (unsigned int k = 0; k < cloud.size(); ++k)
     {
       sum += functions.gradient[k];
-      of_positions += outer_product(moved(cloud.node(k)) - moved(x), functions.gradient[k]);
+      position_gradient += outer_product(moved(cloud.node(k)) - moved(x), functions.gradient[k]);
     }
     EXPECT_LE(sum.norm(), 1e-11);
     for (unsigned int d = 0; d < 3; ++d)
-      of_positions[d][d] -= 1.;
-    EXPECT_LE(of_positions.norm(), 1e-11);
+      position_gradient[d][d] -= 1.;
+    EXPECT_LE(position_gradient.norm(), 1e-11);
     for (unsigned int d = 0; d < 3; ++d)
     {
       evaluate(forward, x + h * Point<3>::unit_vector(d), invert(motion));
@@ -298,24 +298,24 @@ namespace
                             present.data());
     constexpr unsigned int n = 5;
     MovedConvexValues<3>::Points x, present_x;
-    for (unsigned int place = 0; place < n; ++place)
+    for (unsigned int index = 0; index < n; ++index)
     {
-      x[place] = Point<3>(1.6 + 0.4 * place, 2.9 - 0.3 * place, 2.1 + 0.2 * place);
-      present_x[place] = moved(x[place]);
+      x[index] = Point<3>(1.6 + 0.4 * index, 2.9 - 0.3 * index, 2.1 + 0.2 * index);
+      present_x[index] = moved(x[index]);
     }
     x[n - 1] = Point<3>(-1., 2., 2.); // the hull does not have it
     present_x[n - 1] = moved(x[n - 1]);
     EXPECT_EQ(together.evaluate(n, x, present_x), (1u << (n - 1)) - 1);
-    for (unsigned int place = 0; place + 1 < n; ++place)
+    for (unsigned int index = 0; index + 1 < n; ++index)
     {
       EXPECT_TRUE(functions.approximation
-                      .evaluate_moved(x[place], cloud.size(), cloud.position.data(),
-                                      cloud.support.data(), present_x[place], present.data(),
+                      .evaluate_moved(x[index], cloud.size(), cloud.position.data(),
+                                      cloud.support.data(), present_x[index], present.data(),
                                       functions.value.data())
                       .is_inside);
       std::vector<double> values(cloud.size(), 0.);
-      for (unsigned int k = 0; k < together.n_values(place); ++k)
-        values[together.neighbour(place, k)] = together.value(place, k);
+      for (unsigned int k = 0; k < together.n_values(index); ++k)
+        values[together.neighbour(index, k)] = together.value(index, k);
       for (unsigned int k = 0; k < cloud.size(); ++k)
         EXPECT_NEAR(values[k], functions.value[k], 1e-12);
     }
