@@ -13,6 +13,7 @@
 #include <tombolo/physics/mechanics/step_size.h>
 #include <tombolo/physics/mechanics/subcycling.h>
 #include <tombolo/physics/statics/static_steps.h>
+#include <tombolo/simulation/initial_state.h>
 #include <tombolo/simulation/spacings.h>
 
 #include <deal.II/base/mpi.h>
@@ -469,17 +470,6 @@ namespace tombolo
     }
   }
 
-  /** Whether any node moves at the start. Collective. */
-  template <int dim>
-  bool moves_at_start(const Model<dim> &model)
-  {
-    bool moves = false;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        moves = moves || model.state.unsmoothed_velocity.node(i)[d] != 0.;
-    return Utilities::MPI::max(moves ? 1 : 0, model.communicator) == 1;
-  }
-
   template <int dim>
   void advise_scaling(const Model<dim> &model, const double end_time, Log &log)
   {
@@ -545,9 +535,6 @@ namespace tombolo
     warn_of_conflicts(model, end_time, log);
     warn_of_late_conditions(model, end_time, log);
     warn_of_idle_contacts(model, end_time, log);
-    if (at_rest && parameters.raw("Initial state").empty() && moves_at_start(model))
-      log.warn("The initial velocities do nothing: `Time integration = " +
-               parameters.raw("Time integration", "") + "` finds bodies at rest.");
     if (!at_rest)
       judge_step(model, step_size, parameters, n_steps, log);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))

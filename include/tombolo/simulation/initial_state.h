@@ -14,8 +14,10 @@
 #include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/state/state_archive.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -115,6 +117,17 @@ namespace tombolo
     return read_header(archive, dimension, parameters);
   }
 
+  /** Whether any node moves at the start. Collective. */
+  template <int dim>
+  bool moves_at_start(const Model<dim> &model)
+  {
+    bool moves = false;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        moves = moves || model.state.unsmoothed_velocity.node(i)[d] != 0.;
+    return Utilities::MPI::max(moves ? 1 : 0, model.communicator) == 1;
+  }
+
   /** The static steps of a scene that has such, null otherwise; for a model that has its initial
    * state, which @p is_continued from another run. Throws InputError. Collective. */
   template <int dim>
@@ -124,6 +137,14 @@ namespace tombolo
   {
     if (!model.has_mechanics || !StaticSteps<dim>::are_chosen(parameters))
       return nullptr;
+    const std::vector<Section> starts =
+        named_sections(parameters, "Initial conditions", "Initial condition");
+    const bool starts_in_motion = std::any_of(
+        starts.begin(), starts.end(),
+        [](const Section &start) { return start.is_set("Velocity") || start.is_set("Spin"); });
+    if (starts_in_motion && moves_at_start(model))
+      log.warn("The initial velocities do nothing: `Time integration = " +
+               parameters.raw("Time integration", "") + "` finds bodies at rest.");
     auto result = std::make_unique<StaticSteps<dim>>(parameters, model, log);
     if (is_continued)
       result->continue_from_state();
