@@ -15,10 +15,16 @@ namespace tombolo
      * the last step of the run that this one continues. */
     double start_lag = 0;
 
+    /** t_n less the time of the velocities. */
+    double velocity_lag() const
+    {
+      return step == 0 ? start_lag : 0.5 * previous_step;
+    }
+
     /** The time of the velocities, t_{n-1/2}. */
     double velocity_time() const
     {
-      return time - (step == 0 ? start_lag : 0.5 * previous_step);
+      return time - velocity_lag();
     }
 
     /** Δt_n = t_{n+1/2} - t_{n-1/2}; half a step where velocities are given at t_0. */

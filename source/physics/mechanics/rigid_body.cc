@@ -257,7 +257,7 @@ namespace tombolo
         clock.has_present_velocities()
             ? 2. * rigid_rotation::cross_matrix(transpose(orientation(present)) * present.spin) -
                   after
-            : -0.5 / (clock.time - clock.velocity_time()) *
+            : -0.5 / clock.velocity_lag() *
                   rigid_rotation::exponential_less_one(-1. * present.increment);
     return 0.5 * trace(before * second_moment * transpose(after));
   }
