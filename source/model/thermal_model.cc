@@ -216,12 +216,19 @@ namespace tombolo
   }
 
   template <int dim>
+  void ThermalModel<dim>::find_free_temperature(const NodalVector &enthalpy,
+                                                NodalVector &unsmoothed) const
+  {
+    for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
+      *unsmoothed.node(i) = nodal_enthalpy.temperature(i, *enthalpy.node(i));
+  }
+
+  template <int dim>
   void ThermalModel<dim>::find_temperature(const double time, NodalVector &enthalpy,
                                            NodalVector &unsmoothed,
                                            std::vector<double> &condition_heat) const
   {
-    for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
-      *unsmoothed.node(i) = nodal_enthalpy.temperature(i, *enthalpy.node(i));
+    find_free_temperature(enthalpy, unsmoothed);
     const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
     if (constrained.empty())
       return;

@@ -107,6 +107,9 @@ namespace tombolo
      * node: the diagonal of that part of apply_conduction() for elements. Collective. */
     void add_film_diagonal(double time, const NodalVector &field, NodalVector &diagonal);
 
+    /** θ̂ of owned nodes from their enthalpies, without regard to conditions. */
+    void find_free_temperature(const NodalVector &enthalpy, NodalVector &unsmoothed) const;
+
     /** θ̂ of owned nodes from their enthalpies, and prescribed temperatures at @p time, whose heat
      * is booked to conditions: the enthalpy of constrained nodes follows. */
     void find_temperature(double time, NodalVector &enthalpy, NodalVector &unsmoothed,

@@ -104,9 +104,7 @@ namespace tombolo
       // expand from there in the first step.
       if (model.has_mechanics)
       {
-        for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
-          *state.unsmoothed_temperature.node(i) =
-              model.heat->nodal_enthalpy.temperature(i, *state.enthalpy.node(i));
+        model.heat->find_free_temperature(state.enthalpy, state.unsmoothed_temperature);
         model.heat->find_field(state.unsmoothed_temperature, state.temperature);
         state.present_temperature.copy_from(state.temperature);
       }
