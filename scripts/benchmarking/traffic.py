@@ -18,6 +18,7 @@ MATRIX = 3 * VECTOR
 STRESS = 6 * 8
 
 UPDATE = 2  # read and written
+CORNERS = 8  # of a cell, and cells around a particle
 
 
 @dataclass
@@ -68,6 +69,26 @@ def particle_force(rows, n_variables, has_inverse):
     their initial volume; force added."""
     return (rows.pointers() + rows.gradients() + VECTOR + (MATRIX if has_inverse else VECTOR)
             + points(1, n_variables) + NUMBER + UPDATE * VECTOR)
+
+
+def cell_row(rows):
+    """Where the row of a cell and its coefficients begin, its first node and its nodes."""
+    return Rows(CORNERS).pointers() + Rows(CORNERS, rows.are_shared).gradients()
+
+
+def cell_dilatation(rows):
+    """Of one cell a particle: position gathered, cofactors and J_c written; its share in the J_I
+    of particles, and their pressures in it; then its force, with its volume."""
+    shares = INDEX + CORNERS * (INDEX + NUMBER)
+    ratios = cell_row(rows) + VECTOR + MATRIX + NUMBER + shares + 3 * NUMBER
+    pressures = 3 * NUMBER + shares + UPDATE * NUMBER
+    return ratios + pressures + cell_row(rows) + MATRIX + 4 * NUMBER + UPDATE * VECTOR
+
+
+def zero_energy_control(rows, flows):
+    """Position gathered with φ, volume and length, energy updated; slip and loss where something
+    flows."""
+    return VECTOR + rows.values() + 2 * NUMBER + UPDATE * NUMBER * (5 if flows else 1)
 
 
 def paper_motion(rows):
@@ -121,6 +142,16 @@ def affine_motion_operations(rows):
     return rows.neighbours * (3 + 8 * LANES + 7 * LANES) + 80
 
 
+def cell_dilatation_operations():
+    """F_c, its cofactors and J_c, shares twice, the force."""
+    return CORNERS * (7 * LANES + 2 + 2 + 6 * LANES) + 60
+
+
+def zero_energy_control_operations(rows):
+    """Residual and force."""
+    return rows.neighbours * 4 * LANES + 30
+
+
 def paper_motion_operations(rows):
     return rows.neighbours * 6 * LANES
 
@@ -156,6 +187,9 @@ def particle_step(rows, n_variables, smoothing, rebuilds=False):
     if is_affine:
         moved += affine_smoothing(rows) + affine_motion(rows)
         operations += affine_smoothing_operations(rows) + affine_motion_operations(rows)
+        if not rebuilds:  # cell averages, which have the dilatation of cells
+            moved += cell_dilatation(rows) + zero_energy_control(rows, n_variables > 0)
+            operations += cell_dilatation_operations() + zero_energy_control_operations(rows)
     else:
         moved += paper_motion(rows)
         operations += paper_motion_operations(rows)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/probes.h>
 
-#include <tombolo/output/symmetric_tensors.h>
+#include <tombolo/base/symmetric_tensors.h>
 
 #include <array>
 #include <limits>

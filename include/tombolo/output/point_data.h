@@ -3,8 +3,8 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/symmetric_tensors.h>
 #include <tombolo/output/output.h>
-#include <tombolo/output/symmetric_tensors.h>
 #include <tombolo/output/vtu_piece.h>
 
 #include <deal.II/base/exceptions.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/output/symmetric_tensors.h>
+#include <tombolo/base/symmetric_tensors.h>
 
 #include <gtest/gtest.h>
 
