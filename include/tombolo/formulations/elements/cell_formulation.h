@@ -9,8 +9,6 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/grouped_cells.h>
-#include <tombolo/formulations/elements/losing_cells.h>
-#include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/linearized_points.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/state/records.h>
@@ -41,8 +39,8 @@ namespace tombolo
 
     /** Advances the temperature of @p points and the variables of the material. */
     CellStiffness(Integration &integration, const MechanicalInput &input)
-        : integration(integration), points(integration.points), input(input),
-          linearized(integration.part, input.time_increment)
+        : integration(integration), points(integration.cell_points), input(input),
+          linearized(integration.part_points, input.time_increment)
     {}
 
     void find(const std::function<void(const CellEquations &)> &take)
@@ -95,10 +93,10 @@ namespace tombolo
 
     void update_stress(const unsigned int batch)
     {
-      MaterialPoints &material_points = integration.part.points();
+      MaterialPoints &material_points = integration.part_points.points();
       alignas(64) double plastic_strain[points_per_batch];
       alignas(64) double nodal_temperature[points_per_batch];
-      if (integration.part.heating().is_on())
+      if (integration.part_points.heating().is_on())
         points.interpolate(batch, *input.temperature, nodal_temperature);
       const bool limits_forces = Element::limits_forces && integration.plastic_flow.is_possible();
       if (limits_forces)
@@ -202,16 +200,12 @@ namespace tombolo
     std::make_unique<CellStiffness<dim, Element>>(*this, input)->find(take);
   }
 
-  /**
-   * A part of finite elements: everything a Formulation does, for one element type (see
-   * ElementDefaults for what an element is), in batches of n_lanes cells. The cells and their
-   * material points are CellPoints, the forces of their stresses CellIntegration.
-   */
+  /** A part of finite elements: everything a Formulation does, for one element type (see
+   * ElementDefaults for what an element is), in batches of n_lanes cells. */
   template <int dim, typename Element>
-  class CellFormulation
-      : public LosingCells<dim, CellPoints<dim, Element>, CellIntegration<dim, Element>>,
-        public ErodingCells<dim>,
-        public GroupedCells<dim>
+  class CellFormulation : public CellIntegration<dim, Element>,
+                          public ErodingCells<dim>,
+                          public GroupedCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -253,17 +247,16 @@ namespace tombolo
         AssertDimension(shape_values.size(), Element::n_points);
         cell_points.create_points(shape_values, cell_points.cells().n_batches_of_slots());
       }
-      integration.create_points();
+      this->create_points();
       erosion.initialize(points(), setup.has_mechanics);
       criterion.initialize(points(), setup.has_mechanics);
       if (setup.has_mechanics)
-        integration.set_initial_state();
+        this->set_initial_state();
       cell_points.cells().release_initial_positions();
       if (!setup.has_mechanics)
         return;
 
-      const std::vector<std::string> failures =
-          texts_of_ranks(setup.communicator, integration.failure());
+      const std::vector<std::string> failures = texts_of_ranks(setup.communicator, this->failure());
       for (const std::string &failure : failures)
         if (!failure.empty())
           throw InputError("The part \"" + setup.name +
@@ -280,7 +273,7 @@ namespace tombolo
       {
         typename Points::NodeValues x;
         Lanes volume[Element::n_points];
-        integration.find_volumes(batch, position, x, volume);
+        this->find_volumes(batch, position, x, volume);
         Lanes total = 0.;
         for (const Lanes &point_volume : volume)
           total += point_volume;
@@ -291,13 +284,6 @@ namespace tombolo
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
           time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
       }
-    }
-
-    EnergyAccounts energies() const override
-    {
-      EnergyAccounts result = Base::energies();
-      integration.add_energies(result);
-      return result;
     }
 
     void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,
@@ -347,7 +333,7 @@ namespace tombolo
           // It could lose its volume before its next step.
           const bool is_late = !step_ratios.empty() && step_ratios[cell] > 1;
           if (erosion.means().are_reached(points(), slot, Element::n_points) ||
-              (is_small && (is_late || !integration.is_volume_positive(slot, position))))
+              (is_small && (is_late || !this->is_volume_positive(slot, position))))
             failed.push_back(cell);
         }
       }
@@ -361,19 +347,19 @@ namespace tombolo
       RemovedCells result;
       if (failed.empty())
         return result;
-      const EnergyAccounts before = energies();
+      const EnergyAccounts before = this->energies();
       const double pending_before = this->pending_plastic_heat();
       double power = 0;
       for (const unsigned int cell : failed)
-        power += integration.internal_power(cell_points.cells().slot_of(cell), position, velocity,
-                                            time_increment);
+        power += this->internal_power(cell_points.cells().slot_of(cell), position, velocity,
+                                      time_increment);
 
       result.n_cells = static_cast<unsigned int>(failed.size());
       lost_cells.remove(failed, this->n_cells());
       remove_lost_cells();
 
       EnergyAccounts lost = before;
-      lost.add(energies(), -1.);
+      lost.add(this->energies(), -1.);
       this->keep_dissipated(lost);
       result.energy = lost.sum_of(EnergyKind::stored) + 0.5 * time_increment * power;
       result.pending_heat = pending_before - this->pending_plastic_heat();
@@ -437,7 +423,7 @@ namespace tombolo
                             const typename GroupedCells<dim>::Group &group,
                             NodalVector &force) override
     {
-      integration.add_internal_force(input, group, force);
+      this->add_internal_force(input, group, force);
     }
     void apply_stiffness_of_group(const NodalVector &position, const NodalVector &velocity,
                                   const double time_step,
@@ -445,15 +431,14 @@ namespace tombolo
                                   NodalVector &force) const override
     {
       const double ratio = group.number;
-      integration.apply_elastic_stiffness(position, velocity, ratio * time_step, group,
-                                          ratio * ratio, force);
+      this->apply_elastic_stiffness(position, velocity, ratio * time_step, group, ratio * ratio,
+                                    force);
     }
 
   private:
     using Points = CellPoints<dim, Element>;
-    using Base = LosingCells<dim, Points, CellIntegration<dim, Element>>;
-    using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
-        Base::part_points, Base::points;
+    using Base = CellIntegration<dim, Element>;
+    using Base::cell_points, Base::criterion, Base::lost_cells, Base::part_points, Base::points;
 
     /** Removes lost cells from the batches. */
     void remove_lost_cells()

@@ -4,8 +4,7 @@
 #include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
-#include <tombolo/formulations/formulation.h>
-#include <tombolo/formulations/part_points.h>
+#include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/point_sweep.h>
 
@@ -13,6 +12,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,15 +62,15 @@ namespace tombolo
   };
 
   /**
-   * The integration of stresses over the cells of one part, for one element type: the nodal forces
-   * of the stresses of PartPoints.
+   * A part of cells of one element type, with the integration of stresses: the nodal forces of the
+   * stresses of PartPoints.
    *
    * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
    * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by
    * motion_increment(), so that a rigid rotation makes no strain.
    */
   template <int dim, typename Element>
-  class CellIntegration
+  class CellIntegration : public LosingCells<dim, CellPoints<dim, Element>>
   {
   public:
     using Points = CellPoints<dim, Element>;
@@ -79,19 +79,19 @@ namespace tombolo
     static constexpr unsigned int n_nodes = Points::n_nodes;
     static constexpr unsigned int n_points = Points::n_points;
 
-    /** The arguments must outlive this object. */
-    CellIntegration(const Section &section, PartPoints &part, const Points &points)
-        : element(section), part(part), points(points)
-    {}
+    explicit CellIntegration(const Section &section) : Base(section), element(section)
+    {
+      part_points = PartPoints(section);
+    }
 
-    /** Makes the points of the cells of @p part, with the variables of the element. */
+    /** Makes the points of the cells, with the variables of the element. */
     void create_points()
     {
-      if (!part.has_mechanics())
+      if (!part_points.has_mechanics())
         return;
-      element.set_material(part.material());
-      part.create(points.n_points_of_slots(), element.variables());
-      plastic_flow.set(part.points());
+      element.set_material(part_points.material());
+      part_points.create(cell_points.n_points_of_slots(), element.variables());
+      plastic_flow.set(part_points.points());
     }
 
     /** Sets volumes and variables of the points as they are at the start. Only with points, and
@@ -99,30 +99,28 @@ namespace tombolo
     void set_initial_state()
     {
       failure_message.clear();
-      double *const volumes = part.points().component(MaterialPoints::volume, 0);
+      double *const volumes = part_points.points().component(MaterialPoints::volume, 0);
       NodeValues x, v;
       for (auto &node_values : v)
         std::fill_n(node_values, dim, Lanes(0.));
-      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
       {
-        points.gather_initial_positions(batch, x);
+        cell_points.gather_initial_positions(batch, x);
         typename Element::Work work;
         Lanes volume[n_points];
         Matrix3<Lanes> gradient[n_points];
         element.evaluate(x, v, work, volume, gradient);
         note_failure(batch, x, volume);
         for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+          for (unsigned int lane = 0; lane < cell_points.cells().n_valid(batch); ++lane)
             volumes[(batch * n_points + q) * n_lanes + lane] = volume[q][lane];
         element.initialize_variables(work,
                                      variables_at(Points::first_point(batch), batch_variables));
       }
-      part.begin_with_volumes(dim);
+      part_points.begin_with_volumes(dim);
     }
 
-    /** @name As in Formulation */
-    ///@{
-    void add_internal_force(const MechanicalInput &input, NodalVector &force)
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
     {
       add_internal_force(input, all_batches(), force);
     }
@@ -132,7 +130,7 @@ namespace tombolo
     {
       failure_message.clear();
       typename Element::Work work[batches_per_block];
-      Sweep sweep(part, input.time_increment);
+      Sweep sweep(part_points, input.time_increment);
       alignas(64) double plastic_strain[points_per_block];
       const bool limits = Element::limits_forces && plastic_flow.is_possible();
       for (unsigned int begin = group.first_batch; begin < group.end_batch;
@@ -145,7 +143,7 @@ namespace tombolo
           advance_motion(batch, input, work[batch - begin], sweep,
                          (batch - begin) * points_per_batch);
         if (limits)
-          plastic_flow.keep(part.points(), Points::first_point(begin), n, plastic_strain);
+          plastic_flow.keep(part_points.points(), Points::first_point(begin), n, plastic_strain);
         sweep.update_stress();
         sweep.update_viscosity();
         for (unsigned int batch = begin; batch < end; ++batch)
@@ -159,7 +157,7 @@ namespace tombolo
     }
 
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 const double time_step, NodalVector &force) const
+                                 const double time_step, NodalVector &force) const override
     {
       apply_elastic_stiffness(position, velocity, time_step, all_batches(), 1., force);
     }
@@ -169,14 +167,14 @@ namespace tombolo
                                  const double time_step, const Group &group, const double factor,
                                  NodalVector &force) const
     {
-      const PointStiffness stiffness(part, time_step);
+      const PointStiffness stiffness(part_points, time_step);
       std::vector<double *> addresses;
       for (unsigned int batch = group.first_batch; batch < group.end_batch; ++batch)
       {
         const std::size_t first = Points::first_point(batch);
         NodeValues x, v;
-        points.gather(batch, position, x);
-        points.gather(batch, velocity, v);
+        cell_points.gather(batch, position, x);
+        cell_points.gather(batch, velocity, v);
         typename Element::Work work;
         Lanes volume[n_points];
         Matrix3<Lanes> gradient[n_points];
@@ -190,43 +188,45 @@ namespace tombolo
         for (auto &node_values : action)
           for (Lanes &component : node_values)
             component *= factor;
-        points.scatter(batch, action, force);
+        cell_points.scatter(batch, action, force);
       }
     }
 
     void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take);
-    /** Of hourglass control. */
-    void add_energies(EnergyAccounts &energies) const
+                             const std::function<void(const CellEquations &)> &take) override;
+
+    /** With those of hourglass control. */
+    EnergyAccounts energies() const override
     {
+      EnergyAccounts result = Base::energies();
       Lanes stored = 0., dissipated = 0.;
       std::vector<double *> addresses;
-      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
       {
         Lanes batch_stored = 0., batch_dissipated = 0.;
         element.add_energies(variables_at(Points::first_point(batch), addresses), batch_stored,
                              batch_dissipated);
-        const unsigned int n_valid = points.cells().n_valid(batch);
+        const unsigned int n_valid = cell_points.cells().n_valid(batch);
         const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
         stored += is_cell * batch_stored;
         dissipated += is_cell * batch_dissipated;
       }
-      energies.add("hourglass energy", EnergyKind::stored, reduce(stored));
-      energies.add("viscous dissipation", EnergyKind::artificial, reduce(dissipated));
+      result.add("hourglass energy", EnergyKind::stored, reduce(stored));
+      result.add("viscous dissipation", EnergyKind::artificial, reduce(dissipated));
+      return result;
     }
 
-    std::string unfit_to_linearize() const
+    std::optional<std::string> unfit_to_linearize() const override
     {
-      const std::string reason = part.unfit_to_linearize();
+      const std::string reason = part_points.unfit_to_linearize();
       return reason.empty() && element.is_viscous() ? "forces that resist rates" : reason;
     }
 
     /** Of the last add_internal_force() or set_initial_state(). */
-    const std::string &failure() const
+    std::string failure() const override
     {
       return failure_message;
     }
-    ///@}
 
     /** The power of the internal forces of t_{n-1} on @p velocity, that of a cell which has moved
      * with it to @p position. */
@@ -235,8 +235,8 @@ namespace tombolo
     {
       const unsigned int batch = slot / n_lanes, lane = slot % n_lanes;
       NodeValues x, v;
-      points.gather(batch, position, x);
-      points.gather(batch, velocity, v);
+      cell_points.gather(batch, position, x);
+      cell_points.gather(batch, velocity, v);
       for (unsigned int k = 0; k < n_nodes; ++k)
         for (unsigned int d = 0; d < dim; ++d)
           x[k][d] -= time_increment * v[k][d];
@@ -265,15 +265,14 @@ namespace tombolo
       return power;
     }
 
-    /** See Formulation::find_volumes(). */
-    void set_volumes(const NodalVector &position, const std::vector<bool> &are_new)
+    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
     {
       NodeValues x;
       Lanes volume[n_points];
-      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
       {
         find_volumes(batch, position, x, volume);
-        MeanDilatation::set_volumes(part.points(), Points::first_point(batch), volume,
+        MeanDilatation::set_volumes(part_points.points(), Points::first_point(batch), volume,
                                     shares_volume(), are_new);
       }
     }
@@ -283,7 +282,7 @@ namespace tombolo
                       Lanes (&volume)[n_points]) const
     {
       NodeValues v;
-      points.gather(batch, position, x);
+      cell_points.gather(batch, position, x);
       for (auto &node_values : v)
         std::fill_n(node_values, dim, Lanes(0.));
       typename Element::Work work;
@@ -302,6 +301,10 @@ namespace tombolo
                          { return point_volume[slot % n_lanes] > 0.; });
     }
 
+  protected:
+    using Base = LosingCells<dim, Points>;
+    using Base::cell_points, Base::part_points;
+
   private:
     template <int, typename>
     friend class CellStiffness;
@@ -312,13 +315,13 @@ namespace tombolo
 
     Group all_batches() const
     {
-      return {1, 0, points.cells().n_batches()};
+      return {1, 0, cell_points.cells().n_batches()};
     }
 
     /** Addresses of the components of the element's own variables. */
     const std::vector<double *> &variables() const
     {
-      return part.formulation_variables();
+      return part_points.formulation_variables();
     }
     /** The same at the points from @p first on, in @p addresses. */
     double *const *variables_at(const std::size_t first, std::vector<double *> &addresses) const
@@ -344,21 +347,21 @@ namespace tombolo
     /** Whether points of a cell keep their parts of its volume. */
     bool shares_volume() const
     {
-      return part.is_logarithmic() && Element::shares_volume;
+      return part_points.is_logarithmic() && Element::shares_volume;
     }
     /** Shares the motion among the points of cells. */
     void share(const typename Element::Work &work,
                MotionIncrement<Lanes> (&motions)[n_points]) const
     {
-      element.share(work, part.is_logarithmic(), motions);
+      element.share(work, part_points.is_logarithmic(), motions);
     }
 
     void advance_motion(const unsigned int batch, const MechanicalInput &input,
                         typename Element::Work &work, Sweep &sweep, const unsigned int offset)
     {
       NodeValues x, v;
-      points.gather(batch, *input.position, x);
-      points.gather(batch, *input.velocity, v);
+      cell_points.gather(batch, *input.position, x);
+      cell_points.gather(batch, *input.velocity, v);
       Lanes volume[n_points];
       Matrix3<Lanes> gradient[n_points];
       element.evaluate(x, v, work, volume, gradient);
@@ -366,10 +369,10 @@ namespace tombolo
       element.separate(work, gradient);
       MotionIncrement<Lanes> motions[n_points];
       sweep.move_cells(
-          offset, points.cells().n_valid(batch), gradient, volume, shares_volume(), motions,
+          offset, cell_points.cells().n_valid(batch), gradient, volume, shares_volume(), motions,
           [&](MotionIncrement<Lanes>(&point_motions)[n_points]) { share(work, point_motions); });
-      if (part.heating().is_on())
-        points.interpolate(batch, *input.temperature, sweep.nodal_temperature + offset);
+      if (part_points.heating().is_on())
+        cell_points.interpolate(batch, *input.temperature, sweep.nodal_temperature + offset);
       Lanes spin[n_points][3];
       for (unsigned int q = 0; q < n_points; ++q)
         std::copy_n(motions[q].spin, 3, spin[q]);
@@ -384,7 +387,7 @@ namespace tombolo
       Lanes flow_stress[n_points];
       for (unsigned int q = 0; q < n_points; ++q)
         flow_stress[q] =
-            plastic_flow.stress(part.points(), first + q * n_lanes, before + q * n_lanes);
+            plastic_flow.stress(part_points.points(), first + q * n_lanes, before + q * n_lanes);
       element.limit(work, flow_stress, variables_at(first, batch_variables));
     }
 
@@ -392,7 +395,7 @@ namespace tombolo
     void integrate_stress(const unsigned int batch, Lanes (&stress)[n_points][6]) const
     {
       for (unsigned int q = 0; q < n_points; ++q)
-        part.integrate_stress(Points::first_point(batch) + q * n_lanes, stress[q]);
+        part_points.integrate_stress(Points::first_point(batch) + q * n_lanes, stress[q]);
     }
 
     void scatter_force(const unsigned int batch, const typename Element::Work &work,
@@ -405,7 +408,7 @@ namespace tombolo
       for (unsigned int k = 0; k < n_nodes; ++k)
         for (unsigned int d = 0; d < dim; ++d)
           internal_force[k][d] = -internal_force[k][d];
-      points.scatter(batch, internal_force, force);
+      cell_points.scatter(batch, internal_force, force);
     }
 
     void note_failure(const unsigned int batch, const NodeValues &x,
@@ -416,7 +419,7 @@ namespace tombolo
         is_sound = is_sound && volume[q] > 0.;
       if (all_of(is_sound) || !failure_message.empty())
         return;
-      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+      for (unsigned int lane = 0; lane < cell_points.cells().n_valid(batch); ++lane)
         if (!is_sound[lane] && failure_message.empty())
         {
           dealii::Point<dim> centre, initial;
@@ -426,8 +429,9 @@ namespace tombolo
           double smallest = volume[0][lane];
           for (unsigned int q = 0; q < n_points; ++q)
           {
-            initial += points.initial_positions()[Points::point_at(batch * n_lanes + lane, q)] /
-                       double(n_points);
+            initial +=
+                cell_points.initial_positions()[Points::point_at(batch * n_lanes + lane, q)] /
+                double(n_points);
             if (!(volume[q][lane] >= smallest))
               smallest = volume[q][lane];
           }
@@ -436,8 +440,6 @@ namespace tombolo
     }
 
     Element element;
-    PartPoints &part;
-    const Points &points;
     PlasticFlow plastic_flow;
     std::vector<double *> batch_variables; // those of the batch at hand
     std::string failure_message;

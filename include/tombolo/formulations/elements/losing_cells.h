@@ -10,8 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -195,46 +193,16 @@ namespace tombolo
   }
 
   /** The common base of parts whose cells can become particles: when they do, and which are lost.
-   * Integration computes the nodal forces of their stresses. */
-  template <int dim, typename Points, typename Integration>
+   */
+  template <int dim, typename Points>
   class LosingCells : public CellPart<dim, Points>, public ConvertingCells<dim>
   {
   public:
-    explicit LosingCells(const Section &section)
-        : criterion(section), integration(section, this->part_points, cell_points)
-    {
-      this->part_points = PartPoints(section);
-    }
+    explicit LosingCells(const Section &section) : criterion(section) {}
 
     bool can_be_divided() const override
     {
       return true;
-    }
-    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
-    {
-      integration.set_volumes(position, are_new);
-    }
-    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
-    {
-      integration.add_internal_force(input, force);
-    }
-    std::string failure() const override
-    {
-      return integration.failure();
-    }
-    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 const double time_step, NodalVector &force) const override
-    {
-      integration.apply_elastic_stiffness(position, velocity, time_step, force);
-    }
-    void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take) override
-    {
-      integration.find_cell_equations(input, take);
-    }
-    std::optional<std::string> unfit_to_linearize() const override
-    {
-      return integration.unfit_to_linearize();
     }
 
     /** Those of the points, and what was dissipated in cells that are lost. */
@@ -288,6 +256,5 @@ namespace tombolo
     using CellPart<dim, Points>::cell_points;
     ConversionCriterion criterion; ///< of conversion
     LostCells lost_cells;
-    Integration integration;
   };
 } // namespace tombolo

@@ -4,11 +4,9 @@
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
-#include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
 #include <tombolo/formulations/smoothed/smoothed_point_state.h>
 #include <tombolo/formulations/step_cost.h>
@@ -32,7 +30,7 @@ namespace tombolo
    * half their size (FaceNodes).
    */
   template <int dim>
-  class SmoothedCells : public LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>
+  class SmoothedCells : public SmoothedIntegration<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -77,7 +75,7 @@ namespace tombolo
         cell_points.remove(void_cells().is_void_by_cell(), this->points());
         remove_masses_of_void_cells();
       }
-      integration.create_points();
+      this->create_points();
       criterion.initialize(this->points(), setup.has_mechanics);
       cell_points.cells().release_initial_positions();
     }
@@ -286,11 +284,9 @@ namespace tombolo
     }
 
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
-    using Base = LosingCells<dim, PointsInCells<dim>, SmoothedIntegration<dim>>;
-    using Base::cell_points, Base::criterion, Base::integration, Base::lost_cells,
-        Base::part_points;
+    using Base = SmoothedIntegration<dim>;
+    using Base::cell_points, Base::criterion, Base::lost_cells, Base::part_points, Base::rows;
 
-    SmoothedGradients<dim> &rows = integration.rows;
     FurtherMasses<dim> further_masses;
     const RefillSettings<dim> refill_settings;
     PartSetup<dim> setup; // with void cells

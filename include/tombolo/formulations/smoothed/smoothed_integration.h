@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_size.h>
+#include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/mean_dilatation.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/point_sweep.h>
@@ -10,8 +10,8 @@
 #include <tombolo/formulations/row_stiffness.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
-#include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -19,42 +19,38 @@
 namespace tombolo
 {
   /**
-   * The nodal forces of the stresses of a part of smoothed cells by the rows of SmoothedGradients,
-   * which stay those of the initial configuration: with F_q = Σ x_J ⊗ G_qJ the present gradients
-   * are F_q⁻ᵀ G_qJ, and the volume of a point is det F_q V_q. The points of a cell share their
-   * dilatation (MeanDilatation).
+   * A part of smoothed cells, with the nodal forces of its stresses by the rows of
+   * SmoothedGradients, which stay those of the initial configuration: with F_q = Σ x_J ⊗ G_qJ the
+   * present gradients are F_q⁻ᵀ G_qJ, and the volume of a point is det F_q V_q. The points of a
+   * cell share their dilatation (MeanDilatation).
    */
   template <int dim>
-  class SmoothedIntegration
+  class SmoothedIntegration : public LosingCells<dim, PointsInCells<dim>>
   {
   public:
-    /** The arguments must outlive this object. */
-    SmoothedIntegration(const Section &section, PartPoints &part, const PointsInCells<dim> &points)
-        : rows(section), part(part), points(points)
-    {}
-
-    SmoothedGradients<dim> rows;
-
-    /** Makes the points of @p part with the volumes of the rows. With void cells there are points
-     * for all cells. */
-    void create_points()
+    explicit SmoothedIntegration(const Section &section) : Base(section), rows(section)
     {
-      if (!part.has_mechanics())
-        return;
-      part.create(points.n_points_of_slots());
-      const CellBatches<dim> &cells = points.cells();
-      for (unsigned int slot = 0; slot < cells.n_present_cells(); ++slot)
-        for (unsigned int q = 0; q < points.n_points_per_cell(); ++q)
-        {
-          const unsigned int point = points.point_of_slot(slot, q);
-          part.points().component(MaterialPoints::volume, 0)[point] = rows.volumes()[point];
-        }
-      part.begin_with_volumes(dim);
+      part_points = PartPoints(section);
     }
 
-    /** @name As in Formulation */
-    ///@{
-    void add_internal_force(const MechanicalInput &input, NodalVector &force)
+    /** Makes the points with the volumes of the rows. With void cells there are points for all
+     * cells. */
+    void create_points()
+    {
+      if (!part_points.has_mechanics())
+        return;
+      part_points.create(cell_points.n_points_of_slots());
+      const CellBatches<dim> &cells = cell_points.cells();
+      for (unsigned int slot = 0; slot < cells.n_present_cells(); ++slot)
+        for (unsigned int q = 0; q < cell_points.n_points_per_cell(); ++q)
+        {
+          const unsigned int point = cell_points.point_of_slot(slot, q);
+          part_points.points().component(MaterialPoints::volume, 0)[point] = rows.volumes()[point];
+        }
+      part_points.begin_with_volumes(dim);
+    }
+
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override
     {
       failure_message.clear();
       with_points(
@@ -63,9 +59,9 @@ namespace tombolo
             constexpr unsigned int n_points = decltype(number)::value;
             constexpr unsigned int batch_size = n_points * n_lanes;
             BatchMotion<n_points> motion;
-            PointSweep<batch_size> sweep(part, input.time_increment);
+            PointSweep<batch_size> sweep(part_points, input.time_increment);
             MotionIncrement<Lanes> increments[n_points];
-            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
             {
               const std::size_t first = std::size_t(batch) * batch_size;
               find_motion(batch, *input.position, *input.velocity, motion);
@@ -76,33 +72,33 @@ namespace tombolo
               for (unsigned int q = 0; q < n_points; ++q)
                 for (unsigned int i = 0; i < dim; ++i)
                   motion.gradient[q](i, i) -= motion.shared[q];
-              sweep.move_cells(0, points.cells().n_valid(batch), motion.gradient, motion.volume,
-                               part.is_logarithmic(), increments,
+              sweep.move_cells(0, cell_points.cells().n_valid(batch), motion.gradient,
+                               motion.volume, part_points.is_logarithmic(), increments,
                                [&](MotionIncrement<Lanes>(&point_motions)[n_points]) {
-                                 MeanDilatation::share<dim>(part.is_logarithmic(), motion.volume,
-                                                            point_motions);
+                                 MeanDilatation::share<dim>(part_points.is_logarithmic(),
+                                                            motion.volume, point_motions);
                                });
-              if (part.heating().is_on())
-                points.interpolate(batch, *input.temperature, sweep.nodal_temperature);
+              if (part_points.heating().is_on())
+                cell_points.interpolate(batch, *input.temperature, sweep.nodal_temperature);
               sweep.update_stress();
               sweep.update_viscosity();
               Lanes stress[n_points][6];
               for (unsigned int q = 0; q < n_points; ++q)
-                part.integrate_stress(first + q * n_lanes, stress[q]);
+                part_points.integrate_stress(first + q * n_lanes, stress[q]);
               scatter(batch, stress, motion, force);
             }
           });
     }
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
-                                 const double time_step, NodalVector &force) const
+                                 const double time_step, NodalVector &force) const override
     {
       with_points(
           [&](const auto number)
           {
             constexpr unsigned int n_points = decltype(number)::value;
-            const PointStiffness stiffness(part, time_step);
+            const PointStiffness stiffness(part_points, time_step);
             BatchMotion<n_points> motion;
-            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
             {
               find_motion(batch, position, velocity, motion);
               Lanes stress[n_points][6];
@@ -113,28 +109,28 @@ namespace tombolo
             }
           });
     }
-    /** See Formulation::find_volumes(). */
-    void set_volumes(const NodalVector &position, const std::vector<bool> &are_new)
+    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
     {
       with_points(
           [&](const auto number)
           {
             constexpr unsigned int n_points = decltype(number)::value;
             BatchMotion<n_points> motion;
-            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
             {
               find_motion(batch, position, position, motion); // of which the volumes matter
-              MeanDilatation::set_volumes(part.points(), std::size_t(batch) * n_points * n_lanes,
-                                          motion.volume, part.is_logarithmic(), are_new);
+              MeanDilatation::set_volumes(part_points.points(),
+                                          std::size_t(batch) * n_points * n_lanes, motion.volume,
+                                          part_points.is_logarithmic(), are_new);
             }
           });
     }
-    const std::string &failure() const
+    std::string failure() const override
     {
       return failure_message;
     }
     void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take)
+                             const std::function<void(const CellEquations &)> &take) override
     {
       with_points(
           [&](const auto number)
@@ -142,11 +138,12 @@ namespace tombolo
             constexpr unsigned int n_points = decltype(number)::value;
             using Stiffness = RowStiffness<dim, n_points>;
             constexpr unsigned int batch_size = n_points * n_lanes;
-            const auto stiffness = std::make_unique<Stiffness>(part, true, input.time_increment);
+            const auto stiffness =
+                std::make_unique<Stiffness>(part_points, true, input.time_increment);
             const Stencils &stencils = rows.stencils();
             alignas(64) double temperature[batch_size];
             typename Stiffness::Gradients gradients;
-            for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+            for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
             {
               const std::size_t first = std::size_t(batch) * batch_size;
               for (unsigned int q = 0; q < n_points; ++q)
@@ -158,10 +155,10 @@ namespace tombolo
                   entry *= input.time_increment;
                 gradients.volume[q] = load_lanes(rows.volumes().data() + first + q * n_lanes);
               }
-              if (part.heating().is_on())
-                points.interpolate(batch, *input.temperature, temperature);
+              if (part_points.heating().is_on())
+                cell_points.interpolate(batch, *input.temperature, temperature);
               stiffness->find(first, gradients, temperature);
-              for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+              for (unsigned int lane = 0; lane < cell_points.cells().n_valid(batch); ++lane)
               {
                 std::array<Stencils::Row, n_points> cell_rows{};
                 for (unsigned int q = 0; q < n_points; ++q)
@@ -172,11 +169,16 @@ namespace tombolo
             }
           });
     }
-    std::string unfit_to_linearize() const
+    std::optional<std::string> unfit_to_linearize() const override
     {
-      return part.unfit_to_linearize();
+      return part_points.unfit_to_linearize();
     }
-    ///@}
+
+  protected:
+    using Base = LosingCells<dim, PointsInCells<dim>>;
+    using Base::cell_points, Base::part_points;
+
+    SmoothedGradients<dim> rows;
 
   private:
     /** The motion of a batch of cells. */
@@ -189,9 +191,6 @@ namespace tombolo
       Lanes volume[n_points];                     // det F V_q, of unused lanes too
       alignas(64) double columns[n_points * n_lanes][3][node_stride];
     };
-
-    template <unsigned int n_points>
-    struct BatchMotion;
 
     /** F⁻ᵀ, L and the volumes of the points of a batch, the dilatation shared. */
     template <unsigned int n_points>
@@ -231,7 +230,7 @@ namespace tombolo
       }
       const Stencils &stencils = rows.stencils();
       for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+        for (unsigned int lane = 0; lane < cell_points.cells().n_valid(batch); ++lane)
           RowBlock::subtract_row(stencils.row((batch * n_points + q) * n_lanes + lane),
                                  motion.columns[q * n_lanes + lane][0], force.data());
     }
@@ -239,7 +238,7 @@ namespace tombolo
     void note_failure(const unsigned int batch, const MechanicalInput &input,
                       const BatchMotion<n_points> &motion)
     {
-      for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+      for (unsigned int lane = 0; lane < cell_points.cells().n_valid(batch); ++lane)
         for (unsigned int q = 0; q < n_points; ++q)
           if (!(motion.volume[q][lane] > 0.) && failure_message.empty())
           {
@@ -248,7 +247,7 @@ namespace tombolo
             for (unsigned int k = 0; k < n_corners; ++k)
               for (unsigned int d = 0; d < dim; ++d)
                 centre[d] +=
-                    input.position->node(points.cells().nodes(batch)[k * n_lanes + lane])[d] /
+                    input.position->node(cell_points.cells().nodes(batch)[k * n_lanes + lane])[d] /
                     n_corners;
             failure_message = describe_unusable_cell<dim>(centre, centre, motion.volume[q][lane]);
           }
@@ -263,8 +262,6 @@ namespace tombolo
         use(std::integral_constant<unsigned int, SubCells<dim>::n_sub_cells>());
     }
 
-    PartPoints &part;
-    const PointsInCells<dim> &points;
     std::string failure_message;
   };
 } // namespace tombolo
